@@ -1,0 +1,1 @@
+"""What is missing: comparison, suspects, look-alikes, verdict, extension."""

@@ -1,0 +1,1 @@
+"""What was measured: recordings, their audit, signals, and the virtual test bench."""

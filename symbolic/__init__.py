@@ -1,0 +1,1 @@
+"""What the leg is: mechanism, effects, model, and the code generated from them."""

@@ -1,0 +1,82 @@
+"""A physical effect as data: its torque, its numbers with units, and what it means to a technician.
+
+Sign convention, stated once: the torque of an effect stands on the left side of the equation of motion,
+
+    M(θ) θ'' + C(θ, θ') θ' + G(θ) + Σ effects = τ ,
+
+so it is *torque that the drive has to supply*. Friction therefore has the sign of the velocity, and a spring
+that pulls back towards θ = 0 has the sign of θ. Built-in effects and a user's `[[custom_effects]]` are the
+same type, written in the same torque language (`expression.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A number the torque is linear in. `min`/`max` are physical bounds (None: none), `typical` its usual size."""
+
+    unit: str
+    min: float | None = None
+    max: float | None = None
+    typical: float | None = None
+    explains: str = ""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A number the torque is not linear in: bounded, or one of `choices` (then min and max span them).
+
+    `spacing` says how a search should space its trial values: "linear" or "log". `points` is how many it needs
+    so that neighbouring trial values still resemble each other.
+    """
+
+    unit: str
+    min: float
+    max: float
+    choices: tuple[float, ...] = ()
+    spacing: str = "linear"
+    points: int = 9
+    typical: float | None = None
+    explains: str = ""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One entry of the catalogue.
+
+    `joints` is ("hip", "knee") or a part of it for an effect that belongs to one joint at a time, and ("both",)
+    for an effect that acts on both joints at once. Exactly one of `torque` and `derive` is given:
+
+    * `torque`: one text for a single-joint effect (`theta`, `dtheta`, `ddtheta`, `tau_rigid`, `tau_model` mean its
+      own joint), or {"hip": text, "knee": text} for an effect on both joints.
+    * `derive(mechanism, symbols)`: returns the changed Mechanism, or a pair of SymPy torques (hip, knee);
+      `symbols` maps each coefficient, shape and state name to its SymPy symbol.
+    """
+
+    id: str
+    explains: str
+    torque: str | Mapping[str, str] | None = None
+    derive: Callable[[Any, Mapping[str, Any]], Any] | None = None
+    joints: tuple[str, ...] = ("hip", "knee")
+    coefficients: Mapping[str, Coefficient] = field(default_factory=lambda: NOTHING)
+    shape: Mapping[str, Shape] = field(default_factory=lambda: NOTHING)
+    family: str = "other"
+    title: str = ""
+    absorbed_on: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    """Joints on which the base model already contains the effect, with the reason (rotor inertia at the hip)."""
+    tells_apart: str = ""
+    reference: str = "no reference given"
+    custom: bool = False
+
+    @property
+    def on_both(self) -> bool:
+        """Whether the effect acts on both joints at once."""
+        return self.joints == ("both",)

@@ -1,0 +1,41 @@
+"""Errors written for the person who can do something about them: what, where, what to do."""
+
+from __future__ import annotations
+
+
+class ExoidError(Exception):
+    """Something the user can mend. The command line prints it and exits with status 2, without a traceback.
+
+    `what` is one sentence, `where` names file, row, column, key or offending text, `remedy` says what to do.
+    """
+
+    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+        self.what = what
+        self.where = where
+        self.remedy = remedy
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        place = f"{self.where}: " if self.where else ""
+        advice = f"\n  what to do: {self.remedy}" if self.remedy else ""
+        return f"{place}{self.what}{advice}"
+
+
+class ExpressionError(ExoidError):
+    """A torque text that the grammar refuses; `where` carries the text with a caret under the offence."""
+
+
+class EffectError(ExoidError):
+    """An effect that does not exist, does not exist on that joint, or contradicts its own declaration."""
+
+
+class ModelFileError(ExoidError):
+    """A model file with a wrong, missing or unknown key."""
+
+
+class RecordingError(ExoidError):
+    """A recording that cannot be used as it is."""
+
+
+class NotEnoughDataError(ExoidError):
+    """Recordings that are readable but cannot carry the question asked of them."""

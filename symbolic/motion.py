@@ -1,0 +1,44 @@
+"""A motion of the leg: what every regressor is evaluated on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float = NDArray[np.float64]
+
+
+def read_only(array: object) -> Float:
+    """Return `array` as float64 that refuses to be written to."""
+    out = np.array(array, dtype=float)
+    out.setflags(write=False)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Time stamps `t` (N,) in s and, per joint, `q`, `dq`, `ddq` (N, J) in rad, rad/s, rad/s².
+
+    `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
+    prepares a measurement knows how much of the sign can be believed (physics.md, section 8).
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    ddq: Float
+    sign: Float = field(default=None)  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        sign = np.sign(self.dq) if self.sign is None else self.sign
+        for name, value in (("t", self.t), ("q", self.q), ("dq", self.dq), ("ddq", self.ddq), ("sign", sign)):
+            object.__setattr__(self, name, read_only(value))
+        shape = (self.t.shape[0], 2)
+        for name in ("q", "dq", "ddq", "sign"):
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"motion.{name} has shape {getattr(self, name).shape}, expected {shape}")
+
+    def __len__(self) -> int:
+        return int(self.t.shape[0])
