@@ -1,0 +1,163 @@
+"""What an identification hands back: numbers with units, intervals, proof, and what to be careful about."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from measurement.finding import Finding
+from optimisation.assemble import FittableModel
+from optimisation.certificate import Certificate
+from optimisation.optimiser import Run
+from optimisation.problem import LinearData
+from optimisation.reference import Reference
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS, Estimate
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One of the two stages ("sse", "huber"): parameters, loss, the optimisers' runs, IPOPT, the proof."""
+
+    kind: str
+    linear: Float
+    shape: Float
+    delta: Float
+    loss: float
+    runs: Mapping[str, Run]
+    reference: Reference | None
+    certificate: Certificate
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the stage in plain types."""
+        return {
+            "kind": self.kind,
+            "parameters": self.linear.tolist(),
+            "shape": self.shape.tolist(),
+            "delta": [None if math.isinf(d) else float(d) for d in self.delta],
+            "loss": self.loss,
+            "runs": {name: run.to_json() for name, run in self.runs.items()},
+            "reference": None if self.reference is None else self.reference.to_json(),
+            "certificate": self.certificate.to_json(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """An identified model.
+
+    `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with
+    95 % intervals valid under autocorrelated residuals. `delta`, `rms` (J,) in N·m. `best_known` says that
+    shape parameters were searched, so that only the linear part carries a proof. `plausibility` is what to
+    be careful about.
+    """
+
+    model: FittableModel
+    estimates: tuple[Estimate, ...]
+    linear: Float
+    shape: Float
+    delta: Float
+    rms: Float
+    loss: float
+    runs: Mapping[str, Run]
+    reference: Reference | None
+    certificate: Certificate
+    plausibility: tuple[Finding, ...]
+    sse: Stage
+    data: LinearData = field(repr=False)
+    covariance: Float = field(repr=False)
+    best_known: bool
+    lag: int
+    seconds: float
+    recordings: tuple[str, ...]
+
+    @property
+    def residual(self) -> Float:
+        """Residual torque (J, N), N·m; zero where a sample was not used."""
+        return self.data.residual(self.linear)
+
+    def estimate(self, name: str) -> Estimate:
+        """Return the estimate called `name`."""
+        return {e.name: e for e in self.estimates}[name]
+
+    def __repr__(self) -> str:
+        where = ", ".join(self.recordings)
+        lines = [f"Fit of {self.model.name!r} to {where}"]
+        width = max(len(e.name) for e in self.estimates)
+        for e in self.estimates:
+            lines.append(
+                f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}"
+            )
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
+        lines.append(f"  rms residual [N·m]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
+        if self.best_known:
+            lines.append("  shape parameters: best known of a grid and local searches, not proven")
+        for name, run in self.runs.items():
+            lines.append(
+                f"  {name}: relative gap {run.gap:.1e}, {run.evaluations} evaluations, {run.seconds:.2f} s"
+            )
+        if self.reference is not None:
+            r = self.reference
+            lines.append(
+                f"  IPOPT: relative gap {r.gap:.1e}, {r.iterations} iterations, {r.seconds:.2f} s, {r.status}"
+            )
+        lines += [f"  caution, {caution}" for caution in self.plausibility]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        head = "".join(
+            f"<th>{h}</th>" for h in ("parameter", "value", "unit", "95 % low", "95 % high", "SSE")
+        )
+        first = [*self.sse.linear, *self.sse.shape]
+        rows = "".join(
+            f"<tr><td>{html.escape(e.name)}</td><td>{e.value:.5g}</td><td>{html.escape(e.unit)}</td>"
+            f"<td>{e.low:.4g}</td><td>{e.high:.4g}</td><td>{s:.5g}</td></tr>"
+            for e, s in zip(self.estimates, first, strict=True)
+        )
+        notes = "".join(f"<li>{html.escape(str(c))}</li>" for c in self.plausibility)
+        proof = html.escape(str(self.certificate))
+        return f"<table><tr>{head}</tr>{rows}</table><p>{proof}</p>" + (f"<ul>{notes}</ul>" if notes else "")
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row per parameter: value, unit, 95 % interval, value of the SSE stage."""
+        import pandas as pd
+
+        first = [*self.sse.linear, *self.sse.shape]
+        rows = [(e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
+        names = [e.name for e in self.estimates]
+        return pd.DataFrame(rows, index=names, columns=["value", "unit", "low", "high", "sse"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fit in plain types; an interval the data do not determine is null."""
+        return {
+            "model": self.model.name,
+            "recordings": list(self.recordings),
+            "parameters": {e.name: {k: _plain(v) for k, v in e.to_json().items()} for e in self.estimates},
+            "delta": self.delta.tolist(),
+            "rms": self.rms.tolist(),
+            "loss": self.loss,
+            "best_known": self.best_known,
+            "runs": {name: run.to_json() for name, run in self.runs.items()},
+            "reference": None if self.reference is None else self.reference.to_json(),
+            "certificate": self.certificate.to_json(),
+            "sse": self.sse.to_json(),
+            "plausibility": [c.to_json() for c in self.plausibility],
+            "seconds": self.seconds,
+        }
+
+    def plot(self) -> Figure:
+        """Draw parameters with intervals, residuals, and the convergence of the optimisers."""
+        from optimisation.plots import plot_fit
+
+        return plot_fit(self)
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

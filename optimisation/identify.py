@@ -1,0 +1,259 @@
+"""From recordings to a fitted model: SSE, thresholds δ from it, Huber; proof, intervals, plausibility.
+
+The linear parameters are solved exactly (`linear.py`) and proven (`certificate.py`). NFO and IPOPT solve
+the very same problems and are reported with their distance to the proven optimum; they are witnesses, not
+the judge.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from measurement.finding import Finding
+from optimisation.assemble import FittableModel, Prepared, Settled, assemble, settle
+from optimisation.certificate import certify
+from optimisation.fit import Fit, Stage
+from optimisation.fitness import population_fitness
+from optimisation.linear import delta_rule, solve_huber, solve_sse
+from optimisation.loss import huber
+from optimisation.optimiser import Optimiser, Run, minimise
+from optimisation.optimisers.nfo import NFO
+from optimisation.plausibility import check_plausibility
+from optimisation.problem import LinearData, huber_problem, sse_problem
+from optimisation.reference import Reference, solve_reference
+from optimisation.shape_search import search_shape, to_unit
+from optimisation.uncertainty import Covariance, covariance
+from symbolic.errors import NotEnoughDataError
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+
+
+@dataclass(frozen=True)
+class Search:
+    """An optimiser and the coordinates it searches in."""
+
+    optimiser: Optimiser
+    whitened: bool = False
+
+
+SEARCHES: Mapping[str, Search] = MappingProxyType(
+    {"nfo": Search(NFO()), "nfo_whitened": Search(NFO(alpha=1.0), whitened=True)}
+)
+"""What `identify` runs unless told otherwise: NFO as printed, and NFO in whitened coordinates."""
+
+Progress = Callable[[str], None]
+
+
+def identify(
+    model: FittableModel,
+    data: Sequence[Prepared],
+    *,
+    optimisers: Mapping[str, Search] | tuple[()] = SEARCHES,
+    shape: Float | None = None,
+    delta: Float | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit `model` to prepared recordings and return the Fit.
+
+    `optimisers=()` is the light mode: no NFO and no IPOPT, the exact solution only. `shape` (S,) fixes the
+    shape parameters instead of searching them, `delta` (J,) the thresholds instead of the 14 % rule.
+    Refuses data that cannot determine as many parameters as the model has.
+    """
+    began = time.perf_counter()
+    if not data:
+        raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
+    say = progress or _silent
+    searches = dict(optimisers)
+    infinite = np.full(2, np.inf)
+
+    say("least squares")
+    first_shape, first, leaders = _solve_shape(model, data, infinite, shape, None)
+    first.data.require_enough()
+    sse = _stage("sse", first, first_shape, infinite, first.linear, searches, seed, say)
+    limits = (
+        delta_rule(first.data.residual(first.linear), use=first.data.use)
+        if delta is None
+        else np.asarray(delta)
+    )
+
+    say("Huber")
+    best_shape, best, _ = _solve_shape(model, data, limits, shape, leaders, first.linear)
+    # δ and the box of the Huber search come from least squares on the columns of the shape found last.
+    centre = first.linear if best.data is first.data else solve_sse(best.data)
+    stage = _stage("huber", best, best_shape, limits, centre, searches, seed, say)
+
+    spread = _spread(model, data, best, best_shape, limits)
+    estimates = _estimates(model, best.linear, best_shape, spread)
+    cautions = (
+        *_numerical(model, best, best_shape, first_shape.size and shape is None),
+        *check_plausibility(model, best.linear, estimates, best_shape),
+    )
+    return Fit(
+        model=model,
+        estimates=estimates,
+        linear=best.linear,
+        shape=best_shape,
+        delta=limits,
+        rms=best.data.rms(best.linear),
+        loss=stage.loss,
+        runs=stage.runs,
+        reference=stage.reference,
+        certificate=stage.certificate,
+        plausibility=cautions,
+        sse=sse,
+        data=best.data,
+        covariance=spread.matrix,
+        best_known=bool(model.shapes),
+        lag=spread.lag,
+        seconds=time.perf_counter() - began,
+        recordings=tuple(one.name for one in data),
+    )
+
+
+def _silent(text: str) -> None:
+    """Say nothing."""
+
+
+def _solve_shape(
+    model: FittableModel,
+    prepared: Sequence[Prepared],
+    delta: Float,
+    fixed: Float | None,
+    starts: Sequence[Float] | None,
+    reference: Float | None = None,
+) -> tuple[Float, Settled, Sequence[Float]]:
+    """Return the best shape values (S,), the linear solution there, and nodes for a next stage."""
+
+    def solve(data: LinearData) -> Float:
+        return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta)
+
+    def solved(shape: Float) -> Settled:
+        return settle(model, prepared, shape, solve, reference)
+
+    def loss(shape: Float) -> float:
+        found = solved(shape)
+        return huber(found.data.residual(found.linear), delta)
+
+    shapes = [s.shape for s in model.shapes]
+    if not shapes or fixed is not None:
+        values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
+        return values, solved(values), [values]
+    search = search_shape(loss, shapes, starts)
+    return search.best, solved(search.best), search.leaders(6)
+
+
+def _stage(
+    kind: str,
+    found: Settled,
+    shape: Float,
+    delta: Float,
+    centre: Float,
+    searches: Mapping[str, Search],
+    seed: int,
+    say: Progress,
+) -> Stage:
+    """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
+    data = found.data
+    parts = ["the linear parameters at the best-known shape"] if shape.size else ["all parameters"]
+    certificate = certify(data, found.linear, delta, scope=parts[0])
+    runs: dict[str, Run] = {}
+    reference: Reference | None = None
+    if searches:
+        compiled = population_fitness(data)
+        if kind == "sse":
+            problem = sse_problem(data, compiled.sse)
+        else:
+            problem = huber_problem(data, lambda x: compiled.huber(x, delta), delta, centre)
+        floor = max(certificate.primal, np.finfo(float).tiny)
+        for name, search in searches.items():
+            say(f"{name} ({kind})")
+            run = minimise(
+                problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=seed
+            )
+            runs[name] = replace(run, gap=(huber(data.residual(run.x), delta) - certificate.primal) / floor)
+        say(f"IPOPT ({kind})")
+        reference = solve_reference(data, delta)
+        reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
+    return Stage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
+
+
+def _spread(
+    model: FittableModel, prepared: Sequence[Prepared], found: Settled, shape: Float, delta: Float
+) -> Covariance:
+    """Return the joint covariance of linear and shape parameters, through the Jacobian of the torque."""
+    columns, linear = found.data.columns, found.linear
+    if not shape.size and not model.needs_reference:
+        return covariance(columns, found.data.residual(linear), delta, found.data.groups)
+
+    def predicted(values: Float, at: Float) -> Float:
+        return assemble(model, prepared, at, values if model.needs_reference else None).columns @ values
+
+    slopes = []
+    for index, entry in enumerate(model.shapes):
+        step = 1e-4 * (entry.shape.max - entry.shape.min)
+        up, down = shape.copy(), shape.copy()
+        up[index] = min(shape[index] + step, entry.shape.max)
+        down[index] = max(shape[index] - step, entry.shape.min)
+        flat = bool(entry.shape.choices)
+        slopes.append(
+            np.zeros_like(found.data.tau)
+            if flat
+            else (predicted(linear, up) - predicted(linear, down)) / (up[index] - down[index])
+        )
+    total = columns
+    if model.needs_reference:
+        total = np.empty_like(columns)
+        size = np.maximum(np.abs(linear), 1e-3 * max(1e-12, float(np.abs(linear).max())))
+        for p in range(linear.size):
+            step_p = np.zeros(linear.size)
+            step_p[p] = 1e-5 * size[p]
+            total[:, :, p] = (predicted(linear + step_p, shape) - predicted(linear - step_p, shape)) / (
+                2.0 * step_p[p]
+            )
+    extra = np.stack(slopes, axis=2) if slopes else np.zeros((*found.data.tau.shape, 0))
+    jacobian = np.concatenate([total, extra], axis=2)
+    jacobian = jacobian * found.data.use[:, :, None]
+    instruments = np.concatenate([columns, extra], axis=2) if model.needs_reference else None
+    return covariance(jacobian, found.data.residual(linear), delta, found.data.groups, instruments)
+
+
+def _estimates(model: FittableModel, linear: Float, shape: Float, spread: Covariance) -> tuple[Estimate, ...]:
+    half = spread.half_widths()
+    named = [(p.name, p.unit) for p in model.parameters] + [(s.name, s.shape.unit) for s in model.shapes]
+    values = np.concatenate([linear, shape])
+    for index, entry in enumerate(model.shapes):
+        # A choice is not estimated by a derivative; it has no interval of its own.
+        if entry.shape.choices:
+            half[linear.size + index] = 0.0
+    return tuple(
+        Estimate(name, float(v), unit, float(v - h), float(v + h))
+        for (name, unit), v, h in zip(named, values, half, strict=True)
+    )
+
+
+def _numerical(model: FittableModel, found: Settled, shape: Float, searched: object) -> list[Finding]:
+    """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
+    cautions = []
+    factor = found.data.factor
+    if factor.undetermined:
+        names = ", ".join(found.data.names[p] for p in factor.undetermined)
+        what = "these recordings do not determine these parameters one by one; the smallest fit is given"
+        remedy = "record motion that excites them separately, or remove an effect the others already contain"
+        cautions.append(Finding("rank", "warning", what, names, remedy=remedy))
+    if not found.converged:
+        what = f"the torque the model feeds back into itself did not settle in {found.rounds} rounds"
+        cautions.append(Finding("fixed_point", "warning", what, model.name, remedy="leave that effect out"))
+    for entry, value in zip(model.shapes if searched else (), shape, strict=False):
+        unit = 0.5 if entry.shape.choices else to_unit(entry.shape, float(value))
+        if min(unit, 1.0 - unit) < 1e-3:
+            limit = entry.shape.min if unit < 0.5 else entry.shape.max
+            what = f"{value:.4g} {entry.shape.unit} is at the edge of its search range"
+            remedy = "the effect may stand in for another one; compare its look-alikes with `exoid diagnose`"
+            cautions.append(Finding("edge", "warning", what, entry.name, float(value), limit, remedy))
+    return cautions

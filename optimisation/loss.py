@@ -1,0 +1,84 @@
+"""How badly a model misses the measurement, as one number.
+
+    SSE    Σ r²                       r = τ - YΦ, summed over samples and joints
+    Huber  Σ r²            |r| ≤ δ    like SSE for small misses,
+           Σ 2δ(|r| - δ/2) |r| > δ    linear for large ones, so that a knock does not bend the whole fit
+
+Huber is written without branches: with c = min(|r|, δ) each term is c(2|r| - c); δ = ∞ gives SSE. Source: the
+paper's equations (14) to (16); all four cases of (16) are the sum of the two joints' terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbolic.motion import Float
+
+Bool = NDArray[np.bool_]
+
+OUTLIER_SHARE = 0.14
+"""The paper's rule: δ leaves this share of the samples of each joint outside."""
+
+
+def sse(residual: Float) -> float:
+    """Return the sum of squared residuals of any shape, (N·m)²."""
+    flat = np.ravel(residual)
+    return float(flat @ flat)
+
+
+def huber(residual: Float, delta: Float) -> float:
+    """Return the Huber loss of `residual` (J, N) in N·m with thresholds `delta` (J,); (N·m)²."""
+    size = np.abs(residual)
+    inner = np.minimum(size, np.asarray(delta, dtype=float)[:, None])
+    return float(np.sum(inner * (2.0 * size - inner)))
+
+
+def delta_rule(residual: Float, share: float = OUTLIER_SHARE, use: Bool | None = None) -> Float:
+    """Return per joint the threshold (J,) that the share `share` of its residuals (J, N) exceeds.
+
+    Only samples marked in `use` (J, N) count. A joint that fits perfectly (or has no sample) would get δ =
+    0 and a loss that no longer sees it, so δ has a floor far below anything measurable.
+    """
+    size = np.abs(residual)
+    usable = np.ones(size.shape, dtype=bool) if use is None else use
+    delta = np.array(
+        [np.quantile(s[u], 1.0 - share) if u.any() else 0.0 for s, u in zip(size, usable, strict=True)]
+    )
+    floor = 1e-9 * max(1.0, float(size.max(initial=0.0)))
+    return np.maximum(delta, floor)
+
+
+@dataclass(frozen=True, eq=False)
+class PopulationFitness:
+    """SSE and Huber of a whole population at once in NumPy: the check on, and stand-in for, the compiled
+    kernel.
+
+    `columns` (J, N, P) and `tau` (J, N) as in `LinearData`.
+    """
+
+    columns: Float
+    tau: Float
+
+    def residuals(self, population: Float) -> Float:
+        """Return the residuals (I, J, N) of `population` (I, P), N·m."""
+        joints, samples, width = self.columns.shape
+        predicted = np.atleast_2d(population) @ self.columns.reshape(joints * samples, width).T
+        np.subtract(self.tau.reshape(-1), predicted, out=predicted)
+        return predicted.reshape(-1, joints, samples)
+
+    def sse(self, population: Float) -> Float:
+        """Return the SSE (I,) of each individual of `population` (I, P)."""
+        flat = self.residuals(population).reshape(len(np.atleast_2d(population)), -1)
+        return np.einsum("ik,ik->i", flat, flat)
+
+    def huber(self, population: Float, delta: Float) -> Float:
+        """Return the Huber loss (I,) of each of `population` (I, P) for thresholds `delta` (J,)."""
+        size = self.residuals(population)
+        np.abs(size, out=size)
+        inner = np.minimum(size, np.asarray(delta, dtype=float)[None, :, None])
+        size *= 2.0
+        size -= inner
+        return np.einsum("ijk,ijk->i", inner, size)

@@ -1,0 +1,157 @@
+"""The contract every optimiser keeps, and the one loop that runs them all.
+
+An optimiser is a frozen recipe with three verbs; everything that changes lives in the state it hands back:
+
+    start(x, f, rng) -> state        x (I, n) the first population with its fitness f (I,)
+    ask(state, rng)  -> candidates   (I, n), anywhere
+    tell(state, x, f) -> state       the candidates as they were evaluated, with their fitness
+
+The loop owns what must be the same for all: seed, bounds, evaluation of the whole population at once, the
+count of evaluations, the best point ever seen. A fitness of NaN counts as +∞, so no comparison can be won
+by it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Protocol
+
+import numpy as np
+
+from optimisation.problem import Problem
+from symbolic.motion import Float
+
+INDIVIDUALS, GENERATIONS = 40, 400
+"""The paper's population and number of generations."""
+
+
+class Optimiser(Protocol):
+    """What a file in `optimisers/` provides. `boundary` names the rule for candidates outside the box."""
+
+    @property
+    def boundary(self) -> str:
+        """One of `BOUNDARIES`."""
+
+    def start(self, x: Float, f: Float, rng: np.random.Generator) -> Any:
+        """Return the state after the first population."""
+
+    def ask(self, state: Any, rng: np.random.Generator) -> Float:
+        """Return candidates (I, n)."""
+
+    def tell(self, state: Any, x: Float, f: Float) -> Any:
+        """Return the state after the candidates were evaluated."""
+
+
+def _clip(x: Float, low: Float, high: Float) -> Float:
+    return np.clip(x, low, high)
+
+
+def _reflect(x: Float, low: Float, high: Float) -> Float:
+    width = np.where(high > low, high - low, 1.0)
+    folded = np.abs((x - low + width) % (2.0 * width) - width)
+    return np.clip(np.where((x < low) | (x > high), low + folded, x), low, high)
+
+
+def _wrap(x: Float, low: Float, high: Float) -> Float:
+    width = np.where(high > low, high - low, 1.0)
+    return np.clip(np.where((x < low) | (x > high), low + (x - low) % width, x), low, high)
+
+
+BOUNDARIES: Mapping[str, Callable[[Float, Float, Float], Float]] = MappingProxyType(
+    {"clip": _clip, "reflect": _reflect, "wrap": _wrap}
+)
+"""What happens to a candidate outside the box: put on the border, mirrored, or let in on the other side."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run: best `x` (physical parameters, (P,)), its `fitness`, and how it got there.
+
+    `history` (G,) is the best fitness after `counts` (G,) evaluations. `gap` is the relative distance of the
+    fitness to a certified optimum where one is known.
+    """
+
+    name: str
+    x: Float
+    fitness: float
+    evaluations: int
+    seconds: float
+    seed: int
+    history: Float = field(repr=False)
+    counts: Float = field(repr=False)
+    optimiser: Any = None
+    gap: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything but the history in plain types."""
+        return {
+            "name": self.name,
+            "parameters": self.x.tolist(),
+            "loss": self.fitness,
+            "evaluations": self.evaluations,
+            "seconds": self.seconds,
+            "seed": self.seed,
+            "gap": self.gap,
+        }
+
+
+def minimise(
+    problem: Problem,
+    optimiser: Optimiser,
+    *,
+    name: str = "",
+    individuals: int = INDIVIDUALS,
+    generations: int = GENERATIONS,
+    seed: int = 0,
+    start: Float | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> Run:
+    """Run `optimiser` on `problem` for exactly `individuals` × `generations` evaluations and return the Run.
+
+    The first population is drawn evenly from the box unless `start` (I, n) gives it. `progress(evaluations,
+    best)` is called once per generation.
+    """
+    began = time.perf_counter()
+    rng = np.random.default_rng(seed)
+    inside = BOUNDARIES[optimiser.boundary]
+    budget = individuals * generations
+    width = problem.high - problem.low
+    first = problem.low + rng.random((individuals, problem.low.size)) * width if start is None else start
+    x = inside(np.asarray(first, dtype=float)[:budget], problem.low, problem.high)
+    f = _evaluate(problem, x)
+    state = optimiser.start(x, f, rng)
+    winner = int(np.argmin(f))
+    best_x, best_f, spent = x[winner].copy(), float(f[winner]), len(x)
+    history, counts = [best_f], [spent]
+    while spent < budget:
+        x = inside(optimiser.ask(state, rng)[: budget - spent], problem.low, problem.high)
+        f = _evaluate(problem, x)
+        spent += len(x)
+        winner = int(np.argmin(f))
+        if f[winner] < best_f:
+            best_x, best_f = x[winner].copy(), float(f[winner])
+        history.append(best_f)
+        counts.append(spent)
+        if progress is not None:
+            progress(spent, best_f)
+        if len(x) and spent < budget:
+            state = optimiser.tell(state, x, f)
+    return Run(
+        name or type(optimiser).__name__,
+        problem.physical(best_x),
+        best_f,
+        spent,
+        time.perf_counter() - began,
+        seed,
+        np.array(history),
+        np.array(counts, dtype=float),
+        optimiser,
+    )
+
+
+def _evaluate(problem: Problem, x: Float) -> Float:
+    f = np.asarray(problem.fitness(x), dtype=float)
+    return np.where(np.isnan(f), np.inf, f)

@@ -1,0 +1,123 @@
+"""Parameters the torque is *not* linear in: search them outside, solve the linear ones exactly inside.
+
+This is variable projection (Golub, Pereyra 1973). A grid as fine as each effect declares (`Shape.points`,
+`spacing`, `choices`) finds the valleys, a local search refines the best few. The loss over shape parameters
+is not convex, so the result is "best known", never "the optimum".
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symbolic.effect import Shape
+from symbolic.motion import Float
+
+MAX_NODES = 400
+"""Nodes of the grid at most; with many shape parameters each gets fewer points."""
+STARTS = 3
+"""Valleys refined by the local search."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeSearch:
+    """Best shape values `best` (S,), their `value`, every node tried (T, S) with its value (T,)."""
+
+    best: Float
+    value: float
+    nodes: Float
+    values: Float
+
+    def leaders(self, count: int) -> list[Float]:
+        """Return the `count` best nodes, the refined best first."""
+        order = np.argsort(self.values, kind="stable")[:count]
+        return [self.best, *(self.nodes[i] for i in order)]
+
+
+def to_unit(shape: Shape, value: float) -> float:
+    """Return where `value` lies between the bounds of `shape`, 0 to 1, in its declared spacing."""
+    if shape.spacing == "log":
+        return float(np.log(value / shape.min) / np.log(shape.max / shape.min))
+    return (value - shape.min) / (shape.max - shape.min)
+
+
+def from_unit(shape: Shape, unit: float) -> float:
+    """Return the value of `shape` at `unit` (0 to 1, clipped)."""
+    u = min(max(unit, 0.0), 1.0)
+    if shape.spacing == "log":
+        return float(min(max(shape.min * (shape.max / shape.min) ** u, shape.min), shape.max))
+    return float(shape.min + u * (shape.max - shape.min))
+
+
+def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
+    """Return the nodes of the search, each with one value per shape."""
+    points = [len(s.choices) or max(2, s.points) for s in shapes]
+    while np.prod(points) > MAX_NODES:
+        finest = max(range(len(points)), key=lambda i: 0 if shapes[i].choices else points[i])
+        if shapes[finest].choices or points[finest] <= 2:
+            break
+        points[finest] -= 1
+    axes = [
+        s.choices or tuple(from_unit(s, u) for u in np.linspace(0.0, 1.0, n))
+        for s, n in zip(shapes, points, strict=True)
+    ]
+    return list(itertools.product(*axes))
+
+
+def search_shape(
+    evaluate: Callable[[Float], float], shapes: Sequence[Shape], starts: Sequence[Float] | None = None
+) -> ShapeSearch:
+    """Minimise `evaluate` ((S,) -> loss) over `shapes`: on the grid (or only from `starts`), then locally."""
+    nodes = np.array(grid(shapes) if starts is None else [tuple(s) for s in starts], dtype=float)
+    values = np.array([evaluate(node) for node in nodes])
+    values = np.where(np.isnan(values), np.inf, values)
+    best, value = nodes[int(np.argmin(values))], float(values.min())
+    for index in np.argsort(values, kind="stable")[:STARTS]:
+        found, reached = _refine(evaluate, shapes, nodes[index])
+        if reached < value:
+            best, value = found, reached
+    return ShapeSearch(best, value, nodes, values)
+
+
+def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: Float) -> tuple[Float, float]:
+    """Refine the continuous shapes around `node`; choices stay as they are."""
+    from scipy.optimize import minimize, minimize_scalar
+
+    free = [i for i, s in enumerate(shapes) if not s.choices]
+    if not free:
+        return node, evaluate(node)
+    reach = [1.0 / max(1, shapes[i].points - 1) for i in free]
+    middle = [to_unit(shapes[i], node[i]) for i in free]
+
+    def at(units: float | Float) -> Float:
+        out = node.copy()
+        for i, u in zip(free, np.ravel(units), strict=True):
+            out[i] = from_unit(shapes[i], float(u))
+        return out
+
+    if len(free) == 1:
+        bounds = (max(0.0, middle[0] - reach[0]), min(1.0, middle[0] + reach[0]))
+        result = minimize_scalar(
+            lambda u: evaluate(at(u)), bounds=bounds, method="bounded", options={"xatol": 1e-7}
+        )
+        return at(float(result.x)), float(result.fun)
+    corners = [np.array(middle)]
+    for i, step in enumerate(reach):
+        corner = np.array(middle)
+        corner[i] += 0.5 * step if corner[i] < 0.5 else -0.5 * step
+        corners.append(corner)
+    options: Any = {
+        "initial_simplex": np.array(corners),
+        "xatol": 1e-6,
+        "fatol": 0.0,
+        "maxfev": 120 * len(free),
+    }
+    box: Any = [(0.0, 1.0)] * len(free)
+    result = minimize(
+        lambda u: evaluate(at(u)), corners[0], method="Nelder-Mead", bounds=box, options=options
+    )
+    return at(result.x), float(result.fun)
