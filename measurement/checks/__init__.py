@@ -1,0 +1,1 @@
+"""One file per check: `check(recording) -> list[Finding]`; nothing to register."""

@@ -1,0 +1,1 @@
+"""One file per format: SUFFIXES, SIGNATURES and `read(path) -> RawTable`; nothing to register."""

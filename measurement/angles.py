@@ -1,0 +1,75 @@
+"""Encoder angles that cannot be as they stand: jumps of a whole turn, single-sample spikes, holes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbolic.motion import Float
+
+Mask = NDArray[np.bool_]
+TURN = 2 * np.pi
+
+
+def fill(values: Float, valid: Mask) -> Float:
+    """Return `values` (N,) with placeholders interpolated where `valid` (N,) is False."""
+    if valid.all() or not valid.any():
+        return values
+    place = np.arange(values.shape[0])
+    return np.interp(place, place[valid], values[valid])
+
+
+def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
+    """Return the angle (N,) in rad without jumps of a whole turn, and where (N,) they were.
+
+    Only a jump within half a radian of a whole turn counts, and only where the leg cannot have turned so far by itself.
+    """
+    at = np.flatnonzero(valid)
+    jump = np.diff(q[at])
+    turns = np.round(jump / TURN)
+    usual = np.percentile(np.abs(jump), 90) if jump.size else 0.0
+    hit = (turns != 0) & (np.abs(jump - turns * TURN) < 0.5) & (usual < 1.0)
+    wraps = np.zeros(q.shape[0], dtype=bool)
+    # A turn gained and lost again at once is a spike, not a wrap.
+    turns = np.where(hit, turns, 0.0)
+    if not hit.any():
+        return q, wraps
+    wraps[at[1:][hit]] = True
+    out = q.copy()
+    out[at] -= TURN * np.r_[0.0, np.cumsum(turns)]
+    return fill(out, valid), wraps
+
+
+def spikes(q: Float, valid: Mask) -> Mask:
+    """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
+
+    Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of motion.
+    """
+    out = np.zeros(q.shape[0], dtype=bool)
+    at = np.flatnonzero(valid)
+    if at.size < 20:
+        return out
+    values = q[at]
+    off = np.abs(values - running_median(values, 5))
+    spread = 1.4826 * float(np.median(off))
+    usual = float(np.percentile(np.abs(np.diff(values)), 90))
+    reach = float(np.ptp(np.percentile(values, [1, 99])))
+    far = off > max(12 * spread, 8 * usual, 0.005 * reach)
+    # The edges have no two sides to compare with; and what happens more than once in twenty rows is no spike.
+    far[:2] = far[-2:] = False
+    if 0 < far.mean() < 0.05:
+        out[at[far]] = True
+    return out
+
+
+def running_median(values: Float, width: int) -> Float:
+    """Return the median over `width` (odd) samples around each of `values` (N,), edges held."""
+    half = width // 2
+    padded = np.pad(values, half, mode="edge")
+    out = np.empty_like(values, dtype=float)
+    # In blocks: a window view copied whole would take `width` times the memory of a long recording.
+    for start in range(0, values.shape[0], 100_000):
+        stop = min(start + 100_000, values.shape[0])
+        window = np.lib.stride_tricks.sliding_window_view(padded[start : stop + 2 * half], width)
+        out[start:stop] = np.median(window, axis=1)
+    return out

@@ -1,0 +1,62 @@
+"""What an audit says about a recording: where, how sure, what it would do to the result, what to do."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+SEVERITIES = ("refused", "warning", "repaired", "info")
+"""Worst first. "repaired": mended without guessing and therefore only reported; "refused": cannot be used."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One observation about one recording.
+
+    `what` is a sentence, `where` names file, column and rows, `value` the number seen and `limit` the number it was
+    held against (None where there is none), `consequence` says what it would do to the result, `confidence` is
+    "certain", "likely" or "possible", `remedy` says what to do.
+    """
+
+    check: str
+    severity: str
+    what: str
+    where: str = ""
+    value: float | None = None
+    limit: float | None = None
+    remedy: str = ""
+    repaired: bool = False
+    consequence: str = ""
+    confidence: str = "certain"
+
+    def __post_init__(self) -> None:
+        if self.severity not in SEVERITIES:
+            raise ValueError(f"severity {self.severity!r} is not one of {SEVERITIES}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return every field under its own name; numbers that are not finite become None."""
+        fields = asdict(self)
+        for key in ("value", "limit"):
+            number = fields[key]
+            fields[key] = float(number) if number is not None and np.isfinite(number) else None
+        return fields
+
+    def __str__(self) -> str:
+        place = f"{self.where}: " if self.where else ""
+        advice = f" ({self.remedy})" if self.remedy else ""
+        return f"{self.severity}: {place}{self.what}{advice}"
+
+
+def row_ranges(rows: NDArray[np.integer[Any]], most: int = 4) -> str:
+    """Return row numbers as text: "rows 12-15, 40, 77-80 and 3 more ranges"; `rows` in ascending order."""
+    rows = np.asarray(rows)
+    if rows.size == 0:
+        return ""
+    cuts = np.flatnonzero(np.diff(rows) != 1)
+    first, last = rows[np.r_[0, cuts + 1]], rows[np.r_[cuts, rows.size - 1]]
+    texts = [str(a) if a == b else f"{a}-{b}" for a, b in zip(first[:most], last[:most], strict=True)]
+    more = f" and {first.size - most} more ranges" if first.size > most else ""
+    return f"row{'s' if rows.size > 1 else ''} {', '.join(texts)}{more}"

@@ -1,0 +1,153 @@
+"""A recording of the leg: time, joint angles and motor torques in SI units, with its origin and its audit."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from measurement.finding import Finding
+from symbolic.motion import Float, read_only
+
+
+@dataclass(frozen=True)
+class Source:
+    """The file a recording came from: its path as given and the SHA-256 of its bytes ("" when made in memory)."""
+
+    path: str = ""
+    sha256: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; joints in the order hip, knee.
+
+    `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder (interpolated)
+    that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff `force` N are (N, J) or None.
+    `row` (N,) is the row of the file each sample stands in (line number for text files), for messages.
+    """
+
+    name: str
+    t: Float
+    q: Float
+    tau: Float
+    valid: NDArray[np.bool_] = None  # type: ignore[assignment]
+    dq: Float | None = None
+    ddq: Float | None = None
+    force: Float | None = None
+    source: Source = Source()  # noqa: RUF009 - frozen, so sharing it is safe
+    findings: tuple[Finding, ...] = ()
+    row: NDArray[np.int64] = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        count = np.asarray(self.t).shape[0]
+        for name in ("t", "q", "tau", "dq", "ddq", "force"):
+            value = getattr(self, name)
+            if value is None and name not in ("t", "q", "tau"):
+                continue
+            array = read_only(value)
+            shape = (count,) if name == "t" else (count, 2)
+            if array.shape != shape:
+                raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
+            if not np.isfinite(array).all():
+                raise ValueError(f"recording.{name} holds values that are not finite; mask those rows first")
+            object.__setattr__(self, name, array)
+        valid = np.ones(count, dtype=bool) if self.valid is None else np.array(self.valid, dtype=bool)
+        row = np.arange(1, count + 1) if self.row is None else np.array(self.row, dtype=np.int64)
+        if valid.shape != (count,) or row.shape != (count,):
+            raise ValueError(f"recording.valid and .row must have shape {(count,)}")
+        if np.any(np.diff(self.t) <= 0):
+            raise ValueError("recording.t must increase strictly")
+        for name, value in (("valid", valid), ("row", row)):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        return int(self.t.shape[0])
+
+    @property
+    def rate(self) -> float:
+        """Median sampling rate in Hz (0 for fewer than two samples)."""
+        return 1.0 / float(np.median(np.diff(self.t))) if len(self) > 1 else 0.0
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample in s."""
+        return float(self.t[-1] - self.t[0]) if len(self) else 0.0
+
+    def with_findings(self, findings: tuple[Finding, ...]) -> Recording:
+        """Return the same recording carrying `findings` instead of its own."""
+        return replace(self, findings=findings)
+
+    def columns(self) -> dict[str, Float]:
+        """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are NaN."""
+        out: dict[str, Float] = {"t": self.t}
+        for name, label in (("q", "q"), ("dq", "dq"), ("ddq", "ddq"), ("tau", "tau"), ("force", "f")):
+            pair = getattr(self, name)
+            if pair is not None:
+                for joint in (0, 1):
+                    out[f"{label}{joint + 1}"] = np.where(self.valid, pair[:, joint], np.nan)
+        return out
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame of the canonical columns; invalid rows are NaN except for their time."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns())
+
+    def __repr__(self) -> str:
+        masked = len(self) - int(self.valid.sum())
+        worst = [f.check for f in self.findings if f.severity == "warning"]
+        return (
+            f"Recording({self.name!r}: {len(self)} samples, {self.duration:.4g} s at {self.rate:.4g} Hz, "
+            f"{masked} rows masked, {len(self.findings)} findings"
+            + (f", warnings: {', '.join(worst)})" if worst else ")")
+        )
+
+
+def to_csv(recording: Recording) -> bytes:
+    """Return `recording` as CSV: canonical names, LF, shortest digits that read back as the same numbers.
+
+    A row that is not valid is written with empty cells after its time, so that it is masked again when read.
+    """
+    columns = recording.columns()
+    text = io.StringIO()
+    text.write(",".join(columns) + "\n")
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    text.writelines(",".join("" if cell != cell else repr(cell) for cell in row) + "\n" for row in rows)
+    return text.getvalue().encode("ascii")
+
+
+def write_recording(recording: Recording, path: str | Path) -> Path:
+    """Write `recording` as CSV (see `to_csv`) to `path`, whole or not at all, and return the path.
+
+    The same recording gives the same bytes on every machine. Raises RecordingError when the folder cannot be written.
+    """
+    import os
+    import tempfile
+
+    from symbolic.errors import RecordingError
+
+    target = Path(path)
+    content = to_csv(recording)
+    temporary = ""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except OSError as error:
+        if temporary:
+            Path(temporary).unlink(missing_ok=True)
+        raise RecordingError(
+            f"the recording cannot be written ({error.strerror or error})",
+            where=str(target),
+            remedy="check that the folder exists and may be written to",
+        ) from error
+    return target
