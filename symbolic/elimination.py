@@ -1,8 +1,9 @@
 """Base parameters by elimination: which combinations of masses and lengths a motion can show, and no others.
 
-The torque is a sum of (known coefficient) × (function of the motion) × (monomial of unknown inertial quantities). Each
-function is a row over the monomials; rows that depend on earlier ones bring nothing new. The rows that remain are the
-base parameters. Source: Gautier, Khalil, IEEE Trans. Robotics and Automation 6(3), 1990, done here symbolically.
+The torque is a sum of (known coefficient) × (function of the motion) × (monomial of unknown inertial
+quantities). Each function is a row over the monomials; rows that depend on earlier ones bring nothing new.
+The rows that remain are the base parameters. Source: Gautier, Khalil, IEEE Trans. Robotics and Automation
+6(3), 1990, done here symbolically.
 """
 
 from __future__ import annotations
@@ -22,14 +23,18 @@ Row = dict["Expr", "Expr"]
 
 @dataclass(frozen=True, eq=False)
 class Base:
-    """`parameters` (P,) in terms of the physical quantities, `matrix` (J, P), and the `known` torque (J, 1)."""
+    """`parameters` (P,) in terms of the physical quantities, `matrix` (J, P), and the `known` torque (J,
+    1).
+    """
 
     parameters: tuple[Expr, ...]
     matrix: Matrix
     known: Matrix
 
 
-def terms(torque: Matrix, unknowns: Sequence[Symbol], motion: Sequence[Symbol]) -> dict[tuple[int, Expr], Row]:
+def terms(
+    torque: Matrix, unknowns: Sequence[Symbol], motion: Sequence[Symbol]
+) -> dict[tuple[int, Expr], Row]:
     """Split an expanded torque (J, 1) into {(joint, function of the motion): {monomial: coefficient}}."""
     from sympy import Add, Integer
 
@@ -46,10 +51,10 @@ def terms(torque: Matrix, unknowns: Sequence[Symbol], motion: Sequence[Symbol]) 
 def eliminate(mechanism: Mechanism, torque: Matrix) -> Base:
     """Return base parameters, their columns, and the part of the torque (J, 1) that holds no unknown.
 
-    Rows are taken as they stand in the equation of motion: acceleration before velocity before gravity, hip before
-    knee; bare masses are eliminated first, since they weigh in inertia and in gravity alike. A row that was reduced is
-    scaled by the factor it was reduced with, so that all parameters share the unit of an inertia. For the plain leg
-    this gives Φ1 to Φ4 of the paper, and e = g / a_th is that factor.
+    Rows are taken as they stand in the equation of motion: acceleration before velocity before gravity, hip
+    before knee; bare masses are eliminated first, since they weigh in inertia and in gravity alike. A row
+    that was reduced is scaled by the factor it was reduced with, so that all parameters share the unit of
+    an inertia. For the plain leg this gives Φ1 to Φ4 of the paper, and e = g / a_th is that factor.
     """
     from sympy import Integer, Matrix, cancel
 
@@ -100,7 +105,9 @@ def scale_of(row: Row, factors: Sequence[Expr]) -> Expr:
 
 
 def pivot_order(mechanism: Mechanism) -> Callable[[Expr], tuple[int, int, str]]:
-    """Return the key by which pivot monomials are chosen: bare masses, then inertias, then the rest; far links first."""
+    """Return the key by which pivot monomials are chosen: bare masses, then inertias, then the rest; far
+    links first.
+    """
     masses = [link.mass for link in reversed(mechanism.links)]
     inertias = [link.inertia for link in reversed(mechanism.links)]
 
@@ -114,7 +121,9 @@ def pivot_order(mechanism: Mechanism) -> Callable[[Expr], tuple[int, int, str]]:
 
 
 def row_order(mechanism: Mechanism, joint: int, function: Expr) -> tuple[int, int, int, int, str]:
-    """Return the sorting key of a row: acceleration, velocity, gravity; hip, knee; plain before trigonometric."""
+    """Return the sorting key of a row: acceleration, velocity, gravity; hip, knee; plain before
+    trigonometric.
+    """
     symbols = function.free_symbols
     kind = 2
     axis = 0

@@ -1,8 +1,9 @@
 """From mechanism to equations of motion: M(θ) θ'' + C(θ, θ') θ' + G(θ) = τ.
 
-Kinetic and potential energy are written down from the positions of the centres of mass, Lagrange's equation gives the
-torque, and C is the Christoffel form C_ij = Σ_k ½ (∂M_ij/∂θ_k + ∂M_ik/∂θ_j - ∂M_jk/∂θ_i) θ_k', the one for which
-M' - 2C is skew-symmetric. Source: equation (4) of the paper; Spong, Hutchinson, Vidyasagar, Robot Modeling and Control.
+Kinetic and potential energy are written down from the positions of the centres of mass, Lagrange's equation
+gives the torque, and C is the Christoffel form C_ij = Σ_k ½ (∂M_ij/∂θ_k + ∂M_ik/∂θ_j - ∂M_jk/∂θ_i) θ_k',
+the one for which M' - 2C is skew-symmetric. Source: equation (4) of the paper; Spong, Hutchinson,
+Vidyasagar, Robot Modeling and Control.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """M, C (J, J), G (J, 1) and `torque` (J, 1) = M θ'' + C θ' + G; J (2, J) of a point `reach` m down the last link."""
+    """M, C (J, J), G (J, 1) and `torque` (J, 1) = M θ'' + C θ' + G; J (2, J) of a point `reach` m down the
+    last link.
+    """
 
     M: Matrix
     C: Matrix
@@ -31,7 +34,9 @@ class Dynamics:
 
 
 def harmonic(expression: Expr) -> Expr:
-    """Write products of sines and cosines as sums, so that equal functions of the angles are equal expressions."""
+    """Write products of sines and cosines as sums, so that equal functions of the angles are equal
+    expressions.
+    """
     from sympy import expand
     from sympy.simplify.fu import TR8
 
@@ -41,7 +46,8 @@ def harmonic(expression: Expr) -> Expr:
 def energies(mechanism: Mechanism) -> tuple[Expr, Expr]:
     """Return kinetic and potential energy in J.
 
-    An accelerated hip is an added field of gravity against the acceleration (d'Alembert), so it enters the potential.
+    An accelerated hip is an added field of gravity against the acceleration (d'Alembert), so it enters the
+    potential.
     """
     from sympy import Integer, Rational, cos, diff, sin
 

@@ -1,7 +1,8 @@
 """The leg as links, joints and gravity: data from which the equations of motion are derived.
 
-A planar chain hangs from the hip. The angle of a link from the downward vertical is the sum of the joint angles up
-to it (plus whatever its encoder is off by), so for thigh and shank φ1 = θ1 and φ2 = θ1 + θ2, flexion negative:
+A planar chain hangs from the hip. The angle of a link from the downward vertical is the sum of the joint
+angles up to it (plus whatever its encoder is off by), so for thigh and shank φ1 = θ1 and φ2 = θ1 + θ2,
+flexion negative:
 
         hip o                     x to the front, z upwards
              \\  thigh, a_th       centre of mass `along` the link from its upper joint,
@@ -40,8 +41,9 @@ class Link:
 class Mechanism:
     """A planar chain of J links under gravity (m/s²).
 
-    `tilt` rad turns gravity, `joint_offset` (J,) rad is what each encoder reads too little, `base_acceleration`
-    (2,) m/s² is the acceleration of the hip to the front and upwards, `time` the symbol it may depend on.
+    `tilt` rad turns gravity, `joint_offset` (J,) rad is what each encoder reads too little,
+    `base_acceleration` (2,) m/s² is the acceleration of the hip to the front and upwards, `time` the symbol
+    it may depend on.
     """
 
     links: tuple[Link, ...]
@@ -105,7 +107,9 @@ class Mechanism:
 
 
 def real(name: str) -> Symbol:
-    """Return the real SymPy symbol of that name: the one kind of symbol used for states, shapes and coefficients."""
+    """Return the real SymPy symbol of that name: the one kind of symbol used for states, shapes and
+    coefficients.
+    """
     from sympy import Symbol
 
     return Symbol(name, real=True)
@@ -119,7 +123,9 @@ def positive(name: str) -> Symbol:
 
 
 def chain(*suffixes: str) -> Mechanism:
-    """Return a plain chain with one link per suffix: m_, I_, a_ (length), l_ (along) followed by the suffix."""
+    """Return a plain chain with one link per suffix: m_, I_, a_ (length), l_ (along) followed by the
+    suffix.
+    """
     from sympy import Integer
 
     zero = Integer(0)
@@ -139,5 +145,7 @@ def chain(*suffixes: str) -> Mechanism:
 
 
 def leg() -> Mechanism:
-    """Return the leg of the paper: thigh and shank, centres of mass on the link axes, a still and level base."""
+    """Return the leg of the paper: thigh and shank, centres of mass on the link axes, a still and level
+    base.
+    """
     return chain("th", "sh")

@@ -3,8 +3,8 @@
     Φ1 = I_th + I_sh + m_th l_th² + m_sh a_th² + m_sh l_sh²     Φ2 = I_sh + m_sh l_sh²
     Φ3 = m_sh a_th l_sh                                         Φ4 = m_th a_th l_th - I_th - m_th l_th²
 
-The derivation knows none of this; it finds it, and finds that entry (1, 3) of the printed matrix has first derivatives
-where Lagrange's equation has second ones.
+The derivation knows none of this; it finds it, and finds that entry (1, 3) of the printed matrix has first
+derivatives where Lagrange's equation has second ones.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Regressor:
-    """`matrix` (J, P) times the base `parameters` (P,) plus the `known` torque (J, 1) is the rigid-body torque.
+    """`matrix` (J, P) times the base `parameters` (P,) plus the `known` torque (J, 1) is the rigid-body
+    torque.
 
-    `names` and `units` belong to the parameters; `unidentifiable` says of every physical quantity that no motion can
-    determine by itself why it cannot.
+    `names` and `units` belong to the parameters; `unidentifiable` says of every physical quantity that no
+    motion can determine by itself why it cannot.
     """
 
     names: tuple[str, ...]
@@ -70,11 +71,13 @@ def regressor(mechanism: Mechanism) -> Regressor:
     )
 
 
-def unidentifiable(mechanism: Mechanism, parameters: tuple[Expr, ...], names: tuple[str, ...]) -> dict[str, str]:
+def unidentifiable(
+    mechanism: Mechanism, parameters: tuple[Expr, ...], names: tuple[str, ...]
+) -> dict[str, str]:
     """Return {quantity: reason} for every inertial quantity that Φ does not fix by itself.
 
-    A quantity is fixed where its unit vector lies in the row space of ∂Φ/∂(quantities); the rank is taken in exact
-    rational arithmetic at an arbitrary point.
+    A quantity is fixed where its unit vector lies in the row space of ∂Φ/∂(quantities); the rank is taken
+    in exact rational arithmetic at an arbitrary point.
     """
     from sympy import Matrix, Rational
 
@@ -92,7 +95,9 @@ def unidentifiable(mechanism: Mechanism, parameters: tuple[Expr, ...], names: tu
             others = sorted(
                 {str(u) for p in parameters if p.has(unknown) for u in unknowns if p.has(u) and u != unknown}
             )
-            reasons[str(unknown)] = f"appears only within {', '.join(seen)}, together with {', '.join(others)}"
+            reasons[str(unknown)] = (
+                f"appears only within {', '.join(seen)}, together with {', '.join(others)}"
+            )
     return reasons
 
 

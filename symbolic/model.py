@@ -1,0 +1,178 @@
+"""A model of the leg: geometry, limits, and the physical effects it knows of.
+
+    τ = Σ_p columns_p(motion; shape) · linear_p
+
+with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then the numbers of
+each term. A model is a value: `with_effect` and `without` return another one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symbolic.effect import Effect
+from symbolic.errors import EffectError
+from symbolic.friction import friction_parameters
+from symbolic.motion import Float, Motion
+from symbolic.term import Parameter, ShapeParameter, Term
+
+if TYPE_CHECKING:
+    from symbolic.mechanism import Mechanism
+
+INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
+"""Base parameters of the rigid leg, kg·m²; what they are made of is derived in regressor.py."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a joint may do: `angle` (low, high) rad, |velocity| rad/s, |acceleration| rad/s²."""
+
+    angle: tuple[float, float]
+    velocity: float
+    acceleration: float
+
+
+TABLE_1: Mapping[str, Limits] = MappingProxyType(
+    {"hip": Limits((-0.13, 1.26), 1.92, 5.16), "knee": Limits((-1.62, -0.23), 1.64, 5.16)}
+)
+"""Table 1 of the paper."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
+    and friction.
+    """
+
+    name: str = "standard leg"
+    thigh_length: float = 0.40
+    gravity: float = 9.81
+    limits: Mapping[str, Limits] = field(default_factory=lambda: TABLE_1)
+    terms: tuple[Term, ...] = ()
+
+    def __post_init__(self) -> None:
+        for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
+            if not (math.isfinite(value) and value > 0.0):
+                raise EffectError(
+                    f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)"
+                )
+        names = [term.name for term in self.terms]
+        for name in names:
+            if names.count(name) > 1:
+                raise EffectError(
+                    f"the model has {name} twice",
+                    where=self.name,
+                    remedy="keep one; its numbers could not be told apart",
+                )
+
+    @classmethod
+    def standard(cls, thigh_length: float = 0.40, gravity: float = 9.81) -> Model:
+        """Return the eight-parameter leg of the paper."""
+        return cls(thigh_length=float(thigh_length), gravity=float(gravity))
+
+    def with_effect(self, effect: Effect | str, joint: str | None = None) -> Model:
+        """Return this model with one more effect; `effect` may be "stribeck", "stribeck:knee" or an Effect.
+
+        EffectError where there is no such effect, not at that joint, or where the model has it already.
+        """
+        if isinstance(effect, str):
+            from symbolic.catalogue import find_effect
+
+            name, _, place = effect.partition(":")
+            effect, joint = find_effect(name), joint or place or None
+        term = Term(effect, joint)
+        from symbolic.torque import check_term
+
+        check_term(term)
+        return replace(self, terms=(*self.terms, term))
+
+    def without(self, term_name: str) -> Model:
+        """Return this model without the term of that name; EffectError where it has none."""
+        if term_name not in {term.name for term in self.terms}:
+            raise EffectError(
+                f"the model has no term {term_name!r}",
+                where=self.name,
+                remedy="its terms are: " + (", ".join(term.name for term in self.terms) or "none"),
+            )
+        return replace(self, terms=tuple(term for term in self.terms if term.name != term_name))
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Linear parameters (P,), in the order of the columns."""
+        bounds = {"Phi1": 0.0, "Phi2": 0.0}
+        inertial = tuple(
+            Parameter(
+                name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None
+            )
+            for name in INERTIAL
+        )
+        return inertial + friction_parameters() + tuple(p for term in self.terms for p in term.parameters)
+
+    @cached_property
+    def shapes(self) -> tuple[ShapeParameter, ...]:
+        """Shape parameters (S,): what the torque is not linear in."""
+        return tuple(shape for term in self.terms for shape in term.shapes)
+
+    @cached_property
+    def typical_shape(self) -> Float:
+        """The usual shape values (S,)."""
+        return np.array([shape.typical for shape in self.shapes], dtype=float)
+
+    @property
+    def derived(self) -> tuple[Term, ...]:
+        """The terms that change the mechanism itself."""
+        return tuple(term for term in self.terms if term.effect.derive is not None)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism in symbols, with the changes its derived terms make."""
+        from symbolic.rigid import rigid
+
+        return rigid(self.derived).mechanism
+
+    @cached_property
+    def needs_reference(self) -> bool:
+        """Whether some column is computed from the model's own torque, so that columns() wants a reference.
+        """
+        from symbolic.columns import needs_reference
+
+        return needs_reference(self)
+
+    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+        """Return the regressor (J, N, P).
+
+        `shape` (S,) are values of the shapes (default: typical), `reference` (P,) the linear parameters
+        from which a column that depends on the model's torque computes it (default: zero). ValueError on
+        wrong lengths.
+        """
+        from symbolic.columns import columns
+
+        return columns(self, motion, shape, reference)
+
+    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
+        values = np.asarray(linear, dtype=float)
+        if values.shape != (len(self.parameters),):
+            raise ValueError(
+                f"linear has shape {values.shape}, the model has {len(self.parameters)} parameters"
+            )
+        return np.asarray((self.columns(motion, shape, values) @ values).T)
+
+    def key(self) -> str:
+        """Return the content hash of the model: equal for equal models, in any process."""
+        from symbolic.fingerprint import model_key
+
+        return model_key(self)
+
+    def __repr__(self) -> str:
+        terms = "".join(f" + {term.name}" for term in self.terms)
+        return (
+            f"Model({self.name!r}: rigid leg + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
+        )
