@@ -1,0 +1,174 @@
+"""The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and an exit status.
+
+Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 a mistake of exoid itself.
+A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`; nothing is registered.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pkgutil
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+
+from symbolic.errors import ExoidError
+from workbench import commands
+from workbench.parser import Parser, UsageError
+from workbench.suggest import did_you_mean
+
+DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED = 0, 1, 2, 70, 130
+
+WELCOME = """\
+exoid finds out which physical effect the model of a 2-DOF exoskeleton leg is missing.
+
+New here? This runs the whole loop on shipped recordings in less than half a minute:
+
+    exoid demo
+
+Then with your own recordings (a table with t, q1, q2, tau1, tau2 in s, rad, N·m; other names and units work too):
+
+    exoid compare  run1.csv run2.csv --verify run3.csv      how large is the error of the model, and where
+    exoid diagnose run1.csv run2.csv --verify run3.csv      which effect is missing, and what looks like it
+    exoid discover run1.csv run2.csv --verify run3.csv --out report
+                                                            the same to the end, with a report to read
+
+exoid --help lists every command, exoid COMMAND --help its options.
+"""
+
+
+def find_verbs() -> tuple[str, ...]:
+    """Return the names of all commands: the modules of `commands/`, sorted."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(commands.__path__)))
+
+
+def load_verb(verb: str) -> ModuleType:
+    """Import the module of one command; raises UsageError with a suggestion when there is none."""
+    verbs = find_verbs()
+    if verb not in verbs:
+        raise UsageError(
+            f"there is no command {verb!r}", remedy=did_you_mean(verb, verbs) or f"known: {', '.join(verbs)}"
+        )
+    return importlib.import_module(f"{commands.__name__}.{verb}")
+
+
+def verb_parser(verb: str) -> Parser:
+    """Return the argument parser of one command."""
+    module = load_verb(verb)
+    parser = Parser(prog=f"exoid {verb}", description=module.HELP)
+    module.add_arguments(parser)
+    return parser
+
+
+def overview() -> str:
+    """Return the text of `exoid --help`: one line per command."""
+    lines = ["usage: exoid COMMAND [options]", "", "commands:"]
+    for verb in find_verbs():
+        first = load_verb(verb).HELP.strip().splitlines()[0]
+        lines.append(f"  {verb:<10}  {first}")
+    lines += [
+        "",
+        "every command: --json FILE|-, --out DIR, --seed N, --quiet; exoid COMMAND --help says more",
+        "exit status: 0 done, 1 ran but the answer is negative, 2 bad input",
+        "new here? exoid demo",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run `exoid` with `argv` (default: the arguments of the process) and return the exit status."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a terminal without θ shows "?" instead of a traceback
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = _note
+            status = _dispatch(arguments)
+        sys.stdout.flush()
+        return status
+    except ExoidError as error:
+        return _complain(str(error))
+    except KeyboardInterrupt:
+        return _complain("interrupted; nothing was left half-written", INTERRUPTED)
+    except BrokenPipeError:
+        # The reader (head, less) has had enough. Python would complain again when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except MemoryError:
+        return _complain("not enough memory\n  what to do: fewer or shorter recordings at a time")
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{place}{error.strerror or error}")
+    except Exception:  # noqa: BLE001 - a crash must not leave with status 1, which means "the answer is negative"
+        import traceback
+
+        traceback.print_exc()
+        return _complain("this is a mistake of exoid, not yours; please report the lines above", OWN_MISTAKE)
+
+
+def _dispatch(arguments: Sequence[str]) -> int:
+    """Answer the calls without a verb, or parse the verb's arguments and run it."""
+    if not arguments:
+        sys.stdout.write(WELCOME)
+        return DONE
+    verb, rest = arguments[0], arguments[1:]
+    if verb in ("-h", "--help", "help"):
+        if verb == "help" and rest:
+            verb_parser(rest[0]).print_help()
+        else:
+            sys.stdout.write(overview())
+        return DONE
+    if verb == "--version":
+        sys.stdout.write(f"exoid {version()}\n")
+        return DONE
+    if verb.startswith("-"):
+        raise UsageError(f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]")
+    parser = verb_parser(verb)
+    try:
+        args = parser.parse(rest)
+    except SystemExit as stop:  # argparse leaves this way after --help
+        return int(stop.code or 0)
+    args.command_line = ["exoid", *arguments]
+    status: int = load_verb(verb).run(args)
+    return status
+
+
+def version() -> str:
+    """Return the installed version, or "0+source" when the packages are used without being installed."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("exoid")
+    except metadata.PackageNotFoundError:
+        return "0+source"
+
+
+def versions() -> Mapping[str, str]:
+    """Return the versions a result depends on, for the report: exoid, Python and the numerical libraries."""
+    from importlib import metadata
+
+    found = {"exoid": version(), "python": sys.version.split()[0]}
+    for name in ("numpy", "scipy", "sympy", "casadi"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def _complain(text: str, status: int = BAD_INPUT) -> int:
+    """Write `text` to stderr after the name of the program and return `status`."""
+    sys.stderr.write(f"exoid: {text}\n")
+    return status
+
+
+def _note(message: Warning | str, *_: object, **__: object) -> None:
+    """Show a Python warning as one line for a person."""
+    sys.stderr.write(f"exoid: note: {message}\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

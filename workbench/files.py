@@ -1,0 +1,113 @@
+"""Results on disk: whole or not at all, and refused early when the place cannot be written."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from symbolic.errors import ExoidError
+
+
+class OutputError(ExoidError):
+    """A file or folder that cannot be written."""
+
+
+def strict(value: Any) -> Any:
+    """Return `value` in types JSON has: arrays become lists, numbers that are not finite become None."""
+    if isinstance(value, bool) or value is None or isinstance(value, (str, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): strict(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [strict(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    for convert in ("tolist", "to_json"):  # NumPy arrays and numbers; our own results
+        if hasattr(value, convert):
+            return strict(getattr(value, convert)())
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def to_json(payload: Any) -> str:
+    """Return `payload` as strict JSON text that ends with a line feed."""
+    return json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """Write `text` as UTF-8 to `path`, whole or not at all; raises OutputError."""
+    return write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | Path, content: bytes) -> Path:
+    """Write `content` to `path`, whole or not at all; raises OutputError."""
+    target = Path(path)
+    part: Path | None = None
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:80]}.", suffix=".part")
+        part = Path(name)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        part.chmod(0o666 & ~_umask())
+        os.replace(part, target)
+    except OSError as error:
+        raise _refusal(target, error) from error
+    finally:
+        if part is not None:
+            part.unlink(missing_ok=True)
+    return target
+
+
+def make_folder(path: str | Path) -> Path:
+    """Return the folder `path`, made with its parents if needed and writable; raises OutputError."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        raise _refusal(folder, error) from error
+
+
+def check_target(path: str) -> None:
+    """Refuse a --json target that cannot be written before the work starts, not after it."""
+    if path == "-":
+        return
+    target = Path(path)
+    try:
+        if target.is_dir():
+            raise OutputError("this is a folder", where=path, remedy="name a file, or - for standard output")
+        with tempfile.TemporaryFile(dir=target.parent):
+            return
+    except OSError as error:
+        raise _refusal(target, error) from error
+
+
+def write_json(target: str, payload: Any) -> None:
+    """Write `payload` as JSON to the file `target`, or to standard output for "-"."""
+    text = to_json(payload)
+    if target == "-":
+        sys.stdout.write(text)
+    else:
+        write_text(target, text)
+
+
+def _refusal(target: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"cannot be written ({error.strerror or error})",
+        where=str(target),
+        remedy="check that the folder exists, that you may write there and that the disk is not full",
+    )
+
+
+def _umask() -> int:
+    current = os.umask(0)
+    os.umask(current)
+    return current
