@@ -83,7 +83,11 @@ def identify(
     )
 
     say("Huber")
-    best_shape, best, _ = _solve_shape(model, data, limits, shape, leaders, first.linear)
+    if model.needs_reference or (model.shapes and shape is None):
+        best_shape, best, _ = _solve_shape(model, data, limits, shape, leaders, first.linear)
+    else:  # the columns stay what they were
+        best_shape = first_shape
+        best = replace(first, linear=solve_huber(first.data, limits, first.linear))
     # δ and the box of the Huber search come from least squares on the columns of the shape found last.
     centre = first.linear if best.data is first.data else solve_sse(best.data)
     stage = _stage("huber", best, best_shape, limits, centre, searches, seed, say)
@@ -189,7 +193,8 @@ def _spread(
     """Return the joint covariance of linear and shape parameters, through the Jacobian of the torque."""
     columns, linear = found.data.columns, found.linear
     if not shape.size and not model.needs_reference:
-        return covariance(columns, found.data.residual(linear), delta, found.data.groups)
+        residual = found.data.residual(linear)
+        return covariance(columns, residual, delta, found.data.groups, factor=found.data.factor)
 
     def predicted(values: Float, at: Float) -> Float:
         return assemble(model, prepared, at, values if model.needs_reference else None).columns @ values

@@ -117,7 +117,10 @@ def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: F
         "maxfev": 120 * len(free),
     }
     box: Any = [(0.0, 1.0)] * len(free)
-    result = minimize(
-        lambda u: evaluate(at(u)), corners[0], method="Nelder-Mead", bounds=box, options=options
-    )
-    return at(result.x), float(result.fun)
+
+    def objective(units: Float) -> float:
+        return evaluate(at(units))
+
+    start: Float = np.array(middle, dtype=float)
+    refined: Any = minimize(objective, start, method="Nelder-Mead", bounds=box, options=options)
+    return at(refined.x), float(refined.fun)

@@ -34,7 +34,7 @@ def paper_motion(samples: int = 3500, step: float = 0.01, period: float = 10.0, 
 
 @dataclass(frozen=True)
 class Leg:
-    """The eight-parameter leg; `stribeck` adds a shape parameter, `load` a friction that needs a reference."""
+    """The eight-parameter leg; `stribeck` adds a shape parameter, `load` a friction with a reference."""
 
     stribeck: bool = False
     load: bool = False

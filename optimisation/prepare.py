@@ -1,0 +1,249 @@
+"""From recordings to samples that a fit may use: derivatives, one cut-off for all, outliers taken out.
+
+The cut-off matters more than any added term (docs: how the numbers are made), so it is chosen from the data and
+its reason is told. Outliers of the torque are judged against the *local median of the residual* of a robust
+eight-parameter fit: an unmodelled effect moves that median and is kept, a single bad sample does not. They are
+bridged before filtering, once, before anything is diagnosed, so that every model sees the same samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from measurement.finding import Finding
+from measurement.recording import Recording
+from measurement.signals import (
+    EvenSignals,
+    acceleration_quality,
+    decimate,
+    derivatives,
+    even_clock,
+    low_pass,
+    noise_density,
+    spikes,
+    velocity_noise,
+    widen,
+)
+from optimisation.assemble import assemble
+from optimisation.linear import delta_rule, solve_huber, solve_sse
+from optimisation.loss import Bool
+from optimisation.problem import LinearData
+from symbolic.errors import RecordingError
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+
+CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
+"""Cut-off frequencies tried, Hz."""
+COMMON_BAND = 3.0
+"""Every cut-off is judged on the unseen torque below this frequency, Hz."""
+BIAS_LIMIT = 0.005
+"""Largest share of noise in the accelerations: about the relative bias of an inertia."""
+TOLERANCE = 0.03
+"""A cut-off may predict this much worse than the best one; then the faster one is preferred (more information)."""
+WORKING_RATE = 100.0
+"""Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
+OUTLIER = 3.0
+"""Robust deviations from the local median beyond which a torque sample is an outlier."""
+EDGE = 0.5
+"""Seconds cut at both ends, where a zero-phase filter is not settled."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecording:
+    """A recording ready to be fitted: `motion` at N working samples, `tau` and `use` (K, J) at the K kept ones.
+
+    `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
+    `wide_tau` (N, J) the torque with outliers bridged but not low-passed.
+    """
+
+    name: str
+    motion: Motion
+    tau: Float
+    use: Bool
+    kept: np.ndarray
+    cutoff: float
+    rate: float
+    outliers: Float
+    wide_tau: Float
+
+    def smooth(self, x: Float) -> Float:
+        """Filter `x` (N, ...) over time exactly as the torque was filtered; return the kept samples (K, ...)."""
+        return low_pass(x, self.cutoff, self.rate)[self.kept]
+
+    @property
+    def t(self) -> Float:
+        """Time of the kept samples (K,), s."""
+        return self.motion.t[self.kept]
+
+    @property
+    def kept_rate(self) -> float:
+        """Rate of the kept samples, Hz."""
+        return 1.0 / float(self.t[1] - self.t[0])
+
+
+@dataclass(frozen=True)
+class CutoffChoice:
+    """The common cut-off in Hz and, in words, why it is that one. `table` holds (cut-off, error, noise share)."""
+
+    cutoff: float
+    reason: str
+    automatic: bool = True
+    table: tuple[tuple[float, float, float], ...] = field(default=())
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted."""
+
+    train: tuple[PreparedRecording, ...]
+    verify: tuple[PreparedRecording, ...]
+    choice: CutoffChoice
+    noise_floor: Float
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def all(self) -> tuple[PreparedRecording, ...]:
+        """Training recordings, then verification recordings."""
+        return self.train + self.verify
+
+
+def prepare(
+    model: Model, recordings: Sequence[Recording], verify: Sequence[Recording] = (), *, cutoff: float | None = None
+) -> Prepared:
+    """Prepare `recordings` and `verify` for `model`, whose geometry (not whose effects) is used to find outliers.
+
+    `cutoff` in Hz; None chooses it. Refuses recordings that are too short or too slow for the cut-off.
+    """
+    if not recordings:
+        raise RecordingError("there is no recording to fit", remedy="name at least one recording")
+    base = model.base()
+    even = [even_clock(r) for r in (*recordings, *verify)]
+    names = [r.name for r in (*recordings, *verify)]
+    slowest = min(e.rate for e in even)
+    if cutoff is not None and not 0.0 < cutoff <= 0.4 * slowest:
+        raise RecordingError(
+            f"a cut-off of {cutoff:g} Hz does not fit recordings sampled at {slowest:.4g} Hz",
+            remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
+        )
+    count = len(recordings)
+    beta = _robust_base(base, [_prepare_one(base, n, e, COMMON_BAND, None) for n, e in zip(names, even, strict=True)][:count])
+    if cutoff is None:
+        choice = _choose(base, names[:count], even[:count], beta)
+    else:
+        choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
+    done = [_prepare_one(base, n, e, choice.cutoff, beta) for n, e in zip(names, even, strict=True)]
+    return Prepared(
+        train=tuple(done[:count]),
+        verify=tuple(done[count:]),
+        choice=choice,
+        noise_floor=_noise_floor(done, choice.cutoff),
+        findings=tuple(f for r in (*recordings, *verify) for f in r.findings) + _outlier_findings(done),
+    )
+
+
+def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta: Float | None) -> PreparedRecording:
+    """Prepare one recording; without `beta` the outliers are judged by the torque's own running median."""
+    factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
+    spiky, middle = spikes(even.tau, 0.03 if factor > 1 else 0.05, even.rate, 8.0)
+    raw = np.where(spiky, middle, even.tau) if factor > 1 else even.tau
+    tau = np.array(decimate(raw, factor, even.rate))
+    rate = even.rate / factor
+    q = np.array(low_pass(even.q, cutoff, even.rate)[::factor])
+    dq, ddq = derivatives(q, rate)
+    width = np.clip(3.0 * velocity_noise(even.q, even.rate, cutoff), 5e-3, 5e-2)
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / width))
+    known = tau * 0.0 if beta is None else base.torque(motion, beta)
+    bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    tau = np.where(bad, known + middle, tau)
+    gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
+    edge = int(np.ceil(EDGE * rate))
+    kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
+    use = np.repeat(~gap[kept, None], 2, axis=1)
+    return PreparedRecording(
+        name, motion, low_pass(tau, cutoff, rate)[kept], use, kept, cutoff, rate, bad.mean(axis=0), tau
+    )
+
+
+def _fit(data: LinearData) -> Float:
+    first = solve_sse(data)
+    return solve_huber(data, delta_rule(data.residual(first), use=data.use), first)
+
+
+def _robust_base(base: Model, prepared: Sequence[PreparedRecording]) -> Float:
+    return _fit(assemble(base, prepared))
+
+
+def _part(data: LinearData, keep: np.ndarray) -> LinearData:
+    return replace(
+        data, columns=data.columns[:, keep], tau=data.tau[:, keep], groups=data.groups[keep], use=data.use[:, keep]
+    )
+
+
+def _folds(groups: np.ndarray) -> list[np.ndarray]:
+    """Return masks of held-out samples: whole recordings, or four long blocks of a single one."""
+    labels = np.unique(groups)
+    if labels.size > 1:
+        return [groups == label for label in labels]
+    block = np.arange(groups.size) * 4 // groups.size
+    return [block == b for b in range(4)]
+
+
+def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta: Float) -> CutoffChoice:
+    """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean."""
+    slowest = min(e.rate for e in even)
+    tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
+    judge = assemble(base, [_prepare_one(base, n, e, min(COMMON_BAND, tried[0]), beta) for n, e in zip(names, even, strict=True)])
+    errors, shares = [], []
+    for cutoff in tried:
+        data = assemble(base, [_prepare_one(base, n, e, cutoff, beta) for n, e in zip(names, even, strict=True)])
+        square = np.zeros(2)
+        for held, out in zip(_folds(data.groups), _folds(judge.groups), strict=True):
+            square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
+        errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
+        # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
+        shares.append(float(np.max(np.min([acceleration_quality(e.q, e.rate, cutoff) for e in even], axis=0))))
+    relative = np.max(np.array(errors) / np.min(errors, axis=0), axis=1)
+    predicts = relative <= 1.0 + TOLERANCE
+    clean = np.array(shares) <= BIAS_LIMIT
+    good = [i for i in range(len(tried)) if predicts[i] and clean[i]]
+    index = good[-1] if good else int(np.argmin(relative + np.array(shares)))
+    table = tuple((c, float(r), s) for c, r, s in zip(tried, relative, shares, strict=True))
+    return CutoffChoice(tried[index], _reason(tried, index, relative, shares), table=table)
+
+
+def _reason(tried: Sequence[float], index: int, relative: Float, shares: Sequence[float]) -> str:
+    text = f"{tried[index]:g} Hz: noise makes up {100 * shares[index]:.2g} % of the accelerations"
+    if index + 1 == len(tried):
+        return text + ", and no faster cut-off was tried"
+    after = index + 1
+    if relative[after] > 1.0 + TOLERANCE:
+        return text + f"; at {tried[after]:g} Hz unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
+    return text + f"; at {tried[after]:g} Hz it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
+
+
+def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
+    """Return the RMS (J,) in N·m that sensor noise leaves below the cut-off, from the top of the torque's spectrum.
+
+    Estimated without a model. A torque sensor whose noise is not white has a floor of its own; this one is then low.
+    """
+    density = np.mean([noise_density(p.wide_tau, p.rate) for p in prepared], axis=0)
+    return np.sqrt(density * cutoff)
+
+
+def _outlier_findings(prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+    found = []
+    for one in prepared:
+        for joint, share in zip(("hip", "knee"), one.outliers, strict=True):
+            if share > 0.02:
+                what = f"{100 * share:.1f} % of the torque samples stand more than {OUTLIER:g} deviations off their neighbours"
+                found.append(
+                    Finding(
+                        "torque_outliers", "repaired", what + "; bridged before filtering", f"{one.name}, {joint}",
+                        float(share), 0.02, "look at the torque sensor and its cable if this is unexpected", True,
+                        confidence="certain",
+                    )
+                )
+    return tuple(found)
