@@ -89,7 +89,7 @@ def block_length(score: Float, groups: NDArray[np.int64]) -> int:
         if below > 0
         else 0.0
     )
-    # Half as long again: at AR(1) 0.93 the coverage measured rises from 92.5 to 93.5 %, at white noise it stays.
+    # Half as long again: measured at AR(1) 0.93 the coverage rises from 92.5 to 93.5 %.
     wanted = 1.5 * max(1.1447 * (alpha * samples) ** (1.0 / 3.0), 1.3 * np.sqrt(samples))
     longest = int(np.bincount(groups).max())
     return int(np.clip(np.ceil(wanted), 1, max(1, min(longest, samples // 4))))
