@@ -25,16 +25,16 @@ class Controller:
     cut-off in Hz.
     """
 
-    bandwidth: tuple[float, float] = (3.0, 3.0)
+    bandwidth: tuple[float, float] = (3.0, 4.5)
     damping: float = 0.8
-    differentiator: float = 30.0
+    differentiator: float = 15.0
 
     def __post_init__(self) -> None:
         if min(*self.bandwidth, self.damping, self.differentiator) <= 0:
             raise ExoidError(
                 "bandwidth, damping and differentiator cut-off of the controller must be positive",
                 where=repr(self),
-                remedy="give Hz, for example Controller(bandwidth=(3, 3), differentiator=30)",
+                remedy="give Hz, for example Controller(bandwidth=(3, 3), differentiator=15)",
             )
 
     def gains(self, leg: Leg, knee: float = -0.925) -> NDArray[np.float64]:

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbolic.errors import ExoidError
+from symbolic.model import TABLE_1, Limits
 from symbolic.motion import Float, Motion, read_only
 from symbolic.quantity import JOINTS
 
@@ -32,41 +32,6 @@ ROUND_OFF = 1.0 - 5e-4
 
 class TrajectoryError(ExoidError):
     """A trajectory that cannot be brought inside the limits, or whose numbers do not fit together."""
-
-
-class JointLimits(Protocol):
-    """What a motion must respect: `angle` (low, high) rad; `velocity` rad/s, `acceleration` rad/s² either way."""
-
-    @property
-    def angle(self) -> tuple[float, float]:
-        """Lowest and highest angle, rad."""
-        ...
-
-    @property
-    def velocity(self) -> float:
-        """Largest speed, rad/s."""
-        ...
-
-    @property
-    def acceleration(self) -> float:
-        """Largest acceleration, rad/s²."""
-        ...
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Joint limits as plain numbers; see `JointLimits`."""
-
-    angle: tuple[float, float]
-    velocity: float
-    acceleration: float
-
-
-TABLE_1: Mapping[str, Limits] = {
-    "hip": Limits((-0.13, 1.26), 1.92, 5.16),
-    "knee": Limits((-1.62, -0.23), 1.64, 5.16),
-}
-"""Table 1 of the paper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +69,7 @@ class Fourier:
         return Fourier(self.offset, self.sine * column, self.cosine * column, self.period)
 
 
-def largest_scale(trajectory: Fourier, limits: Mapping[str, JointLimits] = TABLE_1) -> NDArray[np.float64]:
+def largest_scale(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1) -> NDArray[np.float64]:
     """Return per joint (J,) the factor that brings the motion's swing to the first limit it meets.
 
     Raises TrajectoryError when an offset lies outside the angle limits, where no factor can help.
@@ -132,14 +97,14 @@ def largest_scale(trajectory: Fourier, limits: Mapping[str, JointLimits] = TABLE
     return factor
 
 
-def within(trajectory: Fourier, limits: Mapping[str, JointLimits] = TABLE_1, use: float = 1.0) -> Fourier:
+def within(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1, use: float = 1.0) -> Fourier:
     """Return the motion stretched per joint so that it uses the share `use` of the way to the first limit."""
     return trajectory.scaled(use * largest_scale(trajectory, limits))
 
 
 def random_trajectory(
     rng: np.random.Generator,
-    limits: Mapping[str, JointLimits] = TABLE_1,
+    limits: Mapping[str, Limits] = TABLE_1,
     *,
     period: float = 10.0,
     harmonics: int = 5,

@@ -9,7 +9,6 @@ from measurement.controller import Controller
 from measurement.leg import Leg, LegError, Segment, paper_leg, random_leg, standard_leg
 from measurement.sensors import Sensors
 from measurement.trajectory import (
-    TABLE_1,
     Fourier,
     TrajectoryError,
     largest_scale,
@@ -18,6 +17,7 @@ from measurement.trajectory import (
     within,
 )
 from symbolic.errors import ExoidError
+from symbolic.model import TABLE_1
 
 
 @given(seed=st.integers(0, 2**32 - 1), period=st.floats(4.0, 20.0), harmonics=st.integers(1, 10))
