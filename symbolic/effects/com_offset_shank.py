@@ -1,0 +1,33 @@
+"""Centre of mass of the shank off the line from knee to foot, derived by Lagrange from a shank with COM
+(l_sh, y).
+
+One number is left beyond Φ1 to Φ4, the first moment m_y = m_sh y. It weighs on both joints (g cos(θ1 + θ2))
+and couples their accelerations through sin θ2 where Φ3 couples them through cos θ2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from symbolic.effect import Coefficient, Effect
+
+
+def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
+    """Return the leg with the shank's centre of mass across the link."""
+    return mechanism.with_link("shank", across=symbols["m_y"] / mechanism.link("shank").mass)
+
+
+EFFECT = Effect(
+    id="com_offset_shank",
+    title="Shank mass off axis",
+    explains="The shank carries weight in front or behind (a foot, a calf box), so it does not hang straight
+    down.", derive=derive, joints=("both",), coefficients={
+        "m_y": Coefficient(
+            "kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive"
+        )
+    },
+    family="gravity",
+    tells_apart="Slow knee swings with the thigh held at several angles, then fast ones: it weighs and it
+    couples.", reference="Gautier, Khalil, IEEE Transactions on Robotics and Automation 6(3), 1990",
+)

@@ -1,0 +1,45 @@
+"""The wearer's relaxed leg, felt at the cuff: torque Jᵀ F with F = k p + d p' - f.
+
+p is the position of the cuff on the shank, `reach` below the knee; k and d are stiffness and damping of the
+wearer's limb there, and f = k p_0 the force that belongs to its position of rest p_0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from symbolic.effect import Coefficient, Effect, Shape
+
+
+def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
+    """Return the joint torques (hip, knee) that carry a spring and damper at the cuff."""
+    from sympy import Matrix
+
+    cuff = Matrix(mechanism.point(1, symbols["reach"]))
+    jacobian = cuff.jacobian(mechanism.angle)
+    velocity = jacobian * Matrix(mechanism.velocity)
+    force = symbols["k"] * cuff + symbols["d"] * velocity - Matrix([symbols["f_x"], symbols["f_z"]])
+    hip, knee = jacobian.T * force
+    return hip, knee
+
+
+EFFECT = Effect(
+    id="cuff_interaction",
+    title="Wearer at the cuff",
+    explains="A relaxed leg in the cuff holds the shank back like a spring and a damper.",
+    derive=derive,
+    joints=("both",),
+    coefficients={
+        "k": Coefficient("N/m", min=0.0, typical=200.0, explains="stiffness of the limb at the cuff"),
+        "d": Coefficient("N·s/m", min=0.0, typical=30.0, explains="damping of the limb at the cuff"),
+        "f_x": Coefficient("N", typical=25.0, explains="k times the forward position of rest"),
+        "f_z": Coefficient("N", typical=-115.0, explains="k times the upward position of rest"),
+    },
+    shape={
+        "reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="cuff below the knee axis")
+    },
+    family="contact",
+    tells_apart="Repeat the motion with the cuff open: what vanishes is the wearer's.",
+    reference="Schiele, van der Helm, IEEE Trans. Neural Systems and Rehabilitation Engineering 14(4), 2006",
+)

@@ -1,0 +1,34 @@
+"""The knee encoder reads too little: θ2 -> θ2 + offset everywhere inside the model.
+
+Unlike the hip's, the knee's zero enters inertia, velocity and gravity terms alike, so that motion alone
+shows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from symbolic.effect import Effect, Shape
+
+
+def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
+    """Return the leg whose knee stands at θ2 + offset."""
+    hip, knee = mechanism.joint_offset
+    return replace(mechanism, joint_offset=(hip, knee + symbols["offset"]))
+
+
+EFFECT = Effect(
+    id="encoder_offset_knee",
+    title="Knee encoder zero",
+    explains="The zero of the knee encoder is off: the knee is bent more or less than the reading says.",
+    derive=derive,
+    joints=("both",),
+    shape={
+        "offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")
+    },
+    family="sensor",
+    tells_apart="Move the knee to its mechanical stop and compare the reading with the drawing.",
+    reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter 6",
+)

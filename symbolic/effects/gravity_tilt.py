@@ -1,0 +1,39 @@
+"""Gravity turned by a small angle: the frame of the exoskeleton does not stand upright.
+
+Derived from the leg with every gravity angle increased by `tilt`. The hip encoder reading too little by the
+same angle gives exactly the same equations, since nothing but gravity knows where down is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from symbolic.effect import Effect, Shape
+
+
+def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
+    """Return the leg under tilted gravity."""
+    return replace(mechanism, tilt=mechanism.tilt + symbols["tilt"])
+
+
+EFFECT = Effect(
+    id="gravity_tilt",
+    title="Tilted frame",
+    explains="The frame leans, or the hip encoder's zero is off, so the leg hangs where the model does not
+    expect it.", derive=derive, joints=("both",), shape={
+        "tilt": Shape(
+            "rad",
+            min=-0.3,
+            max=0.3,
+            points=9,
+            typical=0.05,
+            explains="forward lean; equally, the hip encoder's error",
+        )
+    },
+    family="gravity",
+    tells_apart="Put a spirit level on the frame, or read the hip encoder while the leg hangs free and
+    still.", reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter
+    6",
+)
