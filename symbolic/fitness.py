@@ -63,7 +63,7 @@ class Fitness:
         if candidates.ndim != 2 or candidates.shape[1] != self.size:
             raise ValueError(f"population has shape {candidates.shape}, expected (I, {self.size})")
         out = np.zeros(len(candidates))
-        # -ffast-math assumes finite numbers, so those that are not are answered here: NaN for them, and only them.
+        # -ffast-math assumes finite numbers: candidates that are not get their NaN here.
         finite = np.isfinite(candidates).all(axis=1)
         if not finite.all():
             out[~finite] = np.nan

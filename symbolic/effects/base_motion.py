@@ -31,8 +31,10 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="base_motion",
     title="Swaying pelvis",
-    explains="What the leg hangs from moves back and forth (a soft stand, a walking wearer), which shakes
-    the leg.", derive=derive, joints=("both",), coefficients={
+    explains="What the leg hangs from sways (a soft stand, a walking wearer), and shakes the leg.",
+    derive=derive,
+    joints=("both",),
+    coefficients={
         "x_s": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.5, explains="forward, sine part"),
         "x_c": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.0, explains="forward, cosine part"),
         "z_s": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.5, explains="upward, sine part"),

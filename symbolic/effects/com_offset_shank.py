@@ -21,13 +21,15 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="com_offset_shank",
     title="Shank mass off axis",
-    explains="The shank carries weight in front or behind (a foot, a calf box), so it does not hang straight
-    down.", derive=derive, joints=("both",), coefficients={
+    explains="The shank carries weight in front or behind (a calf box), so it does not hang straight.",
+    derive=derive,
+    joints=("both",),
+    coefficients={
         "m_y": Coefficient(
             "kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive"
         )
     },
     family="gravity",
-    tells_apart="Slow knee swings with the thigh held at several angles, then fast ones: it weighs and it
-    couples.", reference="Gautier, Khalil, IEEE Transactions on Robotics and Automation 6(3), 1990",
+    tells_apart="Slow knee swings at several thigh angles, then fast ones: it weighs and it couples.",
+    reference="Gautier, Khalil, IEEE Transactions on Robotics and Automation 6(3), 1990",
 )

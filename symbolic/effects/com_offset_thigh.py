@@ -20,8 +20,10 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="com_offset_thigh",
     title="Thigh mass off axis",
-    explains="The thigh is heavier in front or behind (a motor or battery box), so it does not hang straight
-    down.", derive=derive, joints=("both",), coefficients={
+    explains="The thigh is heavier in front or behind (a motor, a box), so it does not hang straight.",
+    derive=derive,
+    joints=("both",),
+    coefficients={
         "m_y": Coefficient(
             "kg·m", min=-5.0, max=5.0, typical=0.3, explains="mass times distance, forward positive"
         )

@@ -21,8 +21,10 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
 EFFECT = Effect(
     id="gravity_tilt",
     title="Tilted frame",
-    explains="The frame leans, or the hip encoder's zero is off, so the leg hangs where the model does not
-    expect it.", derive=derive, joints=("both",), shape={
+    explains="The frame leans, or the hip encoder's zero is off, so the leg does not hang where the model expects.",
+    derive=derive,
+    joints=("both",),
+    shape={
         "tilt": Shape(
             "rad",
             min=-0.3,
@@ -33,7 +35,6 @@ EFFECT = Effect(
         )
     },
     family="gravity",
-    tells_apart="Put a spirit level on the frame, or read the hip encoder while the leg hangs free and
-    still.", reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter
-    6",
+    tells_apart="Put a spirit level on the frame, or read the hip encoder while the leg hangs still.",
+    reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter 6",
 )
