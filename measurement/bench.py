@@ -27,6 +27,7 @@ from measurement.recording import Recording
 from measurement.seal import HiddenTruth, Truth
 from measurement.sensors import Sensors
 from measurement.trajectory import Fourier, random_trajectory
+from measurement.wearer import Wearer, cuff_force, cuff_torque
 from symbolic.errors import ExoidError
 from symbolic.model import Model
 from symbolic.motion import Motion
@@ -74,6 +75,8 @@ class Bench:
     sensors: Sensors = field(default_factory=Sensors)
     step: float = STEP
     lead_in: float = LEAD_IN
+    wearer: Wearer | None = None
+    """Someone who pushes at the cuffs; the recording then has the cuff sensors' `force`."""
 
     def __post_init__(self) -> None:
         if not (self.rate > 0 and self.lead_in >= 0 and 0 < self.step <= STEP):
@@ -157,12 +160,12 @@ def run(
     true = true_model(model, leg.base, hidden)
     mechanical, channel = split_channel(true)
     trace = _drive(mechanical, leg, path, bench, control_rng)
-    motion = Motion(trace.t, trace.q, trace.dq, trace.ddq, trace.sign)
+    motion = Motion(np.asarray(trace.t, dtype=float), trace.q, trace.dq, trace.ddq, trace.sign)
     torque = trace.motor
     if channel:
         torque = torque + true.torque(motion) - mechanical.torque(motion)
     return Run(
-        recording=_measure(motion, torque, bench, sensor_rng, name),
+        recording=_measure(motion, torque, trace.force, bench, sensor_rng, name),
         motion=motion,
         torque=torque,
         true=true,
@@ -175,19 +178,20 @@ def run(
 class _Trace:
     """What the integration leaves behind at the sample times: arrays (N, J), and `t` (N,)."""
 
-    t: Array
+    t: NDArray[np.floating[Any]]
     q: Array
     dq: Array
     ddq: Array
     sign: Array
     motor: Array
+    force: Array | None
     saturated: float
 
 
 def _settings(bench: Bench | None, duration: float | None, rate: float | None) -> Bench:
     bench = Bench() if bench is None else bench
-    changes = {"duration": duration, "rate": rate}
-    return replace(bench, **{key: value for key, value in changes.items() if value is not None})
+    bench = bench if duration is None else replace(bench, duration=duration)
+    return bench if rate is None else replace(bench, rate=rate)
 
 
 def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.random.Generator) -> _Trace:
@@ -200,7 +204,11 @@ def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.rando
     # The controller acts at the start of a step, half a step before the time stamp the step is centred on.
     wanted = path.at(t - 0.5 * dt)
     noise = bench.sensors.encoder_noise * rng.standard_normal((count, 2))
-    given = np.column_stack([t, wanted.q, wanted.dq, noise, np.zeros((count, 2))]).T
+    pushed = np.zeros((count, 2))
+    if bench.wearer is not None:
+        force = bench.wearer.force(t, rng)
+        pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
+    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed]).T
     numbers = _numbers(true, leg, bench, dt)
     plant = stepper(true.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
@@ -214,13 +222,16 @@ def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.rando
     kept = record[:, before::per_sample]
     at_limit = np.abs(record[8:10]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
     q, dq, ddq, sign, motor = (kept[2 * k : 2 * k + 2].T for k in range(5))
-    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, float(at_limit.any(axis=0).mean()))
+    force = None
+    if bench.wearer is not None:
+        # The push was planned along the wanted path; the sensors feel the force that makes it on the true
+        # one.
+        force = cuff_force(pushed[before::per_sample], q, bench.wearer.reach, leg.thigh_length)
+    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, force, float(at_limit.any(axis=0).mean()))
 
 
 def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
-    """Run `step` (see `plant.step_function`) along `given` (9, N) from `state` and return its records (12,
-    N).
-    """
+    """Run `step` (see `plant.step_function`) from `state` along `given` (9, N); return records (12, N)."""
     count = given.shape[1]
     blocks = -(-count // BLOCK)
     # Every block has the same length, so that one compiled map serves; the tail repeats the last input.
@@ -241,15 +252,16 @@ def _numbers(true: TrueModel, leg: Leg, bench: Bench, dt: float) -> Array:
     return np.concatenate([gains, leg.torque_limit, fixed, true.linear, true.shape])
 
 
-def _measure(motion: Motion, torque: Array, bench: Bench, rng: np.random.Generator, name: str) -> Recording:
+def _measure(
+    motion: Motion, torque: Array, force: Array | None, bench: Bench, rng: np.random.Generator, name: str
+) -> Recording:
     """Return what the instruments and the logger make of the truth."""
     sensors = bench.sensors
-    return Recording(
-        name=name,
-        t=sensors.logged(sensors.clock(motion.t, rng)),
-        q=sensors.logged(sensors.angle(motion.q, rng)),
-        tau=sensors.logged(sensors.torque(torque, bench.rate, rng), fewer=2),
-    )
+    t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng)
+    tau = sensors.torque(torque, bench.rate, rng)
+    if force is not None:
+        force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
+    return Recording(name, sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2), force=force)
 
 
 def _truth(true: TrueModel, leg: Leg, hidden: tuple[Hidden, ...], seed: int) -> Truth:

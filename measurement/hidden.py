@@ -79,7 +79,7 @@ class TrueModel:
 
     def numbers(self) -> dict[str, float]:
         """Return every parameter and shape of the model by its full name (`stribeck:knee.v_s`)."""
-        names = [entry.name for entry in (*self.model.parameters, *self.model.shapes)]
+        names = [entry.name for entry in self.model.parameters] + [entry.name for entry in self.model.shapes]
         return dict(zip(names, (float(value) for value in (*self.linear, *self.shape)), strict=True))
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ class Fourier:
         if not self.period > 0:
             raise TrajectoryError(f"the period is {self.period} s, it must be positive")
 
-    def at(self, t: NDArray[np.float64]) -> Motion:
+    def at(self, t: NDArray[np.floating[Any]]) -> Motion:
         """Return angle, velocity and acceleration at times `t` (N,) in s."""
         k = np.arange(1, self.sine.shape[1] + 1) * (2.0 * np.pi / self.period)
         s, c = np.sin(np.outer(t, k)), np.cos(np.outer(t, k))
