@@ -55,6 +55,48 @@ class FittableModel(Protocol):
         """Return the regressor (J, N, P)."""
 
 
+class Assembly:
+    """Builds the linear data of one model and its recordings again and again, for other shapes.
+
+    Filtering costs more than evaluating, and most columns do not depend on the shapes: a column that
+    comes out as it did last time is not filtered again.
+    """
+
+    def __init__(self, model: FittableModel, prepared: Sequence[Prepared]) -> None:
+        self.model = model
+        self.prepared = tuple(prepared)
+        self._raw: list[Float | None] = [None] * len(self.prepared)
+        self._smooth: list[Float | None] = [None] * len(self.prepared)
+        self._tau = np.concatenate([one.tau for one in self.prepared]).T
+        self._use = np.concatenate([one.use for one in self.prepared]).T
+        self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.tau) for one in self.prepared])
+
+    def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
+        """Return the linear data for shape values (S,) and `reference` parameters (P,)."""
+        columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
+        return LinearData(
+            columns=np.concatenate(columns, axis=1),
+            tau=self._tau,
+            groups=self._groups,
+            names=tuple(p.name for p in self.model.parameters),
+            units=tuple(p.unit for p in self.model.parameters),
+            use=self._use,
+        )
+
+    def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
+        one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
+        raw = self.model.columns(one.motion, shape, reference)
+        if before is None or smooth is None:
+            smooth = np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1)
+        else:
+            changed = np.flatnonzero((raw != before).any(axis=(0, 1)))
+            if changed.size:
+                smooth = smooth.copy()
+                smooth[:, :, changed] = np.moveaxis(one.smooth(np.moveaxis(raw[:, :, changed], 0, 1)), 0, 1)
+        self._raw[index], self._smooth[index] = raw, smooth
+        return smooth
+
+
 def assemble(
     model: FittableModel,
     prepared: Sequence[Prepared],
@@ -65,18 +107,7 @@ def assemble(
 
     `shape` (S,) are the shape values, `reference` (P,) the parameters a fed-back torque is computed from.
     """
-    columns = []
-    for one in prepared:
-        raw = model.columns(one.motion, shape, reference)
-        columns.append(np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1))
-    return LinearData(
-        columns=np.concatenate(columns, axis=1),
-        tau=np.concatenate([one.tau for one in prepared]).T,
-        groups=np.repeat(np.arange(len(prepared)), [len(one.tau) for one in prepared]),
-        names=tuple(p.name for p in model.parameters),
-        units=tuple(p.unit for p in model.parameters),
-        use=np.concatenate([one.use for one in prepared]).T,
-    )
+    return Assembly(model, prepared).data(shape, reference)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,24 +121,22 @@ class Settled:
 
 
 def settle(
-    model: FittableModel,
-    prepared: Sequence[Prepared],
+    assembly: Assembly,
     shape: Float | None,
     solve: Callable[[LinearData], Float],
     reference: Float | None = None,
 ) -> Settled:
-    """Solve the linear parameters; where the model needs reference parameters, iterate them to their fixed
-    point.
+    """Solve the linear parameters; a model that needs reference parameters is iterated to their fixed point.
 
-    The first reference is `reference` (P,) or zero, which makes the dependent columns vanish in the first
-    round.
+    The first reference is `reference` (P,) or zero, which makes the fed-back columns vanish in round one.
     """
+    model = assembly.model
     if not model.needs_reference:
-        data = assemble(model, prepared, shape)
+        data = assembly.data(shape)
         return Settled(data, solve(data), 1, True)
     last = np.zeros(len(model.parameters)) if reference is None else np.asarray(reference, dtype=float)
     for count in range(1, FIXED_POINT_ROUNDS + 1):
-        data = assemble(model, prepared, shape, last)
+        data = assembly.data(shape, last)
         linear = solve(data)
         change = float(np.linalg.norm(data.factor.forward @ (linear - last)))
         size = float(np.linalg.norm(data.factor.forward @ linear))

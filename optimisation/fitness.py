@@ -1,15 +1,15 @@
-"""The fitness of a whole population: compiled where the machine can, and the same numbers in NumPy."""
+"""The fitness of a whole population for the data of a fit: compiled where the machine can compile."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
-from optimisation.loss import PopulationFitness
 from optimisation.problem import LinearData
+from symbolic.kernel import fitness
 from symbolic.motion import Float
 
 
-class Fitness(Protocol):
+class PopulationLoss(Protocol):
     """SSE and Huber of a population (I, P) as (I,)."""
 
     def sse(self, population: Float) -> Float:
@@ -19,6 +19,6 @@ class Fitness(Protocol):
         """Return the Huber loss of each individual for thresholds `delta` (J,)."""
 
 
-def population_fitness(data: LinearData) -> Fitness:
-    """Return the fastest fitness this machine has for `data`."""
-    return PopulationFitness(data.columns, data.tau)
+def population_fitness(data: LinearData) -> PopulationLoss:
+    """Return the fastest fitness this machine has for `data`; `loss.PopulationFitness` is its check."""
+    return fitness(data.columns, data.tau)

@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 
 from measurement.finding import Finding
-from optimisation.assemble import FittableModel, Prepared, Settled, assemble, settle
+from optimisation.assemble import Assembly, FittableModel, Prepared, Settled, settle
 from optimisation.certificate import certify
 from optimisation.fit import Fit, Stage
 from optimisation.fitness import population_fitness
@@ -72,10 +72,13 @@ def identify(
     searches = dict(optimisers)
     infinite = np.full(2, np.inf)
 
+    assembly = Assembly(model, data)
+    scope = _scope(model, shape is not None)
+
     say("least squares")
-    first_shape, first, leaders = _solve_shape(model, data, infinite, shape, None)
+    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, None)
     first.data.require_enough()
-    sse = _stage("sse", first, first_shape, infinite, first.linear, searches, seed, say)
+    sse = _stage("sse", first, first_shape, infinite, first.linear, searches, seed, say, scope)
     limits = (
         delta_rule(first.data.residual(first.linear), use=first.data.use)
         if delta is None
@@ -84,18 +87,19 @@ def identify(
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
-        best_shape, best, _ = _solve_shape(model, data, limits, shape, leaders, first.linear)
+        best_shape, best, _ = _solve_shape(assembly, limits, shape, leaders, first.linear)
     else:  # the columns stay what they were
         best_shape = first_shape
         best = replace(first, linear=solve_huber(first.data, limits, first.linear))
     # δ and the box of the Huber search come from least squares on the columns of the shape found last.
     centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = _stage("huber", best, best_shape, limits, centre, searches, seed, say)
+    stage = _stage("huber", best, best_shape, limits, centre, searches, seed, say, scope)
 
-    spread = _spread(model, data, best, best_shape, limits)
+    spread = _spread(assembly, best, best_shape, limits)
     estimates = _estimates(model, best.linear, best_shape, spread)
     cautions = (
-        *_numerical(model, best, best_shape, first_shape.size and shape is None),
+        *_numerical(model, best, best_shape, bool(model.shapes) and shape is None),
+        *_unproven(stage),
         *check_plausibility(model, best.linear, estimates, best_shape),
     )
     return Fit(
@@ -120,13 +124,20 @@ def identify(
     )
 
 
+def _scope(model: FittableModel, given: bool) -> str:
+    """Return for what a certificate of this fit holds: a loss is convex in the linear parameters only."""
+    scope = "all parameters"
+    if model.shapes:
+        scope = f"the linear parameters at the {'given' if given else 'best-known'} shape"
+    return scope + (", the model's own torque held" if model.needs_reference else "")
+
+
 def _silent(text: str) -> None:
     """Say nothing."""
 
 
 def _solve_shape(
-    model: FittableModel,
-    prepared: Sequence[Prepared],
+    assembly: Assembly,
     delta: Float,
     fixed: Float | None,
     starts: Sequence[Float] | None,
@@ -138,13 +149,13 @@ def _solve_shape(
         return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta)
 
     def solved(shape: Float) -> Settled:
-        return settle(model, prepared, shape, solve, reference)
+        return settle(assembly, shape, solve, reference)
 
     def loss(shape: Float) -> float:
         found = solved(shape)
         return huber(found.data.residual(found.linear), delta)
 
-    shapes = [s.shape for s in model.shapes]
+    shapes = [s.shape for s in assembly.model.shapes]
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
         return values, solved(values), [values]
@@ -161,11 +172,11 @@ def _stage(
     searches: Mapping[str, Search],
     seed: int,
     say: Progress,
+    scope: str,
 ) -> Stage:
     """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
     data = found.data
-    parts = ["the linear parameters at the best-known shape"] if shape.size else ["all parameters"]
-    certificate = certify(data, found.linear, delta, scope=parts[0])
+    certificate = certify(data, found.linear, delta, scope=scope)
     runs: dict[str, Run] = {}
     reference: Reference | None = None
     if searches:
@@ -187,17 +198,15 @@ def _stage(
     return Stage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
 
 
-def _spread(
-    model: FittableModel, prepared: Sequence[Prepared], found: Settled, shape: Float, delta: Float
-) -> Covariance:
+def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> Covariance:
     """Return the joint covariance of linear and shape parameters, through the Jacobian of the torque."""
-    columns, linear = found.data.columns, found.linear
+    model, columns, linear = assembly.model, found.data.columns, found.linear
     if not shape.size and not model.needs_reference:
         residual = found.data.residual(linear)
         return covariance(columns, residual, delta, found.data.groups, factor=found.data.factor)
 
     def predicted(values: Float, at: Float) -> Float:
-        return assemble(model, prepared, at, values if model.needs_reference else None).columns @ values
+        return assembly.data(at, values if model.needs_reference else None).columns @ values
 
     slopes = []
     for index, entry in enumerate(model.shapes):
@@ -242,7 +251,7 @@ def _estimates(model: FittableModel, linear: Float, shape: Float, spread: Covari
     )
 
 
-def _numerical(model: FittableModel, found: Settled, shape: Float, searched: object) -> list[Finding]:
+def _numerical(model: FittableModel, found: Settled, shape: Float, searched: bool) -> list[Finding]:
     """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
     cautions = []
     factor = found.data.factor
@@ -262,3 +271,13 @@ def _numerical(model: FittableModel, found: Settled, shape: Float, searched: obj
             remedy = "the effect may stand in for another one; compare its look-alikes with `exoid diagnose`"
             cautions.append(Finding("edge", "warning", what, entry.name, float(value), limit, remedy))
     return cautions
+
+
+def _unproven(stage: Stage) -> list[Finding]:
+    """Return a warning where the optimum could not be proven."""
+    if stage.certificate.holds:
+        return []
+    what = f"the optimum is not proven: relative duality gap {stage.certificate.gap:.1e}"
+    remedy = "look for parameters of extreme size or recordings with hardly any motion"
+    value, limit = stage.certificate.gap, stage.certificate.tolerance
+    return [Finding("certificate", "warning", what, stage.kind, value, limit, remedy)]

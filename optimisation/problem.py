@@ -3,9 +3,9 @@
 The rule for the box, so that it contains the optimum by construction and nobody has to guess bounds:
 
 * SSE: Y = QR and z = RΦ give |z_SSE| = |Qᵀτ| ≤ |τ|. The box is centred on zero with half-width |τ|.
-* Huber: Qᵀ clip(r, δ) = 0 at the optimum gives z_SSE - z_Huber = Qᵀ e with e the part of the residual
-  beyond δ, and Σ 2δ|e| ≤ Huber(Φ_Huber) ≤ Huber(Φ_SSE). The box is centred on z_SSE with half-width
-  Huber(Φ_SSE) / (2 min δ).
+* Huber: Qᵀ clip(r, δ) = 0 at the optimum gives z_SSE - z_Huber = Qᵀe with e the part of the residual beyond
+  δ, and Σ 2δ|e| ≤ Huber(Φ_Huber) ≤ Huber(Φ_SSE). The box is centred on z_SSE with half-width
+  Huber(Φ_SSE) · max_i |Q_i| / 2δ_i, where Q_i are the rows of Q.
 
 In physical coordinates it is the smallest box around that ball: half-width times the row lengths of R⁻¹.
 """
@@ -183,6 +183,7 @@ def sse_problem(data: LinearData, fitness: Fitness) -> Problem:
 
 def huber_problem(data: LinearData, fitness: Fitness, delta: Float, sse_linear: Float) -> Problem:
     """Return the Huber problem for thresholds `delta` (J,), boxed around the SSE solution (P,)."""
-    radius = huber(data.residual(sse_linear), delta) / (2.0 * float(np.min(delta)))
+    reach = np.linalg.norm(data.factor.basis, axis=1) / np.repeat(2.0 * delta, data.tau.shape[1])
+    radius = huber(data.residual(sse_linear), delta) * float(np.max(reach))
     floor = 1e-9 * (float(np.linalg.norm(data.vector)) or 1.0)
     return _boxed(data, fitness, data.factor.forward @ sse_linear, max(radius, floor))

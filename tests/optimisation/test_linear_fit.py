@@ -10,6 +10,7 @@ from paper_leg import PAPER, Leg, record
 
 from optimisation.assemble import assemble
 from optimisation.certificate import certify
+from optimisation.fitness import population_fitness
 from optimisation.linear import delta_rule, solve_huber, solve_sse
 from optimisation.loss import PopulationFitness, huber, sse
 from optimisation.problem import LinearData
@@ -175,3 +176,12 @@ def test_bad_data_is_refused_with_its_name():
     few = make(samples=4)
     with pytest.raises(NotEnoughDataError, match="only 4 usable samples for 4 parameters"):
         few.require_enough()
+
+
+def test_the_compiled_population_fitness_agrees():
+    data = assemble(Leg(), [record(noise=3.0, outliers=0.1, samples=500, step=0.05)])
+    population = PAPER + np.random.default_rng(1).normal(size=(9, 8))
+    fast, check = population_fitness(data), PopulationFitness(data.columns, data.tau)
+    delta = np.array([4.0, 5.0])
+    assert np.allclose(fast.sse(population), check.sse(population), rtol=1e-12)
+    assert np.allclose(fast.huber(population, delta), check.huber(population, delta), rtol=1e-12)
