@@ -22,7 +22,8 @@ def fill(values: Float, valid: Mask) -> Float:
 def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
     """Return the angle (N,) in rad without jumps of a whole turn, and where (N,) they were.
 
-    Only a jump within half a radian of a whole turn counts, and only where the leg cannot have turned so far by itself.
+    Only a jump within half a radian of a whole turn counts, and only where the leg cannot have turned so far
+    by itself.
     """
     at = np.flatnonzero(valid)
     jump = np.diff(q[at])
@@ -43,7 +44,8 @@ def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
 def spikes(q: Float, valid: Mask) -> Mask:
     """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
 
-    Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of motion.
+    Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of
+    motion.
     """
     out = np.zeros(q.shape[0], dtype=bool)
     at = np.flatnonzero(valid)

@@ -1,7 +1,7 @@
 """The audit: every file in `checks/` looks at the recording; nothing is registered anywhere.
 
-A check is a module with `def check(recording) -> list[Finding]`. It must not change the recording and must not
-raise; what makes a recording unusable is a finding of severity "refused".
+A check is a module with `def check(recording) -> list[Finding]`. It must not change the recording and must
+not raise; what makes a recording unusable is a finding of severity "refused".
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ def find_checks() -> dict[str, Check]:
 
 
 def audit(recording: Recording) -> tuple[Finding, ...]:
-    """Return what every check finds in `recording`, worst first; findings it already carries are kept in front."""
+    """Return what every check finds in `recording`, worst first; findings it already carries are kept in
+    front."""
     found = [finding for check in find_checks().values() for finding in check(recording)]
     found.sort(key=lambda finding: SEVERITIES.index(finding.severity))
     return recording.findings + tuple(found)

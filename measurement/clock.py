@@ -1,7 +1,7 @@
 """Time stamps that cannot be as they stand: repeated, out of order, restarted, or counted in another unit.
 
-Nothing here invents a rate: stamps that are usable are used as they were logged (on the real rig, pretending a
-uniform rate cost 0.095 -> 0.133 N·m).
+Nothing here invents a rate: stamps that are usable are used as they were logged (on the real rig, pretending
+a uniform rate cost 0.095 -> 0.133 N·m).
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """How to put rows in order: `order` (N,) is a permutation, `bad` (N,) marks rows whose stamp cannot be used."""
+    """How to put rows in order: `order` (N,) is a permutation, `bad` (N,) marks rows whose stamp cannot be
+    used."""
 
     order: Index
     bad: Mask
@@ -29,7 +30,8 @@ class Order:
 
 
 def put_in_order(t: Float, usable: Mask) -> Order:
-    """Return how the rows with stamps `t` (N,) are brought into strictly increasing time; `usable` (N,) are finite."""
+    """Return how the rows with stamps `t` (N,) are brought into strictly increasing time; `usable` (N,) are
+    finite."""
     count = t.shape[0]
     order: Index = np.arange(count)
     kept = order[usable]
@@ -65,7 +67,8 @@ def put_in_order(t: Float, usable: Mask) -> Order:
 
 
 def longest_increasing(values: Float) -> Index:
-    """Return the indices of a longest strictly increasing subsequence: the fewest rows have to be given up."""
+    """Return the indices of a longest strictly increasing subsequence: the fewest rows have to be given
+    up."""
     tails: list[float] = []
     holders: list[int] = []
     before = np.full(values.shape[0], -1, dtype=np.int64)
@@ -108,10 +111,12 @@ def fill_stamps(t: Float, bad: Mask) -> Float:
 
 
 def clock_unit(t: Float, q: Float) -> tuple[str, float]:
-    """Return ("ms", 1e-3) or the like when stamps (N,) can only be a clock in that unit, ("s", 1) when they are seconds.
+    """Return ("ms", 1e-3) or the like when stamps (N,) can only be a clock in that unit, ("s", 1) when they
+    are seconds.
 
-    Returns ("index", 1) for a plain count 0, 1, 2, ... which may be milliseconds or row numbers. A leg sampled less
-    than twice a second would move wildly between rows; when the angles `q` (N, J) are smooth instead, the clock is not in s.
+    Returns ("index", 1) for a plain count 0, 1, 2, ... which may be milliseconds or row numbers. A leg
+    sampled less than twice a second would move wildly between rows; when the angles `q` (N, J) are smooth
+    instead, the clock is not in s.
     """
     step = float(np.median(np.diff(t)))
     reach = np.ptp(q, axis=0)

@@ -1,8 +1,8 @@
 """Which column of a file is which: usual names, units in the header, and what the user maps by hand.
 
-A name is cut into words; if the words that remain after fillers ("measured", "joint", ...) are a known quantity
-and a known joint, the column is recognised. Anything else in the name ("desired", "ref", "error") forbids it, so a
-set-point is never taken for a measurement.
+A name is cut into words; if the words that remain after fillers ("measured", "joint", ...) are a known
+quantity and a known joint, the column is recognised. Anything else in the name ("desired", "ref", "error")
+forbids it, so a set-point is never taken for a measurement.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from measurement.raw import RawColumn, RawTable
-from measurement.units import QUANTITIES, factor, plain
+from measurement.units import QUANTITIES, factor
 from symbolic.errors import RecordingError
 
 REQUIRED = ("t", "q1", "q2", "tau1", "tau2")
@@ -22,20 +22,41 @@ CANONICAL = REQUIRED + OPTIONAL
 SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
 
 WORDS: Mapping[str, tuple[str, ...]] = {
-    "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds", "stamp", "rowtimes"),
+    "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
+          "stamp", "rowtimes"),
     "q": ("q", "theta", "angle", "angles", "pos", "position", "phi", "winkel", "th"),
-    "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity", "speed",
-           "w", "anglevelocity", "angularvelocity", "anglerate", "dth"),
+    "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
+           "speed", "w", "anglevelocity", "angularvelocity", "anglerate", "dth"),
     "ddq": ("ddq", "qdd", "qddot", "qpp", "ddtheta", "thetaddot", "thetadd", "acc", "acceleration",
             "angularacceleration", "ddth"),
     "tau": ("tau", "torque", "torques", "trq", "moment", "drehmoment", "u"),
     "f": ("f", "force", "cuffforce", "interactionforce", "fint", "fdis", "fcuff", "kraft"),
 }  # fmt: skip
-JOINTS: Mapping[str, int] = {"1": 1, "2": 2, "01": 1, "02": 2, "hip": 1, "h": 1, "knee": 2, "k": 2, "kn": 2, "thigh": 1, "shank": 2,
-                             "hüfte": 1, "huefte": 1, "knie": 2}  # fmt: skip
+JOINTS: Mapping[str, int] = {"1": 1, "2": 2, "01": 1, "02": 2, "hip": 1, "h": 1, "knee": 2, "k": 2, "kn": 2,
+                             "thigh": 1, "shank": 2, "hüfte": 1, "huefte": 1, "knie": 2}  # fmt: skip
 FILLERS = frozenset(
     {"joint", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder"}
 )
+FOREIGN = frozenset(
+    {
+        "ref",
+        "reference",
+        "desired",
+        "des",
+        "cmd",
+        "command",
+        "commanded",
+        "setpoint",
+        "target",
+        "error",
+        "err",
+        "model",
+        "simulated",
+        "predicted",
+        "feedforward",
+    }
+)
+"""Anywhere in a name, also in that of its group, these say that it is not a measurement."""
 GREEK = {
     "θ̈": " ddtheta ",
     "θ̇": " dtheta ",
@@ -50,7 +71,8 @@ _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items(
 
 @dataclass(frozen=True)
 class Assigned:
-    """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by somebody."""
+    """A canonical column: where it comes from, `factor` to SI, and whether its unit was `told` by
+    somebody."""
 
     name: str
     column: RawColumn
@@ -65,29 +87,39 @@ def quantity_of(name: str) -> str:
 
 
 def recognise(name: str) -> tuple[str, str, int] | None:
-    """Return (canonical name, unit hidden in the name, number of filler words) or None: "tau1_mNm" -> ("tau1", "mNm", 0)."""
-    leaf = re.split(r"[./:]", name)[-1] or name
+    """Return (canonical name, unit hidden in the name, number of filler words) or None: "tau1_mNm" ->
+    ("tau1", "mNm", 0)."""
     for sign, word in GREEK.items():
-        leaf = leaf.replace(sign, word)
-    leaf = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", leaf)
-    words = [word for word in re.split(r"[\W_]+|(?<=[^\W\d])(?=\d)|(?<=\d)(?=[^\W\d])", leaf) if word]
-    unit = ""
+        name = name.replace(sign, word)
+    if FOREIGN.intersection(re.split(r"[\W\d_]+", _spaced(name).lower())):
+        return None
+    path = [part for part in re.split(r"[./:]", name) if part]
+    for depth in (1, 2):  # "run.q1" and "run.hip.angle"; a unit such as "rad/s" also looks like a path
+        found = _recognised(" ".join(path[-depth:])) or _recognised(name)
+        if found:
+            return found
+    return None
+
+
+def _recognised(text: str) -> tuple[str, str, int] | None:
+    parts = [part for part in re.split(r"[\W_]+", text) if part]
     for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
-        tail = "/".join(words[-used:])
-        if (
-            len(words) > used
-            and any(plain(tail) in table for table in QUANTITIES.values())
-            and not tail.isdigit()
-        ):
-            found = _match(words[:-used])
-            if found and factor(quantity_of(found[0]), tail) is not None:
-                return found[0], tail, found[1]
-    found = _match(words)
-    return (found[0], unit, found[1]) if found else None
+        tail = "/".join(parts[-used:])
+        found = _match(parts[:-used]) if len(parts) > used and not tail.isdigit() else None
+        if found and factor(quantity_of(found[0]), tail) is not None:
+            return found[0], tail, found[1]
+    found = _match(parts)
+    return (found[0], "", found[1]) if found else None
 
 
-def _match(words: Sequence[str]) -> tuple[str, int] | None:
-    lower = [word.lower() for word in words]
+def _spaced(name: str) -> str:
+    """Return `name` with a blank between words and numbers written as one: "hipAngle", "q1"."""
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return re.sub(r"(?<=[^\W\d_])(?=\d)|(?<=\d)(?=[^\W\d_])", " ", name)
+
+
+def _match(parts: Sequence[str]) -> tuple[str, int] | None:
+    lower = _spaced(" ".join(parts)).lower().split()
     kept = [word for word in lower if word not in FILLERS]
     joints = {JOINTS[word] for word in kept if word in JOINTS}
     quantity = _QUANTITY.get("".join(word for word in kept if word not in JOINTS))
@@ -180,12 +212,11 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str)
     used = {id(column) for column in chosen.values()}
     free = [column.name for column in table.columns if id(column) not in used]
     close = difflib.get_close_matches(missing[0], free, 1, cutoff=0.5)
-    hint = f"; did you mean {missing[0]}={close[0]}?" if close else ""
-    example = close[0] if close else (free[0] if free else "COLUMN")
+    example = f"{missing[0]}={close[0] if close else 'COLUMN'}"
     raise RecordingError(
         f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",
         where=where,
-        remedy=f"say which column it is with --map {missing[0]}={example}{hint}",
+        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}{'?' if close else ''}",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,7 +19,8 @@ class RawColumn:
     """One column: `values` (N,) with NaN where the cell is empty or not a number.
 
     `texts` are the cells that hold something else than a number: {index: cell}, at most the first twenty;
-    `text_count` is how many there are. `unit` comes from the header, a unit row or an attribute ("" if unsaid).
+    `text_count` is how many there are. `unit` comes from the header, a unit row or an attribute ("" if
+    unsaid).
     """
 
     name: str
@@ -30,7 +32,8 @@ class RawColumn:
 
 @dataclass(frozen=True, eq=False)
 class RawTable:
-    """The columns of one file; `row` (N,) is where each sample stands in it, `notes` what the reader had to decide."""
+    """The columns of one file; `row` (N,) is where each sample stands in it, `notes` what the reader had to
+    decide."""
 
     columns: tuple[RawColumn, ...]
     row: NDArray[np.int64]
@@ -43,34 +46,45 @@ class RawTable:
 
 
 def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
-    """Return a column from an array (N,) of numbers or of cells of any kind; what is not a number becomes NaN."""
+    """Return a column from an array (N,) of numbers or of cells of any kind; what is not a number becomes
+    NaN.
+
+    A column of dates, clock times or durations becomes seconds since its first stamp.
+    """
     import pandas as pd
 
-    series = pd.Series(cells)
-    if pd.api.types.is_bool_dtype(series) or pd.api.types.is_complex_dtype(series):
-        series = series.astype(str)
-    if pd.api.types.is_numeric_dtype(series):
-        return RawColumn(name, series.to_numpy(dtype=float, na_value=np.nan), unit)
-    if pd.api.types.is_datetime64_any_dtype(series) or pd.api.types.is_timedelta64_dtype(series):
-        return RawColumn(name, _seconds(series), "s")
-    cells = series.astype(object)
-    values = _to_numbers(cells)
-    filled = ~cells.isna().to_numpy() & np.array([bool(str(cell).strip()) for cell in cells], dtype=bool)
-    wrong = np.flatnonzero(np.isnan(values) & filled)
-    texts = {int(i): str(cells.iloc[i])[:40] for i in wrong[:20]}
-    return RawColumn(name, values, unit, texts, int(wrong.size))
+    if not isinstance(cells, pd.Series):
+        plain = np.asarray(cells)
+        native = plain.dtype.newbyteorder("=")  # big-endian files would upset pandas
+        cells = pd.Series(plain.astype(native) if plain.dtype.kind in "iuf" else list(plain))
+    types = pd.api.types
+    if types.is_numeric_dtype(cells) and not types.is_bool_dtype(cells) and not types.is_complex_dtype(cells):
+        return RawColumn(name, cells.to_numpy(dtype=float, na_value=np.nan), unit)
+    if types.is_datetime64_any_dtype(cells) or types.is_timedelta64_dtype(cells):
+        return RawColumn(name, _seconds(cells), "s")
+    texts = ["" if cell is None or cell != cell else str(cell).strip() for cell in cells]
+    first = next((text for text in texts if text), "")
+    if DATE.match(first):
+        stamps = pd.to_datetime(pd.Series(texts), errors="coerce", format="ISO8601", utc=True)
+        return RawColumn(name, _seconds(stamps), "s")
+    if CLOCK.fullmatch(first):
+        return RawColumn(name, _seconds(pd.to_timedelta(pd.Series(texts), errors="coerce")), "s")
+    values = np.array([_number(text) for text in texts], dtype=float)
+    missing = ("", "nan", "na", "n/a", "null", "none", "nat")
+    wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in missing]
+    return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong))
 
 
-def _to_numbers(cells: Any) -> Float:
-    """Return (N,) floats; a cell counts as a number only when it is a plain ASCII decimal number."""
-    import pandas as pd
+DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", re.ASCII)
+CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.]\d+)?", re.ASCII)
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?", re.ASCII | re.IGNORECASE)
 
-    text = cells.astype(str).str.strip()
-    odd = ~text.str.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?", case=False).fillna(
-        False
-    )
-    text = text.mask(odd, "nan").str.replace(r"(?<=\d)[dD]", "e", regex=True)
-    return np.asarray(pd.to_numeric(text, errors="coerce"), dtype=float)
+
+def _number(text: str) -> float:
+    """Return the number written in `text`, NaN unless it is a plain ASCII decimal number ("1_000" is not)."""
+    if len(text) > 60 or not NUMBER.fullmatch(text):
+        return float("nan")
+    return float(text if "inf" in text.lower() else text.replace("d", "e").replace("D", "e"))
 
 
 def _seconds(series: Any) -> Float:
@@ -88,8 +102,8 @@ def table_from_arrays(
 ) -> RawTable:
     """Return the columns held by named `arrays`: (N,), (N, 2) and (2, N) become one and two columns.
 
-    N is the length most arrays share; arrays of another length (settings, other channels) are left out and said so.
-    Raises RecordingError when there is no array of two samples or more.
+    N is the length most arrays share; arrays of another length (settings, other channels) are left out and
+    said so. Raises RecordingError when there is no array of two samples or more.
     """
     from symbolic.errors import RecordingError
 
@@ -100,24 +114,41 @@ def table_from_arrays(
         raise RecordingError(
             "no column of numbers was found in the file",
             where=where,
-            remedy=f"store t, q1, q2, tau1, tau2 as arrays of equal length (found: {', '.join(arrays) or 'nothing'})",
+            remedy="store t, q1, q2, tau1, tau2 as arrays of equal length "
+            f"(found: {', '.join(list(arrays)[:20]) or 'nothing'})",
         )
     count = max(set(lengths), key=lambda length: (lengths.count(length), length))
     columns: list[RawColumn] = []
     skipped: list[str] = []
     for name, array in flat.items():
         parts = _split(name, array, count)
-        if not parts:
+        if not parts and array.size > 1:
             skipped.append(f"{name} {array.shape}")
-        columns += [column_from_cells(part, cells, units.get(name, "")) for part, cells in parts.items()]
+        columns += [_named(part, cells, units.get(name, "")) for part, cells in parts.items()]
     if skipped:
-        text = f"{len(skipped)} entries are not columns of {count} samples and were left aside: {', '.join(skipped[:8])}"
+        text = f"{len(skipped)} entries are not columns of {count} samples: {', '.join(skipped[:8])}"
         notes = (*notes, Finding("format", "info", text, where))
     return RawTable(tuple(columns), np.arange(1, count + 1), notes)
 
 
+def split_unit(name: str) -> tuple[str, str]:
+    """Return (name, unit) of a header like "q1 [deg]" or "q1 (deg)"; the unit is "" when there is none."""
+    name = name.strip().strip("\"'").strip()
+    found = UNIT_IN_NAME.match(name)
+    return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
+
+
+def _named(name: str, cells: Any, unit: str) -> RawColumn:
+    name, written = split_unit(name)
+    return column_from_cells(name, cells, unit or written)
+
+
+UNIT_IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*$")
+
+
 def _split(name: str, array: Any, count: int) -> dict[str, Any]:
-    """Return {column name: (N,) cells} of one array, empty when its shape does not fit N = `count` samples."""
+    """Return {column name: (N,) cells} of one array, empty when its shape does not fit N = `count`
+    samples."""
     if array.dtype.names:
         return {f"{name}.{key}": array[key] for key in array.dtype.names if array[key].shape == (count,)}
     if array.ndim == 1 and array.shape[0] == count:
@@ -126,3 +157,32 @@ def _split(name: str, array: Any, count: int) -> dict[str, Any]:
         tall = array if array.shape[0] == count else array.T
         return {f"{name}{k + 1}": tall[:, k] for k in range(tall.shape[1])}
     return {}
+
+
+def label_matrices(arrays: Mapping[str, Any], labels: Mapping[str, list[str]]) -> dict[str, Any]:
+    """Return `arrays` with each matrix (N, C) cut into columns when a list of C texts beside it names them.
+
+    Beside means in the same struct or group; this is how a timetable saved as an array keeps its names.
+    """
+    out: dict[str, Any] = {}
+    for name, array in arrays.items():
+        folder = name.rpartition(".")[0]
+        matrix = np.squeeze(np.asarray(array))
+        fitting = [
+            texts
+            for key, texts in labels.items()
+            if key.rpartition(".")[0] == folder
+            and len(texts) > 1
+            and matrix.ndim == 2
+            and len(texts) in matrix.shape
+        ]
+        if len(fitting) != 1:
+            out[name] = array
+            continue
+        tall = matrix if matrix.shape[1] == len(fitting[0]) else matrix.T
+        names = [f"{folder}.{text}" if folder else text for text in fitting[0]]
+        if len(set(names)) == len(names):
+            out.update({text: tall[:, k] for k, text in enumerate(names)})
+        else:
+            out[name] = array
+    return out

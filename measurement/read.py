@@ -35,9 +35,10 @@ def read_recording(
 ) -> Recording:
     """Return the recording in the file `path`, in SI units, audited.
 
-    `columns` maps canonical names to columns of the file ({"q1": "HipEnc"}), `units` gives the unit of a quantity
-    or column ({"q": "deg", "tau1": "mNm"}). Rows with a cell that is not a number are masked in `valid`, never
-    dropped. Raises RecordingError for anything that cannot be used, with the place and the remedy.
+    `columns` maps canonical names to columns of the file ({"q1": "HipEnc"}), `units` gives the unit of a
+    quantity or column ({"q": "deg", "tau1": "mNm"}). Rows with a cell that is not a number are masked in
+    `valid`, never dropped. Raises RecordingError for anything that cannot be used, with the place and the
+    remedy.
     """
     path = Path(path)
     digest = _digest(path)
@@ -94,13 +95,19 @@ def read_table(path: Path) -> RawTable:
 
 def _digest(path: Path) -> str:
     """Return the SHA-256 of the file in hex; raises RecordingError when it is not a readable file."""
-    if path.is_dir():
+    try:
+        folder, there, ordinary = path.is_dir(), path.exists(), path.is_file()
+    except (OSError, ValueError) as error:
+        raise RecordingError(
+            "this is not a path of a file", where=str(path)[:200], remedy="check the spelling"
+        ) from error
+    if folder:
         raise RecordingError(
             "this is a folder, not a recording", where=str(path), remedy=f"name the files: {path}/*.csv"
         )
-    if not path.exists():
+    if not there:
         raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
-    if not path.is_file():
+    if not ordinary:
         raise RecordingError(
             "this is not an ordinary file", where=str(path), remedy="give the path of a file on disk"
         )
@@ -124,5 +131,7 @@ def _nearby(path: Path) -> str:
 
     if not path.parent.is_dir():
         return f"the folder {path.parent} does not exist either"
-    close = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir()], 1)
+    close = difflib.get_close_matches(
+        path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75
+    )
     return f"did you mean {path.parent / close[0]}?" if close else "check the path"

@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from measurement.finding import Finding
+from symbolic.errors import RecordingError
+from symbolic.files import write_whole
 from symbolic.motion import Float, read_only
 
 
 @dataclass(frozen=True)
 class Source:
-    """The file a recording came from: its path as given and the SHA-256 of its bytes ("" when made in memory)."""
+    """The file a recording came from: its path as given and the SHA-256 of its bytes ("" when made in
+    memory)."""
 
     path: str = ""
     sha256: str = ""
@@ -24,11 +27,13 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; joints in the order hip, knee.
+    """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; joints in the order hip,
+    knee.
 
-    `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder (interpolated)
-    that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff `force` N are (N, J) or None.
-    `row` (N,) is the row of the file each sample stands in (line number for text files), for messages.
+    `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
+    (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
+    `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
+    text files), for messages.
     """
 
     name: str
@@ -39,7 +44,7 @@ class Recording:
     dq: Float | None = None
     ddq: Float | None = None
     force: Float | None = None
-    source: Source = Source()  # noqa: RUF009 - frozen, so sharing it is safe
+    source: Source = Source()
     findings: tuple[Finding, ...] = ()
     row: NDArray[np.int64] = None  # type: ignore[assignment]
 
@@ -84,7 +89,8 @@ class Recording:
         return replace(self, findings=findings)
 
     def columns(self) -> dict[str, Float]:
-        """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are NaN."""
+        """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are
+        NaN."""
         out: dict[str, Float] = {"t": self.t}
         for name, label in (("q", "q"), ("dq", "dq"), ("ddq", "ddq"), ("tau", "tau"), ("force", "f")):
             pair = getattr(self, name)
@@ -125,29 +131,15 @@ def to_csv(recording: Recording) -> bytes:
 def write_recording(recording: Recording, path: str | Path) -> Path:
     """Write `recording` as CSV (see `to_csv`) to `path`, whole or not at all, and return the path.
 
-    The same recording gives the same bytes on every machine. Raises RecordingError when the folder cannot be written.
+    The same recording gives the same bytes on every machine. Raises RecordingError when the folder cannot be
+    written.
     """
-    import os
-    import tempfile
-
-    from symbolic.errors import RecordingError
-
     target = Path(path)
-    content = to_csv(recording)
-    temporary = ""
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
+        return write_whole(target, to_csv(recording))
     except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
         raise RecordingError(
             f"the recording cannot be written ({error.strerror or error})",
             where=str(target),
-            remedy="check that the folder exists and may be written to",
+            remedy="check that the folder may be written to and is not full",
         ) from error
-    return target

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from measurement import angles, clock
-from measurement.columns import SI, Assigned, quantity_of
+from measurement.columns import Assigned
 from measurement.finding import Finding, row_ranges
 from measurement.raw import RawTable
 from measurement.recording import Recording, Source
@@ -37,13 +38,13 @@ class Draft:
     file: str
     findings: tuple[Finding, ...] = ()
 
-    def noted(self, check: str, severity: str, what: str, where: str = "", **more: object) -> Draft:
+    def noted(self, check: str, severity: str, what: str, where: str = "", **more: Any) -> Draft:
         """Return the draft with one finding more; `where` follows the file name."""
         place = f"{self.file}, {where}" if where else self.file
         done = severity == "repaired"
         return replace(
             self, findings=(*self.findings, Finding(check, severity, what, place, repaired=done, **more))
-        )  # type: ignore[arg-type]
+        )
 
     def rows(self, mask: NDArray[np.bool_]) -> str:
         """Return the row numbers of the file where `mask` (N,) holds, as text."""
@@ -101,51 +102,57 @@ def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source) ->
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     """Mask rows with empty, textual, infinite or absurd cells; refuse a column that is mostly such."""
-    count = draft.row.shape[0]
     columns = dict(draft.columns)
     valid = draft.valid.copy()
+    reported: dict[bytes, list[str]] = {}
     for name, values in draft.columns.items():
-        column = assigned[name].column
         endless = np.isinf(values) | (np.abs(values) > (ABSURD if name != "t" else 1e19))
         bad = endless | np.isnan(values)
-        if not bad.any():
-            continue
-        where = f"column {column.name!r}, {draft.rows(bad)}"
-        kinds = [
-            f"{n} {label}"
-            for n, label in (
-                (column.text_count, "text"),
-                (int(endless.sum()), "infinite or absurdly large"),
-                (int(bad.sum() - endless.sum()) - column.text_count, "empty or NaN"),
-            )
-            if n > 0
-        ]
-        example = next(iter(column.texts.items()), None)
-        shown = f", for example {example[1]!r} in row {draft.row[example[0]]}" if example else ""
-        what = (
-            f"{int(bad.sum())} of {count} cells of {name} are not usable numbers ({', '.join(kinds)}{shown})"
-        )
+        if bad.any():
+            reported.setdefault(np.packbits(bad).tobytes(), []).append(name)
+            columns[name] = np.where(bad, np.nan, values)
+            valid &= ~bad
         if bad.mean() > 0.5:
-            raise RecordingError(
-                what,
-                where=f"{draft.file}, {where}",
-                remedy=f"is this the right column? --map {name}=COLUMN names another; numbers are written like -1.25e-3",
-            )
+            what, where = _bad_cells(draft, [name], assigned)
+            remedy = f"is this the right column? --map {name}=COLUMN names another"
+            raise RecordingError(what, where=f"{draft.file}, {where}", remedy=remedy)
+    for names in reported.values():
+        what, where = _bad_cells(draft, names, assigned)
+        bad_rows = int(np.isnan(columns[names[0]]).sum())
         draft = draft.noted(
             "cells",
             "repaired",
             f"{what}; these rows are masked",
             where,
-            value=float(bad.sum()),
+            value=float(bad_rows),
             limit=0.0,
             remedy="nothing, if the rows are few; otherwise look at the logger",
             consequence="none: the rows do not enter the fit",
         )
-        columns[name] = np.where(bad, np.nan, values)
-        valid &= ~bad
     if valid.sum() < 10:
         raise RecordingError(f"only {int(valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
     return replace(draft, columns=columns, valid=valid)
+
+
+def _bad_cells(draft: Draft, names: list[str], assigned: Mapping[str, Assigned]) -> tuple[str, str]:
+    """Return what is wrong with the columns `names`, which are bad in the same rows, and where."""
+    values = np.column_stack([draft.columns[name] for name in names])
+    endless = np.isinf(values) | (np.abs(values) > ABSURD)
+    bad = np.isnan(values[:, 0]) | endless[:, 0] if names != ["t"] else ~(np.abs(values[:, 0]) <= 1e19)
+    text = sum(assigned[name].column.text_count for name in names)
+    missing = int(np.isnan(values).sum()) - text
+    counts = (
+        (text, "text"),
+        (int((endless & bad[:, None]).sum()), "infinite or absurd"),
+        (missing, "empty or NaN"),
+    )
+    kinds = ", ".join(f"{count} {label}" for count, label in counts if count > 0)
+    texts = [item for name in names for item in assigned[name].column.texts.items()][:1]
+    example = "".join(f", for example {cell!r} in row {draft.row[index]}" for index, cell in texts)
+    label = ", ".join(names)
+    what = f"{int(bad.sum())} of {bad.size} cells of {label} are not usable numbers ({kinds}{example})"
+    shown = ", ".join(repr(assigned[name].column.name) for name in names)
+    return what, f"column {shown}, {draft.rows(bad)}"
 
 
 def _order_time(draft: Draft) -> Draft:
@@ -238,7 +245,8 @@ def _ticks(draft: Draft) -> Draft:
 
 
 def _since_start(t: Float) -> Float:
-    """Return `t` as logged, counted from the first stamp when it is a date (seconds since 1970 lose digits)."""
+    """Return `t` as logged, counted from the first stamp when it is a date (seconds since 1970 lose
+    digits)."""
     first = float(t[np.flatnonzero(np.isfinite(t))[0]])
     return t - first if abs(first) > 1e6 else t
 
@@ -272,7 +280,7 @@ def _clock_unit(draft: Draft) -> Draft:
             "column t",
             value=step,
             limit=0.5,
-            remedy="say what one count is: --units t=ms, or --units 't=10 ms' for a row every ten milliseconds",
+            remedy="say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms",
         )
     if unit == "s":
         return draft
@@ -322,8 +330,3 @@ def _angles(draft: Draft) -> Draft:
             values = angles.fill(values, valid)
         draft = replace(draft, columns={**draft.columns, name: values}, valid=valid)
     return draft
-
-
-def si_unit(name: str) -> str:
-    """Return the SI unit of a canonical column."""
-    return SI[quantity_of(name)]

@@ -7,21 +7,29 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from measurement.columns import recognise
 from measurement.finding import Finding
+from measurement.raw import split_unit
+from measurement.units import is_unit
 from symbolic.errors import RecordingError
 
 HEAD_LINES = 400
 """A preamble of instrument settings longer than this has not been seen."""
 COMMENTS = ("#", "%", "//")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(inf|infinity|nan)|", re.IGNORECASE)
-UNIT_IN_HEADER = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*$")
-BOMS = ((b"\xff\xfe\x00\x00", "utf-32"), (b"\x00\x00\xfe\xff", "utf-32"), (b"\xef\xbb\xbf", "utf-8-sig"),
-        (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))  # fmt: skip
+BOMS = (
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xef\xbb\xbf", "utf-8-sig"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the numbers start and how to cut them: `names` and `units` per column, `first_line` counted from 1."""
+    """Where the numbers start and how to cut them: `names` and `units` per column, `first_line` counted from
+    1."""
 
     delimiter: str
     decimal: str
@@ -117,8 +125,11 @@ def sniff(text: str, *, where: str) -> Layout:
         ("|", "."),
         (",", ","),
     ):
-        widths = [len(cells) for cells in (split_line(entry[2], delimiter) for entry in table)
-                  if len(cells) > 1 and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)]  # fmt: skip
+        widths = [
+            len(cells)
+            for cells in (split_line(entry[2], delimiter) for entry in table)
+            if len(cells) > 1 and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
+        ]
         width = max(set(widths), key=widths.count, default=0)
         if (widths.count(width), width) > best[:2]:
             best = (widths.count(width), width, delimiter, decimal)
@@ -171,6 +182,13 @@ def _header(
         above = named[-1:]
     usable = [cells for cells in above if _trimmed(cells, width) is not None]
     names = _trimmed(usable[-1], width) if usable else None
+    short = above[-1] if above and names is None else []
+    if sum(recognise(cell) is not None for cell in short) >= 2:
+        raise RecordingError(
+            f"the header has {len(short)} names, the rows have {width} cells",
+            where=f"{where}, row {table[first][0]}",
+            remedy="is the delimiter also the decimal comma? Export with a decimal point or with semicolons",
+        )
     units = [""] * width
     if len(usable) >= 2 and names is not None and _is_unit_row(names) and not _is_unit_row(usable[-2]):
         units = [cell.strip("[]() ") for cell in names]
@@ -202,16 +220,7 @@ def _trimmed(cells: list[str], width: int) -> list[str] | None:
     return cells if len(cells) == width and any(cells) else None
 
 
-def split_unit(name: str) -> tuple[str, str]:
-    """Return (name, unit) of a header like "q1 [deg]" or "q1 (deg)"; the unit is "" when there is none."""
-    name = name.strip().strip("\"'").strip()
-    found = UNIT_IN_HEADER.match(name)
-    return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
-
-
 def _is_unit_row(cells: list[str]) -> bool:
     """Whether most cells are units of some quantity."""
-    from measurement.units import is_unit
-
     filled = [cell for cell in cells if cell]
     return bool(filled) and sum(is_unit(cell.strip("[]() ")) for cell in filled) > 0.6 * len(filled)

@@ -10,14 +10,14 @@ from types import MappingProxyType
 DEGREE = math.pi / 180.0
 QUANTITIES: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "t": {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "ns": 1e-9,
-              "min": 60.0},
+        "t": {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6,
+              "ns": 1e-9, "min": 60.0},
         "q": {"rad": 1.0, "mrad": 1e-3, "deg": DEGREE, "degree": DEGREE, "degrees": DEGREE, "°": DEGREE,
               "rev": 2 * math.pi, "turn": 2 * math.pi},
         "dq": {"rad/s": 1.0, "rads-1": 1.0, "mrad/s": 1e-3, "deg/s": DEGREE, "degs-1": DEGREE, "°/s": DEGREE,
-               "rpm": math.pi / 30.0, "1/min": math.pi / 30.0, "rev/s": 2 * math.pi},
-        "ddq": {"rad/s2": 1.0, "rads-2": 1.0, "rad/s/s": 1.0, "mrad/s2": 1e-3, "deg/s2": DEGREE, "degs-2": DEGREE,
-                "°/s2": DEGREE, "deg/s/s": DEGREE},
+               "rpm": math.pi / 30.0, "rev/s": 2 * math.pi},
+        "ddq": {"rad/s2": 1.0, "rads-2": 1.0, "rad/s/s": 1.0, "mrad/s2": 1e-3, "deg/s2": DEGREE,
+                "degs-2": DEGREE, "°/s2": DEGREE, "deg/s/s": DEGREE},
         "tau": {"nm": 1.0, "mnm": 1e-3, "knm": 1e3, "ncm": 1e-2, "nmm": 1e-3, "lbfft": 1.3558179483314004,
                 "ftlb": 1.3558179483314004, "lbfin": 0.1129848290276167, "inlb": 0.1129848290276167},
         "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "lbf": 4.4482216152605},
@@ -41,11 +41,12 @@ def is_unit(text: str) -> bool:
 def factor(quantity: str, unit: str) -> float | None:
     """Return the factor from `unit` to SI for t, q, dq, ddq, tau or f, or None when the unit is not known.
 
-    A number may stand in front: "10 ms" is a counter of ten-millisecond ticks.
+    A number may stand in front ("10 ms" is a counter of ten-millisecond ticks), and so may a minus for a
+    channel counted the other way round ("-Nm").
     """
-    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([^\d\s].*)", unit)
-    scale, rest = (float(found[1]), found[2]) if found else (1.0, unit)
-    known = QUANTITIES[quantity].get(plain(rest))
-    if known is None or not 0 < scale < 1e9:
-        return QUANTITIES[quantity].get(plain(unit))
-    return scale * known
+    found = re.fullmatch(r"\s*([+-]?)\s*(\d{1,9}(?:\.\d{1,9})?|)\s*([^\d\s.+-].{0,30})", unit)
+    if not found:
+        return None
+    known = QUANTITIES[quantity].get(plain(found[3]))
+    scale = float(found[2] or 1.0) * (-1.0 if found[1] == "-" else 1.0)
+    return None if known is None or scale == 0.0 else scale * known

@@ -1,25 +1,28 @@
 """Text tables: CSV, TSV and what instruments call so.
 
 The delimiter, decimal comma, encoding, comment lines, preamble and unit row are found from the first lines
-(`sniff.py`). A tidy body goes through the fast C parser; anything else through a careful reader that keeps
-track of every line, so that a message can name the line an editor shows.
+(`sniff.py`). A tidy body goes straight through the fast C parser; any other is tidied line by line first,
+keeping track of the lines, so that a message can name the line an editor shows.
 """
 
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from measurement.finding import Finding, row_ranges
-from measurement.raw import RawColumn, RawTable, column_from_cells
-from measurement.sniff import Layout, decode, sniff, split_line
+from measurement.raw import RawTable, column_from_cells
+from measurement.sniff import COMMENTS, Layout, decode, sniff, split_line
 from symbolic.errors import RecordingError
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
 SIGNATURES: tuple[bytes, ...] = ()
+UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
 
 
 def read(path: Path) -> RawTable:
@@ -28,28 +31,41 @@ def read(path: Path) -> RawTable:
     layout = sniff(text, where=str(path))
     notes += layout.notes
     body = text[layout.body_start :]
-    tidy = (
-        '"' not in body
-        and "\n\n" not in body
-        and not any(mark in body for mark in ("\n#", "\n%", "\n//", "\n "))
-    )
-    table = _fast(body, layout, path) if tidy else None
-    if table is None:
-        table = _careful(body, layout, path)
-    return RawTable(table.columns, table.row, notes + table.notes)
-
-
-def _columns(frame: Any, layout: Layout) -> tuple[RawColumn, ...]:
-    return tuple(
-        column_from_cells(name, frame.iloc[:, i], unit)
+    del text
+    lines = body.count("\n")
+    row = np.arange(layout.first_line, layout.first_line + lines)
+    commas = layout.delimiter == "," == layout.decimal
+    expected = lines * (len(layout.names) - 1)
+    ragged = layout.delimiter != " " and body.count(layout.delimiter) != expected
+    frame = None
+    if not (commas or ragged or any(mark in body for mark in UNTIDY)):
+        frame = _parse(body, layout)
+    if frame is None:
+        body, row, more = _tidied(body, layout, path)
+        notes += more
+        layout = replace(layout, decimal=".") if commas else layout
+        frame = _parse(body, layout)
+    if frame is None or len(frame) != row.size:
+        raise RecordingError(
+            "the rows cannot be cut into columns",
+            where=str(path),
+            remedy="open it in an editor: every line needs the same number of cells as the header",
+        )
+    columns = tuple(
+        column_from_cells(name, frame[i], unit)
         for i, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
     )
+    return RawTable(columns, row, notes)
 
 
-def _fast(body: str, layout: Layout, path: Path) -> RawTable | None:
-    """Parse with pandas' C engine; None when the body is ragged and needs the careful reader."""
+def _parse(body: str, layout: Layout) -> Any | None:
+    """Return a frame with columns 0, 1, ...; None when some row has more cells than the header."""
     import pandas as pd
 
+    # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
+    exact: dict[str, Any] = (
+        {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
+    )
     try:
         frame = pd.read_csv(
             io.StringIO(body),
@@ -57,60 +73,63 @@ def _fast(body: str, layout: Layout, path: Path) -> RawTable | None:
             decimal=layout.decimal,
             header=None,
             names=range(len(layout.names)),
-            index_col=False,
-            usecols=range(len(layout.names)),
             engine="c",
             quoting=3,
             low_memory=False,
-            float_precision="round_trip",
+            **exact,
             skip_blank_lines=False,
             on_bad_lines="error",
         )
     except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError):
         return None
-    for column in frame.select_dtypes(include=["object", "string"]):
-        if layout.decimal == ",":
-            frame[column] = frame[column].str.replace(",", ".", regex=False)
-    row = np.arange(layout.first_line, layout.first_line + len(frame))
-    return RawTable(_columns(frame, layout), row)
+    if not isinstance(frame.index, pd.RangeIndex):
+        return None  # more cells than names: pandas took the first ones for an index
+    for name in frame.columns:
+        if layout.decimal == "," and not pd.api.types.is_numeric_dtype(frame[name]):
+            frame[name] = frame[name].astype(object).map(_with_point, na_action="ignore")
+    return frame
 
 
-def _careful(body: str, layout: Layout, path: Path) -> RawTable:
-    """Parse line by line: blank and comment lines are passed over, short and long rows are masked and counted."""
-    import pandas as pd
+def _with_point(cell: object) -> object:
+    return cell.replace(",", ".") if isinstance(cell, str) else cell
 
-    width = len(layout.names)
-    cells: list[list[str | None]] = []
+
+def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int64], tuple[Finding, ...]]:
+    """Return the body without blank lines, comments and quotes, its line numbers, and what was ragged.
+
+    A row with too many cells has lost its places: nothing in it can be attributed to a column, so all its
+    cells are emptied. A row with too few keeps those it has.
+    """
+    width, delimiter = len(layout.names), layout.delimiter
+    empty = "nan" + f"{delimiter}nan" * (width - 1)
+    lines: list[str] = []
     row: list[int] = []
     ragged: list[int] = []
     for number, line in enumerate(body.split("\n"), start=layout.first_line):
-        if not line.strip() or line.lstrip().startswith(("#", "%", "//")):
+        if not line.strip() or line.lstrip().startswith(COMMENTS):
             continue
-        fields: list[str | None] = list(split_line(line, layout.delimiter))
-        while len(fields) > width and not fields[-1]:
-            fields.pop()
-        if len(fields) != width:
+        cells = split_line(line.replace("\x00", "?"), delimiter)
+        while len(cells) > width and not cells[-1]:
+            cells.pop()
+        if len(cells) != width:
             ragged.append(number)
-            # A row with too many cells has lost its places: nothing in it can be attributed to a column.
-            fields = [None] * width if len(fields) > width else fields + [None] * (width - len(fields))
-        cells.append(fields)
+        if delimiter == "," == layout.decimal:
+            cells = [cell.replace(",", ".") for cell in cells]
+        tidy = delimiter.join(cell.replace(delimiter, "_") if cell else "nan" for cell in cells)
+        lines.append(tidy if len(cells) <= width else empty)
         row.append(number)
-    if not cells:
-        raise RecordingError("the file has a header but no rows", where=str(path), remedy="record again")
-    frame = pd.DataFrame(cells, dtype=object)
-    if layout.decimal == ",":
-        frame = frame.apply(lambda column: column.str.replace(",", ".", regex=False))
+    places = row_ranges(np.array(ragged))
+    if len(ragged) > len(lines) // 2:
+        raise RecordingError(
+            f"{len(ragged)} of {len(lines)} rows do not have the {width} cells of the header",
+            where=f"{path}, {places}",
+            remedy="is the delimiter also the decimal comma? Export with a decimal point or with semicolons",
+        )
     notes: tuple[Finding, ...] = ()
     if ragged:
-        if len(ragged) > len(cells) // 2:
-            raise RecordingError(
-                f"{len(ragged)} of {len(cells)} rows do not have the {width} cells of the header",
-                where=f"{path}, {row_ranges(np.array(ragged))}",
-                remedy="is the delimiter also used as decimal comma? Export with a decimal point or with semicolons",
-            )
         what = f"{len(ragged)} rows do not have {width} cells like the header; they are masked"
-        where = f"{path.name}, {row_ranges(np.array(ragged))}"
+        remedy = "nothing, if the rows are few; otherwise look at the logger"
         notes = (
-            Finding("cells", "repaired", what, where, len(ragged), 0, "nothing, if the rows are few", True),
+            Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy, True),
         )
-    return RawTable(_columns(frame, layout), np.array(row), notes)
+    return "\n".join(lines) + "\n", np.array(row, dtype=np.int64), notes

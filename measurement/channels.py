@@ -1,0 +1,78 @@
+"""What checks share: channels with their labels, the words for a place, runs of equal rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from measurement.finding import row_ranges
+from measurement.recording import Recording
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+UNITS = {"q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
+WORDS = {"q": "angle", "dq": "velocity", "ddq": "acceleration", "tau": "torque", "f": "cuff force"}
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """The valid samples of one column: `values` (V,), their indices `at` (V,) in the recording, words for
+    messages."""
+
+    name: str
+    label: str
+    unit: str
+    values: Float
+    at: NDArray[np.int64]
+
+
+def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
+    """Yield the channels of the quantities `keys` ("q", "tau", ...) that the recording has, valid rows
+    only."""
+    at = np.flatnonzero(recording.valid)
+    fields = {
+        "q": recording.q,
+        "dq": recording.dq,
+        "ddq": recording.ddq,
+        "tau": recording.tau,
+        "f": recording.force,
+    }
+    for key in keys:
+        pair = fields[key]
+        if pair is None:
+            continue
+        for joint, label in enumerate(JOINTS):
+            yield Channel(f"{key}{joint + 1}", f"{label} {WORDS[key]}", UNITS[key], pair[at, joint], at)
+
+
+def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:
+    """Return "file, column q1, rows 12-15"; `at` are indices into the recording."""
+    rows = "" if at is None else row_ranges(np.sort(recording.row[at]))
+    return ", ".join(
+        part
+        for part in (recording.source.path or recording.name, column and f"column {column}", rows)
+        if part
+    )
+
+
+def step_of(values: Float) -> float:
+    """Return the grid step of `values` (V,), 0 when they do not lie on a grid."""
+    levels = np.unique(values)
+    if levels.size < 3:
+        return 0.0
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-6 * gaps.max()]
+    step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
+    multiples = gaps / step
+    on_grid = np.abs(multiples - np.round(multiples)) < 0.05 * np.maximum(1.0, np.sqrt(multiples))
+    return step if on_grid.mean() > 0.95 else 0.0
+
+
+def runs(same: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return first and last index (inclusive) of every stretch of True in `same` (N,)."""
+    edges = np.diff(np.r_[0, same.astype(np.int8), 0])
+    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
