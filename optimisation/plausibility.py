@@ -111,9 +111,11 @@ def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
     one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
     remedy = "no masses and lengths can be computed from this fit; its torque prediction may still be good"
     for name, value in (("Phi2", two), ("Phi3", three)):
-        if value <= 0.0:
+        if value <= 0.0 and model.parameters[at[name]].min is None:  # else _bounds has said it
             what = f"{name} = {value:.4g} kg·m², but a shank with mass has a positive one"
             return [Finding("realisable", "warning", what, name, value, 0.0, remedy)]
+    if two <= 0.0 or three <= 0.0:
+        return []
     room = one - two + min(0.0, four)
     if three**2 / two < room:
         return []
