@@ -1,4 +1,4 @@
-"""One look for all figures: colours that colour-blind people tell apart, units on every axis, no global state.
+"""One look for all figures: colours told apart by everyone, units on every axis, no global state.
 
     with figure_style():
         figure = new_figure(width=7, height=4)
@@ -69,7 +69,7 @@ def figure_style() -> Iterator[None]:
     import matplotlib as mpl
     from cycler import cycler
 
-    settings: dict[str, Any] = {
+    settings: Any = {
         "axes.axisbelow": True,
         "axes.edgecolor": FAINT,
         "axes.facecolor": PAPER,

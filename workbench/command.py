@@ -1,7 +1,8 @@
-"""The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and an exit status.
+"""The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and a status.
 
-Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 a mistake of exoid itself.
-A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`; nothing is registered.
+Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 a mistake of exoid
+itself. A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`;
+nothing is registered.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ New here? This runs the whole loop on shipped recordings in less than half a min
 
     exoid demo
 
-Then with your own recordings (a table with t, q1, q2, tau1, tau2 in s, rad, N·m; other names and units work too):
+Then with your own recordings (tables with t, q1, q2, tau1, tau2 in s, rad, N·m; other names and units work):
 
     exoid compare  run1.csv run2.csv --verify run3.csv      how large is the error of the model, and where
     exoid diagnose run1.csv run2.csv --verify run3.csv      which effect is missing, and what looks like it
@@ -125,7 +126,9 @@ def _dispatch(arguments: Sequence[str]) -> int:
         sys.stdout.write(f"exoid {version()}\n")
         return DONE
     if verb.startswith("-"):
-        raise UsageError(f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]")
+        raise UsageError(
+            f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]"
+        )
     parser = verb_parser(verb)
     try:
         args = parser.parse(rest)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
 import tempfile
 from collections.abc import Mapping
@@ -48,21 +47,12 @@ def write_text(path: str | Path, text: str) -> Path:
 
 def write_bytes(path: str | Path, content: bytes) -> Path:
     """Write `content` to `path`, whole or not at all; raises OutputError."""
-    target = Path(path)
-    part: Path | None = None
+    from symbolic.files import write_whole
+
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:80]}.", suffix=".part")
-        part = Path(name)
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        part.chmod(0o666 & ~_umask())
-        os.replace(part, target)
+        return write_whole(path, content)
     except OSError as error:
-        raise _refusal(target, error) from error
-    finally:
-        if part is not None:
-            part.unlink(missing_ok=True)
-    return target
+        raise _refusal(Path(path), error) from error
 
 
 def make_folder(path: str | Path) -> Path:
@@ -105,9 +95,3 @@ def _refusal(target: Path, error: OSError) -> OutputError:
         where=str(target),
         remedy="check that the folder exists, that you may write there and that the disk is not full",
     )
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current

@@ -1,4 +1,4 @@
-"""argparse that refuses like the rest of exoid: as an error with a suggestion, never by leaving the process."""
+"""argparse that refuses like the rest of exoid: with a suggestion, and never by leaving the process."""
 
 from __future__ import annotations
 

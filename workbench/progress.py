@@ -41,8 +41,9 @@ class _Bar:
             if self._closed:
                 return
             self._display = Progress(
-                SpinnerColumn(), BarColumn(bar_width=28), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn(),
-                TextColumn("{task.description}", markup=False), console=Console(stderr=True), transient=True,
+                SpinnerColumn(), BarColumn(bar_width=28), TextColumn("{task.percentage:>3.0f} %"),
+                TimeElapsedColumn(), TextColumn("{task.description}", markup=False),
+                console=Console(stderr=True), transient=True,
             )  # fmt: skip
             self._task = self._display.add_task(self._text, total=1.0, completed=self._fraction)
             self._display.start()

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from symbolic.quantity import JOINTS
 
 BLOCKS = " ▏▎▍▌▋▊▉█"
-STYLES = {"good": "bold green", "bad": "bold red", "warn": "bold yellow", "head": "bold", "faint": "dim", "": ""}
+STYLES = {
+    "good": "bold green",
+    "bad": "bold red",
+    "warn": "bold yellow",
+    "head": "bold",
+    "faint": "dim",
+    "": "",
+}
 
 
 @dataclass(frozen=True)
 class Screen:
-    """Standard output for people. `silent` with --quiet, and with `--json -`, whose output belongs to programs."""
+    """Standard output for people; `silent` with --quiet, and with `--json -`, when programs read it."""
 
     silent: bool = False
 
@@ -37,7 +44,7 @@ class Screen:
             sys.stdout.write(text + "\n")
 
     def table(self, title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], note: str = "") -> None:
-        """Write a table; columns whose every cell is a number are set to the right. Nothing is cut off in a pipe."""
+        """Write a table, numbers set to the right; in a pipe nothing is cut off."""
         if self.silent:
             return
         from rich import box
@@ -52,7 +59,9 @@ class Screen:
             numeric = bool(rows) and all(_is_number(row[index]) for row in rows)
             # A sentence may wrap, a number or an identifier may not.
             longest = max((len(str(row[index])) for row in rows), default=0)
-            table.add_column(name, justify="right" if numeric else "left", no_wrap=longest <= 24, overflow="fold")
+            table.add_column(
+                name, justify="right" if numeric else "left", no_wrap=longest <= 24, overflow="fold"
+            )
         for row in rows:
             table.add_row(*(Text(str(cell)) for cell in row))
         _console().print(table)
@@ -63,7 +72,7 @@ def warn(text: str) -> None:
     sys.stderr.write(f"exoid: {text}\n")
 
 
-def per_joint(values: Sequence[float], unit: str = "N·m") -> str:
+def per_joint(values: Iterable[float], unit: str = "N·m") -> str:
     """Return "hip 0.71, knee 0.53 N·m"."""
     return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(JOINTS, values, strict=True)) + f" {unit}"
 

@@ -1,0 +1,73 @@
+"""What `diagnose`, `discover` and `demo` share: ask the question, show the answer, write it down."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from workbench.deliver import check_places, deliver
+from workbench.inputs import Inputs, check_new_model, load
+from workbench.progress import part, progress
+from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
+from workbench.screen import Screen
+from workbench.showing import show_diagnosis, show_steps
+
+Question = Callable[..., Any]
+"""`diagnosis.diagnose.diagnose` or `diagnosis.discover.discover`."""
+
+
+def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None) -> int:
+    """Read what `args` name, put the `question`, show and write the answer; return the exit status 0."""
+    check_places(args)
+    if write:
+        check_new_model(write, args.model)
+    given = load(args)
+    found, comparison = answer(args, question, given)
+    screen = Screen.of(args)
+    show_diagnosis(screen, found)
+    show_steps(screen, Steps.of(found))
+    if write:
+        from symbolic.model_file import write_model
+
+        write_model(found.model, write, found.fit)
+        screen.say(f"model: {write}")
+    deliver(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
+    return 0
+
+
+def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple[Any, Any]:
+    """Return the answer, and the Comparison of the model it started from where a report is asked for."""
+    with progress("fitting the model", quiet=args.quiet) as report:
+        found = question(
+            given.model, given.prepared, verify=given.verify_prepared, seed=args.seed,
+            progress=part(report, 0.0, 0.95),
+        )  # fmt: skip
+        comparison = None
+        if args.out:
+            from diagnosis.compare import compare
+
+            report(0.95, "looking where the model fails")
+            comparison = compare(given.model, given.prepared, verify=given.verify_prepared)
+    return found, comparison
+
+
+def material_of(
+    args: argparse.Namespace, title: str, given: Inputs, found: Any, comparison: Any, truth: str = ""
+) -> Material:
+    """Return what the report of a Diagnosis or Discovery draws on."""
+    return Material(
+        title=title,
+        recordings=given.recordings,
+        verify=given.verify,
+        model=found.model,
+        fit=found.fit,
+        comparison=comparison,
+        diagnosis=found,
+        steps=Steps.of(found),
+        pictures=pictures_of(found, comparison),
+        truth=truth,
+        command=command_of(args),
+        settings=settings_of(args),
+        seconds=found.seconds,
+    )

@@ -1,0 +1,78 @@
+"""`exoid add`: extend the model by one effect, regenerate its code, refit, and show before and after."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from workbench.deliver import check_places, deliver
+from workbench.options import add_common, add_model, add_recordings
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """add an effect to the model, refit, and show the error before and after
+
+exoid add stribeck:knee --model leg.toml run1.csv run2.csv --verify run3.csv
+exit status 1 when the effect does not help on unseen recordings"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("effect", metavar="EFFECT[:joint]", help="what to add, for example stribeck:knee")
+    add_recordings(parser)
+    add_model(parser)
+    parser.add_argument(
+        "--write", metavar="FILE", help="the extended model (default: next to the model, under a new name)"
+    )
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Extend, refit, show; 1 when the effect does not help on unseen recordings."""
+    from workbench.inputs import beside, check_new_model, load, load_model, split_joint
+
+    check_places(args)
+    effect, joint = split_joint(args.effect)
+    load_model(args.model).with_effect(
+        effect, joint=joint
+    )  # a wrong name is told before the recordings are read
+    target = args.write or (
+        str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect)
+    )
+    check_new_model(target, args.model)
+    given = load(args)
+    with progress(f"adding {args.effect}", quiet=args.quiet):
+        from diagnosis.extend import add
+
+        found = add(given.model, effect, joint, given.prepared, given.verify_prepared)
+    from symbolic.model_file import write_model
+
+    write_model(found.model, target, found.after)
+    screen = Screen.of(args)
+    _show(screen, found, target)
+    payload = {"schema": "exoid.addition/1", **found.to_json(), "model_file": target}
+    deliver(args, screen, payload, lambda: _material(args, given, found))
+    return 0 if found.helped else 1
+
+
+def _show(screen: Screen, found: Any, target: str) -> None:
+    from workbench.report.material import Steps
+    from workbench.showing import number, show_steps
+
+    new = [e for e in found.after.estimates if e.name not in {b.name for b in found.before.estimates}]
+    rows = [(e.name, number(e.value), e.unit, number(e.low), number(e.high)) for e in new]
+    screen.table("What was added", ("parameter", "value", "unit", "95 % from", "to"), rows)
+    show_steps(screen, Steps.of(found.waterfall))
+    screen.say(str(found.sentence), "good" if found.helped else "bad")
+    screen.say(f"model: {target}")
+
+
+def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
+    from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
+
+    return Material(
+        title=f"Adding {args.effect}", answer=str(found.sentence), recordings=given.recordings,
+        verify=given.verify, model=found.model, fit=found.after, steps=Steps.of(found.waterfall),
+        pictures=pictures_of(found, found.waterfall), command=command_of(args), settings=settings_of(args),
+    )  # fmt: skip

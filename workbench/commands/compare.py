@@ -1,0 +1,58 @@
+"""`exoid compare`: the model against measurements; how large the error is, and where it sits."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+
+from workbench.deliver import check_places, deliver
+from workbench.options import add_common, add_limit, add_model, add_recordings
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """how large the error of the model is, and where it sits
+
+exoid compare run1.csv run2.csv --verify run3.csv --out report"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser)
+    add_model(parser)
+    add_limit(parser, "the error (of the unseen recordings, if there are any)")
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit, compare, show; 1 when the error is above --limit."""
+    from workbench.inputs import load
+
+    check_places(args)
+    given = load(args)
+    with progress("comparing", quiet=args.quiet):
+        from diagnosis.compare import compare
+
+        found = compare(given.model, given.prepared, verify=given.verify_prepared)
+    from workbench.report.material import Material, command_of, pictures_of, settings_of
+    from workbench.showing import above, show_comparison
+
+    screen = Screen.of(args)
+    show_comparison(screen, found)
+    rms = found.rms if found.verify_rms is None else found.verify_rms
+    over = above(args.limit, rms)
+    if over:
+        screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
+    payload = {"schema": "exoid.comparison/1", **found.to_json()}
+    deliver(args, screen, payload, lambda: Material(
+        title="Model against measurement", answer=_sentence(rms, found.verify_rms is not None),
+        recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
+        pictures=pictures_of(found), command=command_of(args), settings=settings_of(args),
+    ))  # fmt: skip
+    return 1 if over else 0
+
+
+def _sentence(rms: Iterable[float], unseen: bool) -> str:
+    from workbench.screen import per_joint
+
+    kind = "motion the fit has not seen" if unseen else "the fitted motion"
+    return f"The model's torque misses the measured one by {per_joint(rms)} (RMS) on {kind}."

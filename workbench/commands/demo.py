@@ -1,0 +1,64 @@
+"""`exoid demo`: the whole loop on shipped recordings with a hidden effect, with a report."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from workbench.options import add_common
+from workbench.screen import Screen
+
+HELP = """the whole loop on shipped recordings with a hidden effect, and a report to read"""
+
+DATA = Path(__file__).parent.parent / "demo_data"
+DEFAULT_FOLDER = "exoid-demo"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_common(parser, out=f"write the report into DIR (default: {DEFAULT_FOLDER})")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare, diagnose, add until it is enough, open the seal, write the report."""
+    from workbench.deliver import check_places
+
+    began = time.perf_counter()
+    args.out = args.out or DEFAULT_FOLDER
+    args.cutoff = None
+    check_places(args)
+    screen = Screen.of(args)
+    screen.say(
+        "Four recordings of a leg with something hidden in it; the standard model knows nothing of it."
+    )
+
+    from diagnosis.discover import discover
+
+    from workbench.asking import answer, material_of
+    from workbench.deliver import deliver
+    from workbench.inputs import load_model, prepare_all, read
+    from workbench.report.material import Steps
+    from workbench.showing import show_comparison, show_diagnosis, show_steps
+
+    recordings = [read(str(path), None, None) for path in sorted(DATA.glob("train*.csv"))]
+    verify = [read(str(path), None, None) for path in sorted(DATA.glob("verify*.csv"))]
+    given = prepare_all(load_model(None), recordings, verify, args.cutoff)
+    found, comparison = answer(args, discover, given)
+    show_comparison(screen, comparison)
+    show_diagnosis(screen, found)
+    show_steps(screen, Steps.of(found))
+    truth = _truth()
+    screen.say(truth)
+    payload = {**found.to_json(), "seconds": time.perf_counter() - began}
+    deliver(args, screen, payload, lambda: material_of(args, "exoid demo", given, found, comparison, truth))
+    screen.say("next: your own recordings with exoid diagnose run1.csv run2.csv --verify run3.csv")
+    return 0
+
+
+def _truth() -> str:
+    """Return what was hidden, from the seal."""
+    from measurement.seal import open_seal
+    from workbench.showing import truth_sentence
+
+    return "The truth, from the seal: " + truth_sentence(open_seal(DATA / "truth.seal").truth)

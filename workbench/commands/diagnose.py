@@ -1,0 +1,26 @@
+"""`exoid diagnose`: which physical effect is missing; ranking, evidence, look-alikes, verdict."""
+
+from __future__ import annotations
+
+import argparse
+
+from workbench.asking import ask
+from workbench.options import add_common, add_model, add_recordings
+
+HELP = """which physical effect is missing, how sure that is, and what looks like it
+
+exoid diagnose run1.csv run2.csv --verify run3.csv"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser)
+    add_model(parser)
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose and show; a missing effect is an answer, so the status is 0."""
+    from diagnosis.diagnose import diagnose
+
+    return ask(args, diagnose, "Which effect is missing")

@@ -1,0 +1,27 @@
+"""`exoid discover`: compare, diagnose and add until the verdict says stop."""
+
+from __future__ import annotations
+
+import argparse
+
+from workbench.asking import ask
+from workbench.options import add_common, add_model, add_recordings
+
+HELP = """add missing effects one after the other until the verdict says stop
+
+exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_extended.toml"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser)
+    add_model(parser)
+    parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Discover and show; status 0 whatever the verdict."""
+    from diagnosis.discover import discover
+
+    return ask(args, discover, "What the model was missing", write=args.write)

@@ -1,0 +1,124 @@
+"""`exoid effects [ID]`: the catalogue of physical effects, or one entry in full. Loads no mathematics."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+from symbolic.effect import Coefficient, Effect, Shape
+from workbench.files import check_target, make_folder, write_json, write_text
+from workbench.formula import formula
+from workbench.options import add_common
+from workbench.screen import Screen
+
+HELP = """list the physical effects exoid knows, or explain one
+
+exoid effects              the whole catalogue
+exoid effects stribeck     formula, coefficients, look-alikes, the experiment that tells it apart"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("id", metavar="ID", nargs="?", help="the entry to explain")
+    add_common(parser, out="write the catalogue as effects.json and one text per entry into DIR")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show the catalogue, or the entry asked for."""
+    from symbolic.catalogue import catalogue, find_effect
+
+    if args.json:
+        check_target(args.json)
+    known = catalogue()
+    chosen = {args.id: find_effect(args.id)} if args.id else dict(known)
+    screen = Screen.of(args)
+    if args.id:
+        screen.say(describe(chosen[args.id]))
+    else:
+        rows = [(e.id, joints(e), next(iter(formula(e).values())), e.explains) for e in chosen.values()]
+        screen.table("", ("effect", "joint", "torque added", "what it means"), rows)
+        screen.say(f"{len(rows)} effects; exoid effects ID explains one of them")
+    payload = {"schema": "exoid.effects/1", "effects": [to_json(e) for e in chosen.values()]}
+    if args.json:
+        write_json(args.json, payload)
+    if args.out:
+        folder = make_folder(args.out)
+        write_json(str(folder / "effects.json"), payload)
+        for effect in chosen.values():
+            write_text(folder / f"{effect.id}.txt", describe(effect) + "\n")
+        screen.say(f"wrote {folder}")
+    return 0
+
+
+def joints(effect: Effect) -> str:
+    """Return where the effect may sit: "hip or knee", "knee", "both at once"."""
+    if effect.on_both:
+        return "both at once"
+    return " or ".join(joint for joint in effect.joints if joint not in effect.absorbed_on) or "none"
+
+
+def describe(effect: Effect) -> str:
+    """Return everything the catalogue says about `effect`, as text."""
+    lines = [f"{effect.id}: {effect.title or effect.family}", f"  {effect.explains}", ""]
+    for joint, text in formula(effect).items():
+        lines.append(f"  torque added{' on the ' + joint if joint else ''}: {text}")
+    lines.append(f"  joint: {joints(effect)}")
+    for joint, reason in effect.absorbed_on.items():
+        lines.append(f"  not on the {joint}: {reason}")
+    if effect.coefficients:
+        lines += ["", "  coefficients (the torque is linear in them)"]
+        lines += [f"    {name}: {_coefficient(c)}" for name, c in effect.coefficients.items()]
+    if effect.shape:
+        lines += ["", "  shape (searched within its bounds)"]
+        lines += [f"    {name}: {_shape(s)}" for name, s in effect.shape.items()]
+    if effect.tells_apart:
+        lines += ["", f"  look-alikes, and the experiment that tells: {effect.tells_apart}"]
+    lines += ["", f"  reference: {effect.reference}"]
+    where = "" if effect.on_both else ":knee" if "knee" in effect.joints else ":hip"
+    lines += ["", f"  try it: exoid simulate --effect {effect.id}{where} --out runs"]
+    return "\n".join(lines)
+
+
+def _coefficient(entry: Coefficient) -> str:
+    bounds = {
+        (True, True): "any sign",
+        (False, True): f"at least {entry.min}",
+        (True, False): f"at most {entry.max}",
+        (False, False): f"{entry.min} to {entry.max}",
+    }[entry.min is None, entry.max is None]
+    typical = f", typically {entry.typical:g}" if entry.typical is not None else ""
+    return f"{entry.unit or '1'}, {bounds}{typical}" + (f"; {entry.explains}" if entry.explains else "")
+
+
+def _shape(entry: Shape) -> str:
+    span = (
+        " or ".join(f"{c:g}" for c in entry.choices) if entry.choices else f"{entry.min:g} to {entry.max:g}"
+    )
+    typical = f", typically {entry.typical:g}" if entry.typical is not None else ""
+    return f"{entry.unit or '1'}, {span}{typical}" + (f"; {entry.explains}" if entry.explains else "")
+
+
+def to_json(effect: Effect) -> dict[str, Any]:
+    """Return the entry in plain types."""
+    return {
+        "id": effect.id,
+        "title": effect.title,
+        "family": effect.family,
+        "explains": effect.explains,
+        "joints": list(effect.joints),
+        "torque": effect.torque
+        if effect.torque is None or isinstance(effect.torque, str)
+        else dict(effect.torque),
+        "derived": effect.derive is not None,
+        "coefficients": _fields(effect.coefficients),
+        "shape": _fields(effect.shape),
+        "absorbed_on": dict(effect.absorbed_on),
+        "tells_apart": effect.tells_apart,
+        "reference": effect.reference,
+        "custom": effect.custom,
+    }
+
+
+def _fields(entries: Mapping[str, Coefficient] | Mapping[str, Shape]) -> dict[str, Any]:
+    return {name: dict(vars(entry)) for name, entry in entries.items()}

@@ -1,0 +1,90 @@
+"""`exoid generate`: derive the model's equations, generate C from them, compile it, and say what changed."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from workbench.files import check_target, make_folder, write_bytes, write_json
+from workbench.options import add_common
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """derive the equations of a model, generate its C code and compile it
+
+exoid generate leg.toml --out generated
+exoid generate --check --out generated   exit status 1 when the files there are out of date"""
+
+DEFAULT_FOLDER = "generated"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; compare with what is there, byte by byte"
+    )
+    add_common(parser, out=f"write C, header and manifest into DIR (default: {DEFAULT_FOLDER})")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Generate, compile, say what changed; with --check, 1 when something would change."""
+    from workbench.inputs import load_model
+
+    if args.json:
+        check_target(args.json)
+    model = load_model(args.model)
+    folder = Path(args.out or DEFAULT_FOLDER)
+    screen = Screen.of(args)
+    with progress("deriving the equations", quiet=args.quiet) as report:
+        fresh = _generated(model)
+        states = {name: _state(folder / name, content) for name, content in fresh.items()}
+        if not args.check:
+            report(0.5, "compiling")
+            _write(folder, {name: fresh[name] for name, state in states.items() if state != "unchanged"})
+        backend = _backend(model)
+    for name, state in states.items():
+        screen.say(f"  {state:<9}  {folder / name}")
+    screen.say(f"compiled: {'as C' if backend == 'c' else 'no C compiler, CasADi computes instead (slower)'}")
+    stale = args.check and any(state != "unchanged" for state in states.values())
+    if stale:
+        screen.say("the files are not what this model generates; run exoid generate", "bad")
+    if args.json:
+        write_json(args.json, {
+            "schema": "exoid.generated/1", "model": model.name, "key": model.key(), "folder": str(folder),
+            "files": states, "checked_only": bool(args.check), "backend": backend,
+        })  # fmt: skip
+    return 1 if stale else 0
+
+
+def _generated(model: Any) -> dict[str, bytes]:
+    """Return {file name: content} of everything generated for `model`."""
+    from symbolic.code import write_generated
+
+    with TemporaryDirectory(prefix="exoid-") as place:
+        write_generated(model, Path(place))
+        return {path.name: path.read_bytes() for path in sorted(Path(place).iterdir()) if path.is_file()}
+
+
+def _state(path: Path, content: bytes) -> str:
+    """Return what happens to one file: "new", "changed" or "unchanged"."""
+    if not path.exists():
+        return "new"
+    return "unchanged" if path.read_bytes() == content else "changed"
+
+
+def _write(folder: Path, files: dict[str, bytes]) -> None:
+    make_folder(folder)
+    for name, content in files.items():
+        write_bytes(folder / name, content)
+
+
+def _backend(model: Any) -> str:
+    """Compile the model now, so that the next command need not, and return "c" or "vm"."""
+    from symbolic.kernel import compiled
+
+    return str(compiled(model).backend)

@@ -1,0 +1,63 @@
+"""`exoid identify`: the numbers of the model, with intervals and a proof that they are the best."""
+
+from __future__ import annotations
+
+import argparse
+
+from workbench.deliver import check_places, deliver
+from workbench.options import add_common, add_limit, add_model, add_recordings
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
+
+exoid identify run1.csv run2.csv --model leg.toml --write leg_identified.toml"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser, verify=False)
+    add_model(parser)
+    parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
+    add_limit(parser, "the error of the fit")
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Identify, show; 1 when the error is above --limit."""
+    from workbench.inputs import check_new_model, load
+
+    check_places(args)
+    if args.write:
+        check_new_model(args.write, args.model)
+    given = load(args)
+    with progress("identifying", quiet=args.quiet) as report:
+        from optimisation.identify import identify
+
+        steps = iter(range(1, 100))
+        fit = identify(
+            given.model, given.prepared, seed=args.seed,
+            progress=lambda text: report(min(0.95, next(steps) / 9), text),
+        )  # fmt: skip
+    from workbench.report.material import Material, command_of, picture_of_fit, settings_of
+    from workbench.screen import per_joint
+    from workbench.showing import above, show_fit
+
+    screen = Screen.of(args)
+    show_fit(screen, fit)
+    if args.write:
+        from symbolic.model_file import write_model
+
+        write_model(given.model, args.write, fit)
+        screen.say(f"model: {args.write}")
+    over = above(args.limit, fit.rms)
+    if over:
+        screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
+    deliver(args, screen, {"schema": "exoid.fit/1", **fit.to_json()}, lambda: Material(
+        title="Identified parameters",
+        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS). {fit.certificate}",
+        recordings=given.recordings, model=given.model, fit=fit,
+        pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
+        seconds=fit.seconds,
+    ))  # fmt: skip
+    return 1 if over else 0

@@ -1,0 +1,117 @@
+"""`exoid simulate`: recordings from the virtual bench, with effects hidden in the leg."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from workbench.files import check_target, make_folder, write_json
+from workbench.options import add_common, positive, whole_number
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """make recordings on the virtual bench, with an effect hidden in the leg
+
+exoid simulate --effect stribeck:knee=2.5 --out runs
+exoid simulate --effect torque_ripple:hip=a=0.8,n=24 --out runs
+exoid simulate --blind --seed 7 --out runs   something at random; exoid reveal runs/truth.seal tells"""
+
+DEFAULT_FOLDER = "exoid-runs"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg"
+    )
+    parser.add_argument(
+        "--effect", metavar="ID[:joint][=SIZE]", action="append", default=[],
+        help="hide this effect; SIZE is one number, or a list such as c=2.6,v_s=0.15",
+    )  # fmt: skip
+    parser.add_argument(
+        "--blind", action="store_true",
+        help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
+    )  # fmt: skip
+    parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
+    parser.add_argument(
+        "--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)"
+    )
+    parser.add_argument(
+        "--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)"
+    )
+    add_common(parser, out=f"write the recordings into DIR (default: {DEFAULT_FOLDER})")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Simulate and write; never overwrites a recording."""
+    from measurement.hidden import parse_hidden
+    from workbench.inputs import load_model
+    from workbench.parser import UsageError
+
+    if args.json:
+        check_target(args.json)
+    if not 1 <= args.runs <= 100:
+        raise UsageError(f"--runs {args.runs} is not between 1 and 100")
+    model = load_model(args.model)
+    hidden = tuple(parse_hidden(text) for text in args.effect)
+    folder = make_folder(args.out or DEFAULT_FOLDER)
+    _refuse_overwriting(folder, args.runs)
+    if args.blind and not hidden:
+        hidden = _draw(args.seed)
+    with progress("simulating", quiet=args.quiet):
+        files, seal = _simulate(args, folder, model, hidden)
+    screen = Screen.of(args)
+    for path in files:
+        screen.say(f"wrote {path}")
+    if seal is not None:
+        screen.say(f"wrote {seal}; exoid reveal {seal} opens it")
+    elif hidden:
+        screen.say("hidden in the leg: " + ", ".join(one.name for one in hidden))
+    if args.json:
+        write_json(args.json, {
+            "schema": "exoid.simulation/1", "recordings": [str(path) for path in files],
+            "seal": None if seal is None else str(seal), "seed": args.seed,
+            "effects": None if args.blind else [one.name for one in hidden],
+        })  # fmt: skip
+    return 0
+
+
+def _simulate(
+    args: argparse.Namespace, folder: Path, model: Any, hidden: Any
+) -> tuple[list[Path], Path | None]:
+    """Write the recordings, and the seal with --blind."""
+    from measurement.bench import Bench, simulate_runs
+    from measurement.blind import write_blind
+    from measurement.recording import write_recording
+
+    bench = Bench(duration=args.duration, rate=args.rate)
+    if args.blind:
+        files, seal = write_blind(folder, hidden, count=args.runs, model=model, seed=args.seed, bench=bench)
+        return list(files), seal
+    runs = simulate_runs(args.runs, model, effects=hidden, seed=args.seed, bench=bench)
+    return [write_recording(r.recording, folder / f"{r.recording.name}.csv") for r in runs], None
+
+
+def _draw(seed: int) -> Any:
+    """Return something to hide, drawn at random from the catalogue."""
+    import numpy as np
+
+    from measurement.blind import draw
+    from symbolic.catalogue import catalogue
+
+    # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
+    return draw(np.random.default_rng([seed, 99]), catalogue().values())
+
+
+def _refuse_overwriting(folder: Path, count: int) -> None:
+    from workbench.files import OutputError
+
+    names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
+    there = [name for name in names if (folder / name).exists()]
+    if there:
+        raise OutputError(
+            f"{there[0]} exists already",
+            where=str(folder),
+            remedy="name another folder with --out, or remove the old runs",
+        )

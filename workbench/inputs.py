@@ -1,0 +1,132 @@
+"""From the words of a command line to models and recordings."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from symbolic.quantity import JOINTS
+from workbench.options import merged
+from workbench.parser import UsageError
+from workbench.screen import warn
+from workbench.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from measurement.recording import Recording
+    from symbolic.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """What a question about recordings starts from. `prepared`, `verify_prepared` are filtered alike."""
+
+    model: Model
+    recordings: tuple[Recording, ...]
+    verify: tuple[Recording, ...]
+    prepared: tuple[Any, ...]
+    verify_prepared: tuple[Any, ...]
+
+    @property
+    def all_recordings(self) -> tuple[Recording, ...]:
+        """Recordings to fit, then those kept unseen."""
+        return self.recordings + self.verify
+
+
+def load_model(path: str | None) -> Model:
+    """Return the model in the file `path`, or the standard leg for None."""
+    from symbolic.model import Model
+
+    if path is None:
+        return Model.standard()
+    from symbolic.model_file import read_model
+
+    return read_model(path)
+
+
+def load(args: argparse.Namespace) -> Inputs:
+    """Read and prepare what `args` name: --model, REC..., --verify, --map, --units, --cutoff."""
+    model = load_model(getattr(args, "model", None))
+    columns, units = merged(args.map, "--map"), merged(args.units, "--units")
+    unseen = list(getattr(args, "verify", []))
+    refuse_repeats(args.recordings, unseen)
+    recordings = tuple(read(path, columns, units) for path in args.recordings)
+    verify = tuple(read(path, columns, units) for path in unseen)
+    return prepare_all(model, recordings, verify, args.cutoff)
+
+
+def prepare_all(
+    model: Model, recordings: Sequence[Recording], verify: Sequence[Recording], cutoff: float | None
+) -> Inputs:
+    """Filter all recordings with one cut-off, so that errors compare, and return the Inputs."""
+    from measurement.prepare import prepare
+
+    together = tuple(prepare([*recordings, *verify], cutoff=cutoff))
+    count = len(recordings)
+    return Inputs(model, tuple(recordings), tuple(verify), together[:count], together[count:])
+
+
+def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None) -> Recording:
+    """Read one recording and say on stderr what its audit warns of or has repaired."""
+    from measurement.read import read_recording
+
+    recording = read_recording(path, columns, units)
+    for finding in recording.findings:
+        if finding.severity != "info":
+            warn(str(finding))
+    return recording
+
+
+def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:
+    """Refuse a file that is named twice: counted twice it fakes certainty, and seen it is not unseen."""
+    names = [Path(path).resolve() for path in fitted]
+    for path in fitted:
+        if names.count(Path(path).resolve()) > 1:
+            raise UsageError("this recording is named twice", where=path, remedy="name it once")
+    for path in unseen:
+        if Path(path).resolve() in names:
+            raise UsageError(
+                "this recording is both fitted and in --verify",
+                where=path,
+                remedy="a recording that was fitted cannot show how well unseen motion is predicted",
+            )
+
+
+def split_joint(text: str) -> tuple[str, str | None]:
+    """Return ("stribeck", "knee") for "stribeck:knee"; raises UsageError for a joint that does not exist."""
+    effect, colon, joint = text.partition(":")
+    if not effect or (colon and joint not in JOINTS):
+        raise UsageError(
+            f"{text!r} does not name an effect",
+            where="EFFECT[:joint]",
+            remedy=did_you_mean(joint, JOINTS) or "write for example stribeck:knee; joints are hip and knee",
+        )
+    return effect, joint or None
+
+
+def check_new_model(target: str, source: str | None) -> None:
+    """Refuse a model file that would overwrite the one it comes from, or cannot be written."""
+    from workbench.files import OutputError, check_target
+
+    if target == "-":
+        raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
+    check_target(target)
+    if source is not None and Path(target).resolve() == Path(source).resolve():
+        raise OutputError(
+            "this would overwrite the model it was made from", where=target, remedy="choose another file name"
+        )
+
+
+def beside(source: str | None, suffix: str) -> str:
+    """Return a free file name next to the model `source`: leg.toml becomes leg+stribeck-knee.toml."""
+    base = Path("leg.toml") if source is None else Path(source)
+    for count in range(1, 1000):
+        tail = "" if count == 1 else f"-{count}"
+        name = base.with_name(f"{base.stem}+{suffix.replace(':', '-')}{tail}.toml")
+        if not name.exists():
+            return str(name)
+    raise UsageError(
+        "there are a thousand such models already", where=str(base.parent), remedy="use --write FILE"
+    )

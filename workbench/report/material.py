@@ -1,0 +1,106 @@
+"""Everything a report may draw on; each section takes what it needs and is silent without it."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from measurement.recording import Recording
+
+NOTHING: Mapping[str, str] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure with its `title` and `alt`, the sentence that stands for it where it cannot be seen."""
+
+    title: str
+    alt: str
+    figure: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The falling error: `rows` of {"model", "train_rms", "verify_rms", "sentence"}, RMS (J,) N·m or None."""
+
+    rows: tuple[Mapping[str, Any], ...]
+    noise_floor: tuple[float, ...] | None = None
+    ending: str = ""
+
+    @classmethod
+    def of(cls, result: Any) -> Steps:
+        """Return the steps of a Diagnosis, Discovery or Waterfall."""
+        rows = tuple(_row(step) for step in result.steps)
+        floor = getattr(result, "noise_floor", None)
+        ending = str(getattr(result, "stopped_because", "") or "")
+        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending)
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """The results of one command. `answer` is the sentence at the top where there is no diagnosis."""
+
+    title: str
+    answer: str = ""
+    recordings: tuple[Recording, ...] = ()
+    verify: tuple[Recording, ...] = ()
+    model: Any = None
+    fit: Any = None
+    comparison: Any = None
+    diagnosis: Any = None
+    steps: Steps | None = None
+    pictures: tuple[Picture, ...] = ()
+    truth: str = ""
+    command: str = ""
+    settings: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    seconds: float | None = None
+
+
+def pictures_of(*results: Any) -> tuple[Picture, ...]:
+    """Return the pictures of every result that draws some, in their order."""
+    found = []
+    for result in results:
+        if result is not None and hasattr(result, "figures"):
+            found += [Picture(title, alt, figure) for title, alt, figure in result.figures()]
+    return tuple(found)
+
+
+def picture_of_fit(fit: Any) -> Picture:
+    """Return the plot of a Fit."""
+    alt = "Torque and residual of both joints, intervals of the parameters, and how each optimiser converged."
+    return Picture("The fit: residuals, intervals, convergence", alt, fit.plot())
+
+
+def settings_of(args: argparse.Namespace) -> dict[str, str]:
+    """Return the settings of a command line as text, for the section that says how to repeat it."""
+    hidden = ("command_line", "quiet", "json", "out", "recordings", "verify")
+    return {
+        name.replace("_", " "): str(value)
+        for name, value in sorted(vars(args).items())
+        if name not in hidden and value not in (None, [], "")
+    }
+
+
+def command_of(args: argparse.Namespace) -> str:
+    """Return the command line as it can be pasted into a shell."""
+    return shlex.join(getattr(args, "command_line", ["exoid"]))
+
+
+def _row(step: Any) -> Mapping[str, Any]:
+    if isinstance(step, Mapping):
+        return {"sentence": "", **step}
+    label = getattr(step, "label", None)
+    return {
+        "model": step.model if label is None else label,
+        "train_rms": _list(step.train_rms),
+        "verify_rms": _list(step.verify_rms),
+        "sentence": getattr(step, "sentence", ""),
+    }
+
+
+def _list(values: Sequence[float] | None) -> list[float] | None:
+    return None if values is None else [float(value) for value in values]

@@ -1,0 +1,108 @@
+"""Puts the sections together into one self-contained page: no request leaves it."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import pkgutil
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from workbench.files import make_folder, write_bytes, write_text
+from workbench.report import sections
+from workbench.report.material import Material, Picture
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Block:
+    """A section as it stands in the page."""
+
+    id: str
+    title: str
+    html: str
+
+
+def find_sections() -> tuple[ModuleType, ...]:
+    """Return every module of `sections/`, in the order in which they stand in the page."""
+    names = [module.name for module in pkgutil.iter_modules(sections.__path__)]
+    found = [importlib.import_module(f"{sections.__name__}.{name}") for name in names]
+    return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
+
+
+def render(material: Material) -> str:
+    """Return the page as HTML text."""
+    from markupsafe import Markup
+
+    templates = environment()
+    blocks = []
+    for section in find_sections():
+        context = section.context(material)
+        if context is None:
+            continue
+        name = section.__name__.rsplit(".", 1)[1]
+        html = templates.get_template(f"sections/{name}.html").render(context)
+        blocks.append(Block(name, section.TITLE, Markup(html)))  # escaped by its own template
+    # The two files below are ours and contain no text from outside.
+    style = Markup((FOLDER / "page.css").read_text("utf-8"))
+    script = Markup((FOLDER / "page.js").read_text("utf-8"))
+    page = templates.get_template("page.html")
+    return page.render(material=material, blocks=blocks, style=style, script=script)
+
+
+def write_report(material: Material, folder: str | Path) -> Path:
+    """Write `report.html`, and its figures as PNG beside it, into `folder`; return the path of the page."""
+    from measurement.figures import to_png
+
+    target = make_folder(folder)
+    page = write_text(target / "report.html", render(material))
+    if material.pictures:
+        figures = make_folder(target / "figures")
+        for index, picture in enumerate(material.pictures, start=1):
+            write_bytes(figures / f"{index:02d}-{slug(picture.title)}.png", to_png(picture.figure))
+    return page
+
+
+def environment() -> Environment:
+    """Return the templates with autoescape, undefined names refused, and the filters sections use."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    templates = Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    templates.filters["number"] = number
+    templates.filters["percent"] = percent
+    templates.filters["uri"] = uri
+    return templates
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """Return a number with `digits` significant digits, or a dash for None and what is not finite."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def percent(value: Any) -> str:
+    """Return a share as per cent."""
+    return "–" if value is None or not math.isfinite(value) else f"{100 * value:.0f} %"
+
+
+def uri(picture: Picture) -> str:
+    """Return the picture as a data URI."""
+    from measurement.figures import to_data_uri
+
+    return to_data_uri(picture.figure)
+
+
+def slug(title: str) -> str:
+    """Return a title as a file name."""
+    kept = "".join(c if c.isascii() and c.isalnum() else "-" for c in title.lower())
+    return "-".join(part for part in kept.split("-") if part)[:60] or "figure"

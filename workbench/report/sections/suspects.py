@@ -1,0 +1,49 @@
+"""The suspects: what each would explain on unseen motion, how sure that is, and what looks like it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.report.material import Material
+from workbench.report.sections.verdict import term
+
+TITLE = "Suspects"
+ORDER = 40
+MOST = 15
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return the ranking and what is left unexplained."""
+    if material.diagnosis is None:
+        return None
+    found = material.diagnosis.to_json()
+    cautions = {_name(s): s.caution for s in material.diagnosis.suspects}
+    rows = [
+        (
+            place,
+            term(one),
+            one["explained_share"],
+            one["p_value"],
+            ", ".join(one["look_alikes"]) or "–",
+            cautions.get(term(one), "") or "–",
+        )
+        for place, one in enumerate(found["suspects"][:MOST], start=1)
+    ]
+    return {
+        "head": (
+            "rank",
+            "effect",
+            "share of the error explained",
+            "p-value",
+            "look-alikes in these data",
+            "caution",
+        ),
+        "rows": rows,
+        "more": max(0, len(found["suspects"]) - MOST),
+        "unexplained": found.get("unexplained") or {"significant": False},
+    }
+
+
+def _name(suspect: Any) -> str:
+    return f"{suspect.effect}:{suspect.joint}" if suspect.joint else str(suspect.effect)

@@ -1,0 +1,41 @@
+"""How large the error is, and where it sits: joint, variable, share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from symbolic.quantity import JOINTS
+from workbench.report.material import Material
+
+TITLE = "Where the model fails"
+ORDER = 30
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return the size of the error per joint and the places where it is largest."""
+    found = material.comparison
+    if found is None:
+        return None
+    unseen = found.verify_rms
+    return {
+        "size_head": (
+            "joint",
+            "torque [N·m]",
+            "error, fitted [N·m]",
+            "error, unseen [N·m]",
+            "noise floor [N·m]",
+        ),
+        "size": [
+            (
+                joint,
+                float(found.signal_rms[j]),
+                float(found.rms[j]),
+                None if unseen is None else float(unseen[j]),
+                float(found.noise_floor[j]),
+            )
+            for j, joint in enumerate(JOINTS)
+        ],
+        "head": ("joint", "depends on", "share of the error", "what that means", "caution"),
+        "rows": [(w.joint, w.variable, float(w.share), w.sentence, w.caution) for w in found.where],
+    }
