@@ -1,0 +1,47 @@
+"""The catalogue: every effect found in `effects/`, by id."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import pkgutil
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+
+from symbolic import effects
+from symbolic.effect import Effect
+from symbolic.errors import EffectError
+
+FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drift", "contact", "base")
+"""Families in the order in which the catalogue lists them."""
+
+
+@cache
+def catalogue() -> Mapping[str, Effect]:
+    """Return {id: effect}, by family, then id; EffectError for a file that defines none."""
+    found = [_load(info.name) for info in pkgutil.iter_modules(effects.__path__)]
+    ordered = sorted(found, key=lambda effect: (FAMILIES.index(effect.family), effect.id))
+    return MappingProxyType({effect.id: effect for effect in ordered})
+
+
+def find_effect(id: str) -> Effect:
+    """Return the effect of that id; EffectError with the nearest ids where there is none."""
+    known = catalogue()
+    if id in known:
+        return known[id]
+    near = difflib.get_close_matches(str(id)[:80], known, n=3, cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}?" if near else "the catalogue has: " + ", ".join(known)
+    raise EffectError(f"there is no effect {str(id)[:80]!r}", where="catalogue", remedy=hint)
+
+
+def _load(name: str) -> Effect:
+    """Import one file of the folder and return its EFFECT."""
+    effect = getattr(importlib.import_module(f"{effects.__name__}.{name}"), "EFFECT", None)
+    if not isinstance(effect, Effect) or effect.id != name or effect.family not in FAMILIES:
+        raise EffectError(
+            "the file does not define an EFFECT whose id is the file's name",
+            where=f"symbolic/effects/{name}.py",
+            remedy=f'write EFFECT = Effect(id="{name}", ...) with a family of: {", ".join(FAMILIES)}',
+        )
+    return effect

@@ -1,0 +1,30 @@
+"""Extra friction at creeping speed, gone once the joint moves: c sgn(θ') exp(-(θ'/v_s)²)."""
+
+from __future__ import annotations
+
+from symbolic.effect import Coefficient, Effect, Shape
+
+EFFECT = Effect(
+    id="stribeck",
+    title="Stribeck friction",
+    family="friction",
+    torque="c * sgn(dtheta) * exp(-(dtheta / v_s)**2)",
+    coefficients={"c": Coefficient("N·m", min=0.0, typical=5.0, explains="extra friction at creeping speed")},
+    shape={
+        "v_s": Shape(
+            "rad/s",
+            min=0.01,
+            max=0.4,
+            spacing="log",
+            points=8,
+            typical=0.1,
+            explains="speed at which most of it is gone",
+        )
+    },
+    explains="The joint sticks when it starts or reverses, and runs freely once it moves.",
+    tells_apart=(
+        "Slow motion through zero speed, many times, with and without load; a wide v_s needs fast motion "
+        "as well."
+    ),
+    reference="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1083-1138, 1994",
+)

@@ -1,0 +1,26 @@
+"""Resistance that bends with the third power of the speed: c θ'³."""
+
+from __future__ import annotations
+
+from symbolic.effect import Coefficient, Effect
+
+EFFECT = Effect(
+    id="viscous_cubic",
+    title="Cubic viscosity",
+    family="friction",
+    torque="c * dtheta**3",
+    coefficients={
+        "c": Coefficient(
+            "N·m·s³/rad³", typical=2.0, explains="positive: stiffening; negative: thinning grease"
+        )
+    },
+    explains="The resistance curve over speed is bent, with the same bend in both directions.",
+    tells_apart=(
+        "Constant speeds up to the highest allowed; only a wide range of speeds tells the cube from the "
+        "square."
+    ),
+    reference=(
+        "Waiboer, Aarts, Jonker, Velocity dependence of joint friction in robotic manipulators with gear "
+        "transmissions, ECCOMAS Multibody Dynamics, 2005"
+    ),
+)

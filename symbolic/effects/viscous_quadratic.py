@@ -1,0 +1,28 @@
+"""Resistance that grows with the square of the speed: c θ'|θ'|."""
+
+from __future__ import annotations
+
+from symbolic.effect import Coefficient, Effect
+
+EFFECT = Effect(
+    id="viscous_quadratic",
+    title="Quadratic viscosity",
+    family="friction",
+    torque="c * dtheta * abs(dtheta)",
+    coefficients={
+        "c": Coefficient(
+            "N·m·s²/rad²", typical=3.0, explains="positive: churning or air; negative: thinning grease"
+        )
+    },
+    explains=(
+        "Moving twice as fast takes more than twice the extra torque, as when oil or air is pushed aside "
+        "(less than twice if the coefficient is negative: grease that thins)."
+    ),
+    tells_apart=(
+        "Constant speeds over the whole range, up to the highest allowed; at least five levels in both "
+        "directions."
+    ),
+    reference=(
+        "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, European Journal of Control 4(3), 176-195, 1998"
+    ),
+)
