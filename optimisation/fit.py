@@ -54,7 +54,8 @@ class Fit:
     """An identified model.
 
     `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with
-    95 % intervals valid under autocorrelated residuals. `delta`, `rms` (J,) in N·m. `best_known` says that
+    95 % intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each
+    recording, which differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m. `best_known` says that
     shape parameters were searched, so that only the linear part carries a proof. `plausibility` is what to
     be careful about.
     """
@@ -63,6 +64,7 @@ class Fit:
     estimates: tuple[Estimate, ...]
     linear: Float
     shape: Float
+    shapes: Float = field(repr=False)
     delta: Float
     rms: Float
     loss: float

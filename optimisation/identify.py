@@ -20,6 +20,7 @@ from optimisation.certificate import certify
 from optimisation.fit import Fit, Stage
 from optimisation.fitness import population_fitness
 from optimisation.linear import delta_rule, solve_huber, solve_sse
+from optimisation.local_shape import descend, own_shapes, reach
 from optimisation.loss import huber
 from optimisation.optimiser import Optimiser, Run, minimise
 from optimisation.optimisers.nfo import NFO
@@ -55,6 +56,7 @@ def identify(
     *,
     optimisers: Mapping[str, Search] | tuple[()] = SEARCHES,
     shape: Float | None = None,
+    start: Float | None = None,
     delta: Float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -62,7 +64,8 @@ def identify(
     """Fit `model` to prepared recordings and return the Fit.
 
     `optimisers=()` is the light mode: no NFO and no IPOPT, the exact solution only. `shape` (S,) fixes the
-    shape parameters instead of searching them, `delta` (J,) the thresholds instead of the 14 % rule.
+    shape parameters instead of searching them, `start` ((S,) or (R, S)) searches them only from there,
+    `delta` (J,) fixes the thresholds instead of the 14 % rule.
     Refuses data that cannot determine as many parameters as the model has.
     """
     began = time.perf_counter()
@@ -78,7 +81,7 @@ def identify(
     say("least squares")
     first_shape, first, leaders = _solve_shape(assembly, infinite, shape, None)
     first.data.require_enough()
-    sse = _stage("sse", first, first_shape, infinite, first.linear, searches, seed, say, scope)
+    sse = _stage("sse", first, _middle(first_shape), infinite, first.linear, searches, seed, say, scope)
     limits = (
         delta_rule(first.data.residual(first.linear), use=first.data.use)
         if delta is None
@@ -93,7 +96,7 @@ def identify(
         best = replace(first, linear=solve_huber(first.data, limits, first.linear))
     # δ and the box of the Huber search come from least squares on the columns of the shape found last.
     centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = _stage("huber", best, best_shape, limits, centre, searches, seed, say, scope)
+    stage = _stage("huber", best, _middle(best_shape), limits, centre, searches, seed, say, scope)
 
     spread = _spread(assembly, best, best_shape, limits)
     estimates = _estimates(model, best.linear, best_shape, spread)
@@ -106,7 +109,8 @@ def identify(
         model=model,
         estimates=estimates,
         linear=best.linear,
-        shape=best_shape,
+        shape=middle,
+        shapes=np.broadcast_to(best_shape, (len(data), middle.size)),
         delta=limits,
         rms=best.data.rms(best.linear),
         loss=stage.loss,
@@ -132,6 +136,11 @@ def _scope(model: FittableModel, given: bool) -> str:
     return scope + (", the model's own torque held" if model.needs_reference else "")
 
 
+def _middle(shape: Float) -> Float:
+    """Return one row (S,) that stands for shape values (S,) or (R, S)."""
+    return shape if shape.ndim == 1 else np.asarray(np.median(shape, axis=0))
+
+
 def _silent(text: str) -> None:
     """Say nothing."""
 
@@ -140,10 +149,12 @@ def _solve_shape(
     assembly: Assembly,
     delta: Float,
     fixed: Float | None,
-    starts: Sequence[Float] | None,
+    starts: Sequence[Float] | Float | None,
     reference: Float | None = None,
-) -> tuple[Float, Settled, Sequence[Float]]:
-    """Return the best shape values (S,), the linear solution there, and nodes for a next stage."""
+) -> tuple[Float, Settled, Sequence[Float] | Float]:
+    """Return the best shape values ((S,), or (R, S) where recordings have their own), the linear solution
+    there, and where a next stage may start.
+    """
 
     def solve(data: LinearData) -> Float:
         return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta)
@@ -159,6 +170,15 @@ def _solve_shape(
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
         return values, solved(values), [values]
+    own = bool(own_shapes(model))
+    if isinstance(starts, np.ndarray) or own:
+        began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
+        if not began.size:
+            began = search_shape(loss, shapes, None).best
+        rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
+        found = descend(lambda v: loss(v if own else v[0]), model, rows, reach(model, prepared))
+        best = found if own else found[0]
+        return best, solved(best), best
     search = search_shape(loss, shapes, starts)
     return search.best, solved(search.best), search.leaders(6)
 
@@ -212,13 +232,14 @@ def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> C
     for index, entry in enumerate(model.shapes):
         step = 1e-4 * (entry.shape.max - entry.shape.min)
         up, down = shape.copy(), shape.copy()
-        up[index] = min(shape[index] + step, entry.shape.max)
-        down[index] = max(shape[index] - step, entry.shape.min)
-        flat = bool(entry.shape.choices)
+        up[..., index] = np.minimum(shape[..., index] + step, entry.shape.max)
+        down[..., index] = np.maximum(shape[..., index] - step, entry.shape.min)
+        # A value each recording has to itself is not one number with one interval.
+        flat = bool(entry.shape.choices) or entry.shape.per_recording
         slopes.append(
             np.zeros_like(found.data.tau)
             if flat
-            else (predicted(linear, up) - predicted(linear, down)) / (up[index] - down[index])
+            else (predicted(linear, up) - predicted(linear, down)) / np.mean(up[..., index] - down[..., index])
         )
     total = columns
     if model.needs_reference:
@@ -239,15 +260,20 @@ def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> C
 
 def _estimates(model: FittableModel, linear: Float, shape: Float, spread: Covariance) -> tuple[Estimate, ...]:
     half = spread.half_widths()
+    middle = _middle(shape)
     named = [(p.name, p.unit) for p in model.parameters] + [(s.name, s.shape.unit) for s in model.shapes]
-    values = np.concatenate([linear, shape])
+    values = np.concatenate([linear, middle])
+    low, high = values - half, values + half
     for index, entry in enumerate(model.shapes):
-        # A choice is not estimated by a derivative; it has no interval of its own.
+        place = linear.size + index
+        # A choice is not estimated by a derivative; what each recording has to itself spans a range.
         if entry.shape.choices:
-            half[linear.size + index] = 0.0
+            low[place] = high[place] = values[place]
+        elif entry.shape.per_recording and shape.ndim == 2:
+            low[place], high[place] = shape[:, index].min(), shape[:, index].max()
     return tuple(
-        Estimate(name, float(v), unit, float(v - h), float(v + h))
-        for (name, unit), v, h in zip(named, values, half, strict=True)
+        Estimate(name, float(v), unit, float(a), float(b))
+        for (name, unit), v, a, b in zip(named, values, low, high, strict=True)
     )
 
 

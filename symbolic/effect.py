@@ -34,8 +34,10 @@ class Coefficient:
 class Shape:
     """A number the torque is not linear in: bounded, or one of `choices` (then min and max span them).
 
-    `spacing` says how a search should space its trial values: "linear" or "log". `points` is how many it needs
-    so that neighbouring trial values still resemble each other.
+    `spacing` says how a search should space its trial values: "linear", "log", or "position" (a place on the
+    joint's path: spaced by how often the joint is there, densest near the ends of its range). `points` is how many
+    it needs so that neighbouring trial values still resemble each other. `per_recording` marks a value that
+    mounting or strapping may move between recordings: each recording then has its own.
     """
 
     unit: str
@@ -46,6 +48,7 @@ class Shape:
     points: int = 9
     typical: float | None = None
     explains: str = ""
+    per_recording: bool = False
 
 
 @dataclass(frozen=True)

@@ -82,14 +82,15 @@ class Model:
 
         EffectError where there is no such effect, not at that joint, or where the model has it already.
         """
+        from symbolic.torque import check_term
+
         if isinstance(effect, str):
             from symbolic.catalogue import find_effect
 
             name, _, place = effect.partition(":")
-            effect, joint = find_effect(name), joint or place or None
-        term = Term(effect, joint)
-        from symbolic.torque import check_term
-
+            term = Term(find_effect(name), joint or place or None)
+        else:
+            term = Term(effect, joint)
         check_term(term)
         return replace(self, terms=(*self.terms, term))
 
@@ -102,6 +103,10 @@ class Model:
                 remedy="its terms are: " + (", ".join(term.name for term in self.terms) or "none"),
             )
         return replace(self, terms=tuple(term for term in self.terms if term.name != term_name))
+
+    def base(self) -> Model:
+        """Return the eight-parameter model of the same leg: no terms."""
+        return replace(self, terms=()) if self.terms else self
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:

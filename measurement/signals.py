@@ -1,0 +1,129 @@
+"""Signals of a recording: an even clock, zero-phase low-pass, derivatives, and how noisy they are.
+
+Every filter here runs forwards and backwards (Butterworth, order 4), so nothing is delayed. Arrays have time as
+axis 0. The angle noise decides everything: its second derivative grows with the fifth power of the cut-off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+from scipy.signal import butter, sosfiltfilt, welch
+
+from measurement.recording import Recording
+from symbolic.errors import NotEnoughDataError
+from symbolic.motion import Float
+
+ORDER = 4
+SHORTEST = 2.0
+"""Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
+
+
+@dataclass(frozen=True, eq=False)
+class EvenSignals:
+    """A recording on an even clock: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
+
+    The logged time stamps are what it was interpolated from; `rate` is in Hz.
+    """
+
+    t: Float
+    q: Float
+    tau: Float
+    gap: NDArray[np.bool_]
+    rate: float
+
+
+def even_clock(recording: Recording) -> EvenSignals:
+    """Put a recording on an even clock at its own median rate, using only its valid rows.
+
+    Bad rows and holes are bridged so that filters can run, and marked in `gap` so that no fit uses them.
+    Refuses a recording that is too short.
+    """
+    good = recording.valid
+    t = recording.t[good]
+    if t.size < 2 or t[-1] - t[0] < SHORTEST:
+        raise NotEnoughDataError(
+            f"only {0.0 if t.size < 2 else t[-1] - t[0]:.2f} s of usable data",
+            where=recording.source.path or recording.name,
+            remedy=f"record at least {SHORTEST:g} s; 30 s of motion is a good start",
+        )
+    step = float(np.median(np.diff(t)))
+    grid = t[0] + step * np.arange(int(np.floor((t[-1] - t[0]) / step + 1e-6)) + 1)
+    if grid.size == t.size and np.max(np.abs(grid - t)) < 1e-3 * step:
+        grid, q, tau = t, recording.q[good], recording.tau[good]
+    else:
+        q = np.column_stack([np.interp(grid, t, recording.q[good, j]) for j in (0, 1)])
+        tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in (0, 1)])
+    after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
+    hole = (t[after] - t[after - 1]) > 2.5 * step
+    return EvenSignals(grid, q, tau, hole, 1.0 / step)
+
+
+def low_pass(x: Float, cutoff: float, rate: float) -> Float:
+    """Return `x` (N, ...) without what is faster than `cutoff` Hz, without delay."""
+    sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
+    pad = min(len(x) - 1, int(3.0 * rate / cutoff))
+    return sosfiltfilt(sections, x, axis=0, padlen=pad)
+
+
+def decimate(x: Float, factor: int, rate: float) -> Float:
+    """Return every `factor`-th sample of `x` (N, ...) after a zero-phase anti-alias filter."""
+    return x if factor == 1 else low_pass(x, 0.4 * rate / factor, rate)[::factor]
+
+
+def derivatives(q: Float, rate: float) -> tuple[Float, Float]:
+    """Return velocity and acceleration (N, J) of angles that are already smooth, by central differences."""
+    dq = np.gradient(q, 1.0 / rate, axis=0)
+    ddq = np.empty_like(q)
+    ddq[1:-1] = (q[2:] - 2.0 * q[1:-1] + q[:-2]) * rate**2
+    ddq[0], ddq[-1] = ddq[1], ddq[-2]
+    return dq, ddq
+
+
+def noise_density(x: Float, rate: float) -> Float:
+    """Return the one-sided white noise density of each channel, unit²/Hz, from the top fifth of the spectrum."""
+    frequency, power = welch(x, rate, nperseg=min(len(x), int(10.0 * rate)), detrend="linear", axis=0)
+    return np.median(power[frequency > 0.4 * rate], axis=0)
+
+
+def acceleration_quality(q: Float, rate: float, cutoff: float) -> Float:
+    """Return the share (J,) of noise in the variance of the second derivative below `cutoff` Hz.
+
+    White angle noise of density S leaves S (2π)⁴ f⁵ / 5 in the acceleration; this share is the relative bias of
+    an inertia towards zero (errors in variables).
+    """
+    frequency, power = welch(q, rate, nperseg=min(len(q), int(10.0 * rate)), detrend="linear", axis=0)
+    inside = frequency <= cutoff
+    total = np.sum(power[inside] * (2 * np.pi * frequency[inside, None]) ** 4, axis=0) * frequency[1]
+    noise = noise_density(q, rate) * (2 * np.pi) ** 4 * cutoff**5 / 5.0
+    return noise / np.maximum(total, 1e-300)
+
+
+def velocity_noise(q: Float, rate: float, cutoff: float) -> Float:
+    """Return the standard deviation (J,) of the velocity noise left below `cutoff` Hz, rad/s."""
+    return np.sqrt(noise_density(q, rate) * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
+
+
+def running_median(x: Float, seconds: float, rate: float) -> Float:
+    """Return the running median of each channel of `x` (N, J) over a window of `seconds`."""
+    window = max(5, int(round(seconds * rate)) | 1)
+    return median_filter(x, size=(window, 1), mode="nearest")
+
+
+def spikes(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
+    """Return where `x` (N, J) leaves its running median by more than `limit` robust deviations, and the median."""
+    middle = running_median(x, seconds, rate)
+    away = np.abs(x - middle)
+    scale = np.median(away, axis=0) / 0.6745
+    return away > limit * np.maximum(scale, 1e-300), middle
+
+
+def widen(mask: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
+    """Return `mask` (N,) grown by `samples` on either side."""
+    if samples <= 0 or not mask.any():
+        return mask
+    kernel = np.ones(2 * samples + 1)
+    return np.convolve(mask.astype(float), kernel, mode="same")[: mask.size] > 0.5
