@@ -48,9 +48,9 @@ def columns(model: Model, motion: Motion, shape: Float | None, reference: Float 
     rigid = [place[name] for name in form.names]
     out[:, :, rigid] = form.evaluate(motion, np.array([at[name] for name in form.shapes]), linear[rigid])
     env = environment(motion)
-    for j in range(len(JOINTS)):
-        out[j, :, RIGID + 2 * j] = motion.sign[:, j]
-        out[j, :, RIGID + 2 * j + 1] = motion.dq[:, j]
+    for k, term in enumerate(FRICTION):
+        for torque in torques(term):
+            out[torque.joint, :, RIGID + k] = evaluate(torque, {**env, "c": 1.0}, motion)
     base = sorted({*rigid, *range(BASE)})
     if model.terms:
         env |= feedback(out, rigid, base, linear)
