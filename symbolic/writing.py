@@ -25,9 +25,7 @@ def _inside(piece: Piece, strength: int, brackets: tuple[str, str]) -> str:
     return piece.text if piece.strength >= strength else brackets[0] + piece.text + brackets[1]
 
 
-def _infix(
-    sign: str, strength: int, right: int, brackets: tuple[str, str]
-) -> Callable[[Piece, Piece], Piece]:
+def _infix(sign: str, strength: int, right: int, brackets: tuple[str, str]) -> Callable[[Piece, Piece], Piece]:
     """Write an operation that binds with `strength` and wants at least `right` behind it."""
 
     def write(a: Piece, b: Piece) -> Piece:
@@ -64,9 +62,11 @@ TEXT = Table(
 )
 
 _GREEK = frozenset(
-    ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu")
-    + ("xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega")
-    + ("Gamma", "Delta", "Theta", "Lambda", "Sigma", "Phi", "Psi", "Omega")
+    (
+        *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu"),
+        *("xi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
+        *("Gamma", "Delta", "Theta", "Lambda", "Sigma", "Phi", "Psi", "Omega"),
+    )
 )
 _STATE = re.compile(r"(d{0,2})theta([12]?)")
 _TORQUE = re.compile(r"tau_(rigid|model)([12]?)")

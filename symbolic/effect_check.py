@@ -1,0 +1,223 @@
+"""Whether an effect keeps what it declares: known names, ordered bounds, linear in its coefficients.
+
+A torque is evaluated with one coefficient at one and the others at zero, so it has to be linear *and*
+homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not. The rule is read off the tree,
+without algebra, so that a refusal can point at the place.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.errors import EffectError, ExpressionError
+from symbolic.expression import parse
+from symbolic.quantity import JOINTS
+from symbolic.tokens import refusal
+from symbolic.tree import CONSTANTS, FUNCTIONS, OPERATORS, Binary, Call, Name, Node, Number, Unary
+
+OWN = ("theta", "dtheta", "ddtheta", "tau_rigid", "tau_model")
+"""Words for the effect's own joint; with 1 or 2 behind them for hip or knee."""
+
+NUMBERED = tuple(f"{stem}{index}" for stem in OWN for index in (1, 2))
+RESERVED = frozenset((*OWN, *NUMBERED, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
+"""Words no coefficient and no shape may be called."""
+
+MODEL_TORQUE = frozenset(("tau_model", "tau_model1", "tau_model2"))
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_ID = re.compile(r"[a-z][a-z0-9_]{0,59}")
+
+
+def check_effect(effect: Effect) -> None:
+    """Refuse an effect that contradicts itself: EffectError for a declaration, ExpressionError for a text."""
+    _check_place(effect)
+    for key in (*effect.coefficients, *effect.shape):
+        _check_word(effect, key)
+    for key, coefficient in effect.coefficients.items():
+        _check_coefficient(f"{effect.id}.{key}", coefficient)
+    for key, shape in effect.shape.items():
+        _check_shape(f"{effect.id}.{key}", shape)
+    if not (effect.coefficients or effect.shape):
+        raise EffectError("no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one")
+    used: set[str] = set()
+    for text in texts(effect):
+        used |= _check_text(effect, text)
+    for key in (*effect.coefficients, *effect.shape):
+        if effect.torque is not None and key not in used:
+            raise EffectError(
+                f"{key} is declared but does not appear in the torque",
+                where=f"{effect.id}: {'; '.join(texts(effect))}",
+                remedy=f"use {key} in the text or drop its declaration",
+            )
+
+
+def texts(effect: Effect) -> tuple[str, ...]:
+    """Return the torque texts of an effect; none for a derived one."""
+    if effect.torque is None:
+        return ()
+    return (effect.torque,) if isinstance(effect.torque, str) else tuple(effect.torque.values())
+
+
+def allowed_names(effect: Effect) -> frozenset[str]:
+    """Return the names the effect's texts may use."""
+    own = () if effect.on_both else OWN
+    return frozenset((*own, *NUMBERED, "t", *CONSTANTS, *effect.coefficients, *effect.shape))
+
+
+def check_linear(node: Node, text: str, linear: frozenset[str]) -> None:
+    """Refuse a tree that is not linear and homogeneous in the names `linear`: ExpressionError with a caret."""
+    words = " and ".join(sorted(linear & node.names()) or sorted(linear))
+    if _degree(node, text, linear) == 0:
+        raise refusal(
+            f"the torque does not contain {words}" if linear else "the torque has no coefficient",
+            text,
+            node.span,
+            "multiply it by a coefficient and declare that with its unit",
+        )
+
+
+def _degree(node: Node, text: str, linear: frozenset[str]) -> int:
+    """Return 0 for a subtree free of the names, 1 for one linear and homogeneous in them; refuse others."""
+    if isinstance(node, Number):
+        return 0
+    if isinstance(node, Name):
+        return int(node.name in linear)
+    degrees = [_degree(child, text, linear) for child in node.children()]
+    if not any(degrees):
+        return 0
+    if isinstance(node, Unary):
+        return 1
+    if isinstance(node, Binary) and node.operator in "+-":
+        if all(degrees):
+            return 1
+        free = node.left if degrees[1] else node.right
+        raise _not_linear(free, text, linear, "has a part without a coefficient")
+    if isinstance(node, Binary) and node.operator == "*" and sum(degrees) == 1:
+        return 1
+    if isinstance(node, Binary) and node.operator == "/" and degrees == [1, 0]:
+        return 1
+    if isinstance(node, Binary) and node.operator == "**" and node.right == Number(1.0):
+        return 1
+    if isinstance(node, Call) and node.function in ("delay", "ddt") and not any(degrees[1:]):
+        return 1
+    raise _not_linear(node, text, linear, "is not linear in its coefficients")
+
+
+def _not_linear(node: Node, text: str, linear: frozenset[str], what: str) -> ExpressionError:
+    return refusal(
+        f"the torque {what}",
+        text,
+        node.span,
+        f"each term is {' or '.join(sorted(linear))} times something free of them; "
+        "declare a number that enters otherwise as a shape",
+    )
+
+
+def _check_text(effect: Effect, text: str) -> frozenset[str]:
+    """Check one torque text and return the names it uses."""
+    node = parse(text, allowed_names(effect))
+    check_linear(node, text, frozenset(effect.coefficients) or MODEL_TORQUE)
+    for call in _memory(node):
+        varying = call.arguments[1].names() - effect.shape.keys() if len(call.arguments) > 1 else frozenset()
+        if varying:
+            raise refusal(
+                f"the second argument of {call.function} depends on {', '.join(sorted(varying))}",
+                text,
+                call.arguments[1].span,
+                "it is a number or a shape: the memory of a joint does not change while it moves",
+            )
+    return node.names()
+
+
+def _memory(node: Node) -> Iterator[Call]:
+    return (part for part in node.walk() if isinstance(part, Call) and part.function in OPERATORS)
+
+
+def _check_place(effect: Effect) -> None:
+    """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
+    if not _ID.fullmatch(effect.id):
+        raise EffectError(
+            f"{effect.id[:60]!r} is not an effect's id",
+            where="id",
+            remedy="use small letters, digits and _, beginning with a letter",
+        )
+    joints = effect.joints
+    if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not {*joints} <= {*JOINTS}):
+        raise EffectError(
+            f"joints are {joints!r}", where=effect.id, remedy='use "hip", "knee", both of these, or "both"'
+        )
+    if (effect.torque is None) == (effect.derive is None):
+        raise EffectError("an effect has either a torque text or derive()", where=effect.id, remedy="give exactly one")
+    if effect.torque is None:
+        return
+    if effect.on_both == isinstance(effect.torque, str):
+        raise EffectError(
+            "one torque text does not fit its joints" if effect.on_both else "one text per joint is too many",
+            where=effect.id,
+            remedy='an effect on "both" has a text for hip and one for knee; any other has a single text',
+        )
+    if not isinstance(effect.torque, str) and not {*effect.torque} <= {*JOINTS}:
+        raise EffectError(
+            f"torque texts for {', '.join(effect.torque)}", where=effect.id, remedy="name them hip and knee"
+        )
+
+
+def _check_word(effect: Effect, key: str) -> None:
+    """Check the name of a coefficient or shape."""
+    if not _IDENTIFIER.fullmatch(key):
+        raise EffectError(
+            f"{key[:60]!r} is not a name",
+            where=effect.id,
+            remedy="use ASCII letters, digits and _, beginning with a letter",
+        )
+    if key in RESERVED:
+        raise EffectError(f"{key} already means something else", where=effect.id, remedy="choose another name")
+    if key in effect.coefficients and key in effect.shape:
+        raise EffectError(
+            f"{key} is declared as a coefficient and as a shape", where=effect.id, remedy="keep one of them"
+        )
+
+
+def _check_coefficient(where: str, coefficient: Coefficient) -> None:
+    """Check unit and bounds of a coefficient."""
+    low = -math.inf if coefficient.min is None else coefficient.min
+    high = math.inf if coefficient.max is None else coefficient.max
+    _check_bounds(where, coefficient.unit, low, high, coefficient.typical)
+
+
+def _check_shape(where: str, shape: Shape) -> None:
+    """Check unit, bounds, choices and grid of a shape."""
+    if not (math.isfinite(shape.min) and math.isfinite(shape.max)):
+        raise EffectError(
+            f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy="give two finite numbers"
+        )
+    _check_bounds(where, shape.unit, shape.min, shape.max, shape.typical)
+    if not all(shape.min <= choice <= shape.max for choice in shape.choices):
+        raise EffectError(
+            f"the choices {shape.choices!r} do not lie within the bounds",
+            where=where,
+            remedy=f"use values from {shape.min:g} to {shape.max:g}",
+        )
+    if shape.spacing not in ("linear", "log") or (shape.spacing == "log" and shape.min <= 0.0):
+        raise EffectError(
+            f"spacing {shape.spacing!r} from {shape.min:g}",
+            where=where,
+            remedy='use "linear", or "log" where min is positive',
+        )
+    if shape.points < 1:
+        raise EffectError(f"{shape.points} trial points", where=where, remedy="use one or more")
+
+
+def _check_bounds(where: str, unit: str, low: float, high: float, typical: float | None) -> None:
+    if not unit.strip():
+        raise EffectError("the unit is missing", where=where, remedy='give it, or "1" for a plain number')
+    if not low < high:
+        raise EffectError(f"min {low:g} is not below max {high:g}", where=where, remedy="swap them")
+    if typical is not None and not low <= typical <= high:
+        raise EffectError(
+            f"the typical value {typical:g} lies outside its bounds",
+            where=where,
+            remedy=f"choose it from {low:g} to {high:g}",
+        )
