@@ -7,6 +7,8 @@ the others at zero.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,41 +29,67 @@ BASE = RIGID + len(FRICTION)
 
 def needs_reference(model: Model) -> bool:
     """Whether some column depends on the linear parameters themselves."""
-    from symbolic.rigid_columns import rigid_columns
+    from symbolic.kernel import compiled
 
     if any(uses_feedback(term) for term in model.terms):
         return True
-    return bool(model.derived) and rigid_columns(model).needs_reference
+    return bool(model.derived) and compiled(rigid_model(model)).needs_reference
+
+
+def rigid_model(model: Model) -> Model:
+    """Return the model with nothing but its mechanism: what has to be derived and compiled for its columns."""
+    if len(model.derived) == len(model.terms):
+        return model
+    return replace(model, terms=model.derived)
 
 
 def columns(model: Model, motion: Motion, shape: Float | None, reference: Float | None) -> Float:
     """Return the regressor (J, N, P); see Model.columns."""
-    from symbolic.rigid_columns import rigid_columns
-
     shapes = vector(shape, model.typical_shape, "shape")
     linear = vector(reference, np.zeros(len(model.parameters)), "reference")
-    place = {parameter.name: k for k, parameter in enumerate(model.parameters)}
-    at = {s.name: float(value) for s, value in zip(model.shapes, shapes, strict=True)}
+    at = shape_values(model, shapes)
+    place = places(model)
     out = np.zeros((len(JOINTS), len(motion), len(place)))
-
-    form = rigid_columns(model)
-    rigid = [place[name] for name in form.names]
-    out[:, :, rigid] = form.evaluate(motion, np.array([at[name] for name in form.shapes]), linear[rigid])
+    _fill_base(model, motion, out, linear, at)
     env = environment(motion)
-    for k, term in enumerate(FRICTION):
-        for torque in torques(term):
-            out[torque.joint, :, RIGID + k] = evaluate(torque, {**env, "c": 1.0}, motion)
-    base = sorted({*rigid, *range(BASE)})
-    if model.terms:
-        env |= feedback(out, rigid, base, linear)
-    untouched = out[:, :, base].copy() if any(is_transform(term) for term in model.terms) else out
-    for term in model.terms:
-        shaped = {key: at[f"{term.name}.{key}"] for key in term.effect.shape}
-        if is_transform(term):
-            _transform(term, untouched, base, {**env, **shaped}, motion, out)
-        else:
-            _add(term, {**env, **shaped}, motion, out, place)
+    if any(uses_feedback(term) for term in model.terms):
+        env |= feedback(model, out, linear)
+    plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
+    for term in plain:
+        _add(term, {**env, **shaped(term, at)}, motion, out, place)
+    apply_transforms(model, out, shapes, motion)
     return out
+
+
+def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapping[str, float]) -> None:
+    """Write the columns of mechanism and friction into `out`."""
+    from symbolic.kernel import compiled
+
+    bare = rigid_model(model)
+    chosen = base_places(model)
+    shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
+    out[:, :, chosen] = compiled(bare).pointwise(motion, linear[chosen], shapes)
+
+
+def places(model: Model) -> dict[str, int]:
+    """Return {parameter name: its column}."""
+    return {parameter.name: k for k, parameter in enumerate(model.parameters)}
+
+
+def base_places(model: Model) -> list[int]:
+    """Return the columns of the base model: inertia, friction, and what changes the mechanism."""
+    derived = {term.name for term in model.derived}
+    return [k for k, p in enumerate(model.parameters) if p.term is None or p.term in derived]
+
+
+def shape_values(model: Model, shapes: Float) -> dict[str, float]:
+    """Return {full name: value} of the shapes (S,)."""
+    return {s.name: float(value) for s, value in zip(model.shapes, shapes, strict=True)}
+
+
+def shaped(term: Term, at: Mapping[str, float]) -> dict[str, float]:
+    """Return {name in the effect: value} of a term's shapes."""
+    return {key: at[f"{term.name}.{key}"] for key in term.effect.shape}
 
 
 def vector(values: Float | None, default: Float, what: str) -> Float:
@@ -88,15 +116,30 @@ def environment(motion: Motion) -> dict[str, Float | float]:
     return env
 
 
-def feedback(out: Float, rigid: list[int], base: list[int], linear: Float) -> dict[str, Float]:
-    """Return tau_rigid and tau_model of both joints, computed from the reference parameters, never
-    measured.
+def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
+    """Return tau_rigid and tau_model of both joints from the base columns in `out` and reference parameters
+    (P,).
+
+    They are never taken from a measurement: that would leak the answer into the question.
     """
+    base = base_places(model)
+    rigid = [k for k in base if not RIGID <= k < BASE]
     env: dict[str, Float] = {}
     for j in range(len(JOINTS)):
         env[f"tau_rigid{j + 1}"] = out[j][:, rigid] @ linear[rigid]
         env[f"tau_model{j + 1}"] = out[j][:, base] @ linear[base]
     return env
+
+
+def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) -> None:
+    """Add to the base columns in `out` (J, N, P) what the transforms of the model make of them."""
+    transforms = [term for term in model.terms if is_transform(term)]
+    if not transforms:
+        return
+    base, at, env = base_places(model), shape_values(model, shapes), environment(motion)
+    untouched = out[:, :, base].copy()
+    for term in transforms:
+        _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
 
 
 def evaluate(torque: Torque, env: dict[str, Float | float], motion: Motion) -> Float:
@@ -113,9 +156,7 @@ def own_signs(motion: Motion, joint: int) -> dict[str, Float]:
     return {"dtheta1": motion.sign[:, 0], "dtheta2": motion.sign[:, 1], "dtheta": motion.sign[:, joint]}
 
 
-def _add(
-    term: Term, env: dict[str, Float | float], motion: Motion, out: Float, place: dict[str, int]
-) -> None:
+def _add(term: Term, env: dict[str, Float | float], motion: Motion, out: Float, place: dict[str, int]) -> None:
     """Write the columns of an ordinary text into `out`."""
     keys = tuple(term.effect.coefficients)
     for torque in torques(term):

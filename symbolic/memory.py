@@ -1,0 +1,57 @@
+"""Operators with memory of a whole model, computed over a recording before the pointwise equations are."""
+sample by sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symbolic.columns import environment, feedback, own_signs, shape_values, shaped
+from symbolic.motion import Float, Motion
+from symbolic.separate import Operation, separate
+from symbolic.torque import FEEDBACK, torques
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+    from symbolic.term import Term
+
+
+def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:
+    """Return (term, joint, operation) of every operator, in the order of the generated code's `memory`."""
+    found: list[tuple[Term, int, Operation]] = []
+    for term in model.terms:
+        for torque in torques(term):
+            _, operations = separate(torque.node, torque.joint, len(found))
+            found += [(term, torque.joint, operation) for operation in operations]
+    return found
+
+
+def memory_signals(
+    model: Model, motion: Motion, shapes: Float, linear: Float, base_columns: Callable[[], Float]
+) -> Float:
+    """Return the operators' values (N, K) along `motion`, taken as one uninterrupted recording.
+
+    `base_columns` gives the columns (J, N, P) from which the model's own torque is computed where a text
+    feeds it to an operator.
+    """
+    from symbolic.lower import to_numpy
+    from symbolic.operators import MEMORY
+
+    operations = memory_operations(model)
+    values = np.zeros((len(motion), len(operations)))
+    if not operations:
+        return values
+    env, at = environment(motion), shape_values(model, shapes)
+    if any(operation.argument.names() & FEEDBACK for _, _, operation in operations):
+        env |= feedback(model, base_columns(), linear)
+    for k, (term, joint, operation) in enumerate(operations):
+        words = {**env, **shaped(term, at)}
+        argument = to_numpy(operation.argument, words, own_signs(motion, joint))
+        signal = np.broadcast_to(argument, motion.t.shape)
+        extra = [] if operation.parameter is None else [float(to_numpy(operation.parameter, words))]
+        values[:, k] = MEMORY[operation.operator](motion.t, signal, *extra)
+        env[operation.name] = values[:, k]
+    return values
