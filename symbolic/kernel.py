@@ -150,11 +150,7 @@ def compiled(model: Model, backend: str = "auto") -> Compiled:
             _RECENT.pop(next(iter(_RECENT)))
         _RECENT[key] = _make(model, backend)
     found = _RECENT[key]
-    return (
-        found
-        if found.model is model
-        else Compiled(model, found.entries, found.needs_reference, found.library, found.machine)
-    )
+    return found if found.model is model else replace(found, model=model)
 
 
 def _make(model: Model, backend: str) -> Compiled:

@@ -1,6 +1,4 @@
 """Operators with memory of a whole model, computed over a recording before the pointwise equations are."""
-sample by sample.
-"""
 
 from __future__ import annotations
 
