@@ -53,9 +53,7 @@ def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None
     """Return "file, column q1, rows 12-15"; `at` are indices into the recording."""
     rows = "" if at is None else row_ranges(np.sort(recording.row[at]))
     return ", ".join(
-        part
-        for part in (recording.source.path or recording.name, column and f"column {column}", rows)
-        if part
+        part for part in (recording.source.path or recording.name, column and f"column {column}", rows) if part
     )
 
 

@@ -34,9 +34,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 JOINTS: Mapping[str, int] = {"1": 1, "2": 2, "01": 1, "02": 2, "hip": 1, "h": 1, "knee": 2, "k": 2, "kn": 2,
                              "thigh": 1, "shank": 2, "hüfte": 1, "huefte": 1, "knie": 2}  # fmt: skip
-FILLERS = frozenset(
-    {"joint", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder"}
-)
+FILLERS = frozenset({"joint", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder"})
 FOREIGN = frozenset(
     {
         "ref",
@@ -163,9 +161,7 @@ def assign(
             )
         chosen[name] = best[0]
     _check_missing(chosen, table, where)
-    return {
-        name: _with_unit(name, chosen[name], units, hidden, where) for name in CANONICAL if name in chosen
-    }
+    return {name: _with_unit(name, chosen[name], units, hidden, where) for name in CANONICAL if name in chosen}
 
 
 def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, where: str) -> None:
@@ -186,7 +182,7 @@ def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str
         found = [c for c in table.columns if c.name == wanted]
         found = found or [c for c in table.columns if c.name.lower() == wanted.strip().lower()]
         if len(found) != 1:
-            close = difflib.get_close_matches(wanted, table.names, 1)
+            close = difflib.get_close_matches(wanted, table.names, 1, cutoff=0.5)
             hint = f"did you mean {close[0]!r}? " if close and not found else ""
             what = "is not in the file" if not found else f"stands {len(found)} times in the file"
             raise RecordingError(
@@ -216,7 +212,7 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str)
     raise RecordingError(
         f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",
         where=where,
-        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}{'?' if close else ''}",
+        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close),
     )
 
 

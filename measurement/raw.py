@@ -133,7 +133,8 @@ def table_from_arrays(
 
 def split_unit(name: str) -> tuple[str, str]:
     """Return (name, unit) of a header like "q1 [deg]" or "q1 (deg)"; the unit is "" when there is none."""
-    name = name.strip().strip("\"'").strip()
+    # Names end up in messages on a terminal, where control characters could do anything.
+    name = "".join(c if c.isprintable() else "?" for c in name.strip().strip("\"'").strip())
     found = UNIT_IN_NAME.match(name)
     return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
 
@@ -171,10 +172,7 @@ def label_matrices(arrays: Mapping[str, Any], labels: Mapping[str, list[str]]) -
         fitting = [
             texts
             for key, texts in labels.items()
-            if key.rpartition(".")[0] == folder
-            and len(texts) > 1
-            and matrix.ndim == 2
-            and len(texts) in matrix.shape
+            if key.rpartition(".")[0] == folder and len(texts) > 1 and matrix.ndim == 2 and len(texts) in matrix.shape
         ]
         if len(fitting) != 1:
             out[name] = array

@@ -108,9 +108,7 @@ def _digest(path: Path) -> str:
     if not there:
         raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
     if not ordinary:
-        raise RecordingError(
-            "this is not an ordinary file", where=str(path), remedy="give the path of a file on disk"
-        )
+        raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
     digest = hashlib.sha256()
     try:
         with path.open("rb") as stream:
@@ -131,7 +129,5 @@ def _nearby(path: Path) -> str:
 
     if not path.parent.is_dir():
         return f"the folder {path.parent} does not exist either"
-    close = difflib.get_close_matches(
-        path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75
-    )
+    close = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75)
     return f"did you mean {path.parent / close[0]}?" if close else "check the path"

@@ -22,9 +22,9 @@ from symbolic.motion import Float
 
 ABSURD = 1e12
 """No quantity of a leg in any of its units comes near; larger cells are treated like infinity."""
-ENOUGH = (
-    "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
-)
+CLOSEST = 1e-8
+"""s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
+ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +42,7 @@ class Draft:
         """Return the draft with one finding more; `where` follows the file name."""
         place = f"{self.file}, {where}" if where else self.file
         done = severity == "repaired"
-        return replace(
-            self, findings=(*self.findings, Finding(check, severity, what, place, repaired=done, **more))
-        )
+        return replace(self, findings=(*self.findings, Finding(check, severity, what, place, repaired=done, **more)))
 
     def rows(self, mask: NDArray[np.bool_]) -> str:
         """Return the row numbers of the file where `mask` (N,) holds, as text."""
@@ -252,7 +250,8 @@ def _since_start(t: Float) -> Float:
 
 
 def _stamped(draft: Draft, t: Float) -> Draft:
-    if np.any(np.diff(t) <= 0):
+    steps = np.diff(t)
+    if np.any(steps <= 0) or np.median(steps) < CLOSEST:
         raise RecordingError(
             "time stamps are too close together to be told apart",
             where=f"{draft.file}, column t",

@@ -41,6 +41,8 @@ def smooth(recording: Recording) -> Smooth | None:
     short."""
     from scipy.signal import butter, sosfiltfilt
 
+    if not len(recording):
+        return None
     valid = recording.valid & (recording.t <= recording.t[0] + MOST_SECONDS)
     t = recording.t[valid]
     if t.size < 100 or t[-1] - t[0] < 3.0 or recording.rate < 4 * CUTOFF:
@@ -51,9 +53,7 @@ def smooth(recording: Recording) -> Smooth | None:
     pairs = []
     for pair in (recording.q, recording.tau):
         # the running median takes out single outliers, which a filter would smear over its whole length
-        values = np.column_stack(
-            [np.interp(even, t, running_median(pair[valid, joint], 7)) for joint in (0, 1)]
-        )
+        values = np.column_stack([np.interp(even, t, running_median(pair[valid, joint], 7)) for joint in (0, 1)])
         pairs.append(sosfiltfilt(sections, values, axis=0))
     q, tau = pairs
     dq = np.gradient(q, step, axis=0)

@@ -13,6 +13,7 @@ from measurement.raw import split_unit
 from measurement.units import is_unit
 from symbolic.errors import RecordingError
 
+LONGEST_LINE = 100_000
 HEAD_LINES = 400
 """A preamble of instrument settings longer than this has not been seen."""
 COMMENTS = ("#", "%", "//")
@@ -55,9 +56,7 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
             encoding = "utf-16-be"
     if not encoding and data.endswith(b"\x00"):
         kept = data.rstrip(b"\x00")
-        what = (
-            f"the file ends in {len(data) - len(kept)} zero bytes, as after a power cut; they are passed over"
-        )
+        what = f"the file ends in {len(data) - len(kept)} zero bytes, as after a power cut; they are passed over"
         notes.append(Finding("cells", "repaired", what, where, repaired=True))
         data = kept
     try:
@@ -66,9 +65,7 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
         text = data.decode(encoding, "replace") if encoding else data.decode("latin-1")
     head_text = text[:4000]
     strange = sum(
-        1
-        for c in head_text
-        if (ord(c) < 32 and c not in "\t\r\n\f\v") or 0x7F <= ord(c) < 0xA0 or c == "\ufffd"
+        1 for c in head_text if (ord(c) < 32 and c not in "\t\r\n\f\v") or 0x7F <= ord(c) < 0xA0 or c == "\ufffd"
     )
     if strange > 0.02 * len(head_text):
         raise RecordingError(
@@ -79,7 +76,7 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
     text = text.lstrip("\ufeff")
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
-    return text.rstrip() + "\n", tuple(notes)
+    return text.rstrip("\n \x1a") + "\n", tuple(notes)
 
 
 def split_line(line: str, delimiter: str) -> list[str]:
@@ -89,9 +86,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     try:
-        return [
-            cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
-        ]
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
     except csv.Error:
         return [cell.strip().strip('"') for cell in line.split(delimiter)]
 
@@ -112,6 +107,13 @@ def sniff(text: str, *, where: str) -> Layout:
     numbers of one and the same width wins, ties going to the usual one (comma, point).
     """
     lines = list(_lines(text))
+    longest = max((len(line) for _, _, line in lines), default=0)
+    if longest > LONGEST_LINE:
+        raise RecordingError(
+            f"one line has {longest} characters: this is not a table with one row per sample",
+            where=where,
+            remedy="write one line per sample; if time runs across the lines, transpose the table",
+        )
     table = [entry for entry in lines if entry[2].strip() and not entry[2].lstrip().startswith(COMMENTS)]
     best: tuple[int, int, str, str] = (0, 0, "", "")
     for delimiter, decimal in (
@@ -166,9 +168,7 @@ def _header(
 
     def numeric(line: str) -> bool:
         cells = split_line(line, delimiter)
-        return len(cells) >= min(width, 2) and sum(
-            bool(c) and is_number(c, decimal) for c in cells
-        ) > 0.6 * len(cells)
+        return len(cells) >= min(width, 2) and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
 
     first = next(i for i, entry in enumerate(table) if numeric(entry[2]))
     above = [split_line(entry[2], delimiter) for entry in table[:first]]
@@ -176,23 +176,24 @@ def _header(
         # np.savetxt and MATLAB write the names as a comment
         comments = [e[2].lstrip(" \t#%/") for e in lines if e[0] < table[first][0] and e[2].strip()]
         named = [cells for cells in (split_line(c, delimiter) for c in comments) if len(cells) == width]
-        named = named or [
-            cells for cells in (re.split(r"[,;\s]+", c.strip()) for c in comments) if len(cells) == width
-        ]
+        named = named or [cells for cells in (re.split(r"[,;\s]+", c.strip()) for c in comments) if len(cells) == width]
         above = named[-1:]
-    usable = [cells for cells in above if _trimmed(cells, width) is not None]
-    names = _trimmed(usable[-1], width) if usable else None
+    rows = [split_line(entry[2], delimiter) for entry in table[first:]]
+    open_end = sum(len(cells) == width and not cells[-1] for cells in rows) > len(rows) / 2
+    usable = [cells for cells in above if _trimmed(cells, width, open_end) is not None]
+    names = _trimmed(usable[-1], width, open_end) if usable else None
     short = above[-1] if above and names is None else []
     if sum(recognise(cell) is not None for cell in short) >= 2:
         raise RecordingError(
             f"the header has {len(short)} names, the rows have {width} cells",
             where=f"{where}, row {table[first][0]}",
-            remedy="is the delimiter also the decimal comma? Export with a decimal point or with semicolons",
+            remedy="name every column (also row numbers); or is the delimiter also the decimal comma? Then export "
+            "with a decimal point or with semicolons",
         )
     units = [""] * width
     if len(usable) >= 2 and names is not None and _is_unit_row(names) and not _is_unit_row(usable[-2]):
         units = [cell.strip("[]() ") for cell in names]
-        names = _trimmed(usable[-2], width)
+        names = _trimmed(usable[-2], width, open_end)
     notes: tuple[Finding, ...] = ()
     if names is None:
         names = [str(i + 1) for i in range(width)]
@@ -211,11 +212,15 @@ def _header(
     )
 
 
-def _trimmed(cells: list[str], width: int) -> list[str] | None:
-    """Return `cells` cut or filled to `width` when it can be a header of that width, else None."""
+def _trimmed(cells: list[str], width: int, open_end: bool) -> list[str] | None:
+    """Return `cells` cut or filled to `width` when it can be a header of that width, else None.
+
+    A header may be one name short only when the rows end in a delimiter (`open_end`); otherwise their first
+    cell may be a row name, and every column would be taken for its neighbour.
+    """
     while len(cells) > width and not cells[-1]:
         cells = cells[:-1]
-    if len(cells) == width - 1:
+    if len(cells) == width - 1 and open_end:
         cells = [*cells, ""]
     return cells if len(cells) == width and any(cells) else None
 

@@ -29,10 +29,7 @@ def check(recording: Recording) -> list[Finding]:
     longest = float(steps[wide].max())
     share = missing / (missing + at.size)
     calm = longest < LONG and share < 0.01
-    what = (
-        f"{int(wide.sum())} gaps with about {missing:.0f} samples missing ({share:.1%}), "
-        f"the longest {longest:.3g} s"
-    )
+    what = f"{int(wide.sum())} gaps with about {missing:.0f} samples missing ({share:.1%}), the longest {longest:.3g} s"
     return [
         Finding(
             "gaps",
@@ -41,9 +38,7 @@ def check(recording: Recording) -> list[Finding]:
             place(recording, "t", at[1:][wide]),
             longest,
             LONG,
-            "nothing, if they are few"
-            if calm
-            else "look at the logger; derivatives are not taken across long gaps",
+            "nothing, if they are few" if calm else "look at the logger; derivatives are not taken across long gaps",
             consequence="rows next to a gap are less certain",
         )
     ]

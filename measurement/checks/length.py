@@ -17,24 +17,18 @@ def check(recording: Recording) -> list[Finding]:
         what = f"only {usable} usable rows of {count}: too short to identify anything (at least {LEAST_ROWS})"
         return [Finding("length", "refused", what, where, usable, LEAST_ROWS, REMEDY)]
     if recording.duration < LEAST_SECONDS:
-        what = (
-            f"the recording lasts {recording.duration:.3g} s: too short to identify anything (at least 1 s)"
-        )
+        what = f"the recording lasts {recording.duration:.3g} s: too short to identify anything (at least 1 s)"
         return [Finding("length", "refused", what, where, recording.duration, LEAST_SECONDS, REMEDY)]
     found = []
     if recording.duration < GOOD_SECONDS:
         what = f"the recording lasts only {recording.duration:.3g} s"
         consequence = "wide intervals; small effects cannot be seen"
         found.append(
-            Finding(
-                "length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, False, consequence
-            )
+            Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, False, consequence)
         )
     share = usable / count
     if share < 0.8:
         what = f"{1 - share:.0%} of the rows are masked"
         remedy = "look at the findings above for the reason, and at the logger"
-        found.append(
-            Finding("length", "warning", what, where, share, 0.8, remedy, False, "little data is left")
-        )
+        found.append(Finding("length", "warning", what, where, share, 0.8, remedy, False, "little data is left"))
     return found

@@ -27,9 +27,7 @@ def check(recording: Recording) -> list[Finding]:
         if spread == 0.0 or share < NOTED:
             continue
         heavy = share > HEAVY
-        what = (
-            f"{share:.1%} of the {channel.label}s stand more than {FAR * spread:.3g} N·m off their neighbours"
-        )
+        what = f"{share:.1%} of the {channel.label}s stand more than {FAR * spread:.3g} N·m off their neighbours"
         found.append(
             Finding(
                 "outliers",
@@ -41,9 +39,7 @@ def check(recording: Recording) -> list[Finding]:
                 "look at the torque sensor and the controller's differentiator"
                 if heavy
                 else "nothing: the Huber loss limits their pull",
-                consequence="beyond 14 % even the Huber loss is pulled"
-                if heavy
-                else "small with the Huber loss",
+                consequence="beyond 14 % even the Huber loss is pulled" if heavy else "small with the Huber loss",
             )
         )
     return found

@@ -23,8 +23,7 @@ def check(recording: Recording) -> list[Finding]:
             continue
         coarse = reach / step < COARSE
         what = (
-            f"the {channel.label} comes in steps of {step:.3g} {channel.unit} "
-            f"({reach / step:.0f} steps in its range)"
+            f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({reach / step:.0f} steps in its range)"
         )
         found.append(
             Finding(

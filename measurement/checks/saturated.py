@@ -30,9 +30,7 @@ def check(recording: Recording) -> list[Finding]:
             held = int(np.sum((last - first + 1)[long]))
             if held < max(6, 0.002 * channel.values.size) or count < PILE * near.mean():
                 continue
-            rows = np.concatenate(
-                [channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)]
-            )
+            rows = np.concatenate([channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)])
             value = f"{level:.4g} {channel.unit}"
             what = f"the {channel.label} stays at exactly {value} in {held} rows (end of scale?)"
             found.append(

@@ -20,9 +20,7 @@ DOUBTS = ((0.40, 4.0), (0.15, 8.0))
 """A better reading is only named when the recording as it stands leaves so much, and so many times more."""
 
 
-def _turned(
-    motion: Smooth, q: tuple[float, float] = (1.0, 1.0), tau: tuple[float, float] = (1.0, 1.0)
-) -> Smooth:
+def _turned(motion: Smooth, q: tuple[float, float] = (1.0, 1.0), tau: tuple[float, float] = (1.0, 1.0)) -> Smooth:
     return replace(motion, q=motion.q * q, dq=motion.dq * q, ddq=motion.ddq * q, tau=motion.tau * tau)
 
 

@@ -30,9 +30,7 @@ def check(recording: Recording) -> list[Finding]:
     return found
 
 
-def _finding(
-    recording: Recording, column: str, what: str, value: float, limit: float, option: str
-) -> Finding:
+def _finding(recording: Recording, column: str, what: str, value: float, limit: float, option: str) -> Finding:
     return Finding(
         "units",
         "warning",

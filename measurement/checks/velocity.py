@@ -41,11 +41,7 @@ def check(recording: Recording) -> list[Finding]:
             f": {text}" for text, _ in close
         )
         column = f"dq{joint + 1}"
-        remedy = (
-            f"--units {column}={close[0][1]}"
-            if close
-            else f"check the column, or leave {column} out of the file"
-        )
+        remedy = f"--units {column}={close[0][1]}" if close else f"check the column, or leave {column} out of the file"
         found.append(
             Finding(
                 "velocity",

@@ -63,9 +63,7 @@ def _parse(body: str, layout: Layout) -> Any | None:
     import pandas as pd
 
     # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
-    exact: dict[str, Any] = (
-        {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
-    )
+    exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
     try:
         frame = pd.read_csv(
             io.StringIO(body),
@@ -129,7 +127,5 @@ def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int6
     if ragged:
         what = f"{len(ragged)} rows do not have {width} cells like the header; they are masked"
         remedy = "nothing, if the rows are few; otherwise look at the logger"
-        notes = (
-            Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy, True),
-        )
+        notes = (Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy, True),)
     return "\n".join(lines) + "\n", np.array(row, dtype=np.int64), notes

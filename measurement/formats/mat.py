@@ -73,9 +73,7 @@ def _flatten(name: str, value: Any, arrays: dict[str, Any], labels: dict[str, li
         for key in array.dtype.names:
             field = array[key]
             if array.ndim == 1 and array.size > 1 and all(np.size(cell) == 1 for cell in field):
-                arrays[f"{name}.{key}"] = np.array(
-                    [np.ravel(cell)[0] for cell in field]
-                )  # one struct per sample
+                arrays[f"{name}.{key}"] = np.array([np.ravel(cell)[0] for cell in field])  # one struct per sample
             elif array.size == 1:
                 _flatten(f"{name}.{key}", np.ravel(field)[0], arrays, labels, depth + 1)
     elif array.dtype.kind == "U":

@@ -12,6 +12,8 @@ from measurement.raw import RawTable, table_from_arrays
 from symbolic.errors import RecordingError
 
 SUFFIXES = (".npz",)
+MOST_BYTES = 2_000_000_000
+"""A small archive can unpack to any size."""
 SIGNATURES = (b"PK\x03\x04",)
 
 
@@ -25,8 +27,16 @@ def read(path: Path) -> RawTable:
             remedy="in the spreadsheet, save as CSV; from NumPy, use the suffix .npz",
         )
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+        if not zipfile.is_zipfile(path):
+            raise zipfile.BadZipFile("it is not a ZIP archive")
+        with zipfile.ZipFile(path) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size > MOST_BYTES:
+            raise RecordingError(
+                f"the archive unpacks to {size / 1e9:.3g} GB", where=str(path), remedy="cut it into shorter recordings"
+            )
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
+            arrays = {name: content[name] for name in content.files}
     except (ValueError, KeyError, EOFError, TypeError, SyntaxError, NotImplementedError) as error:
         if "pickle" in str(error):
             what = "it holds Python objects, which are never loaded because they can run code"
