@@ -112,9 +112,7 @@ def simulate(
     give the same numbers. Raises EffectError for an unknown effect and BenchError when the leg runs away.
     """
     settings = _settings(bench, duration, rate)
-    return run(
-        model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name
-    ).recording
+    return run(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
 
 
 def simulate_runs(
@@ -130,8 +128,7 @@ def simulate_runs(
     """Return `count` runs of the same leg with the same hidden effects, each on a motion of its own."""
     hidden = tuple(effects)
     return tuple(
-        run(model, leg, effects=hidden, seed=seed, index=k, bench=bench, name=f"{name}_{k}")
-        for k in range(count)
+        run(model, leg, effects=hidden, seed=seed, index=k, bench=bench, name=f"{name}_{k}") for k in range(count)
     )
 
 
@@ -153,9 +150,7 @@ def run(
     hidden = tuple(effects)
     # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
     # as it is.
-    motion_rng, control_rng, sensor_rng = (
-        np.random.default_rng([seed, index, stream]) for stream in range(3)
-    )
+    motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
     path = random_trajectory(motion_rng, model.limits) if excitation is None else excitation
     true = true_model(model, leg.base, hidden)
     mechanical, channel = split_channel(true)
@@ -213,21 +208,27 @@ def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.rando
     plant = stepper(true.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
     record = integrate(plant.step, plant.start(*begin, true.linear, true.shape), given, numbers)
-    if not np.isfinite(record).all() or np.abs(record[2:4]).max() > 100.0:
-        raise BenchError(
-            "the leg ran away: it moved faster than 100 rad/s or its numbers overflowed",
-            where=", ".join(term.name for term in true.model.terms) or leg.name,
-            remedy="make the hidden effects smaller, or the controller stiffer",
-        )
+    _check_sane(record, ", ".join(term.name for term in true.model.terms) or leg.name)
     kept = record[:, before::per_sample]
     at_limit = np.abs(record[8:10]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
     q, dq, ddq, sign, motor = (kept[2 * k : 2 * k + 2].T for k in range(5))
-    force = None
+    felt: Array | None = None
     if bench.wearer is not None:
         # The push was planned along the wanted path; the sensors feel the force that makes it on the true
         # one.
-        force = cuff_force(pushed[before::per_sample], q, bench.wearer.reach, leg.thigh_length)
-    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, force, float(at_limit.any(axis=0).mean()))
+        felt = cuff_force(pushed[before::per_sample], q, bench.wearer.reach, leg.thigh_length)
+    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, felt, float(at_limit.any(axis=0).mean()))
+
+
+def _check_sane(record: Array, where: str) -> None:
+    """Raise BenchError when the leg ran away, or when too many steps do not satisfy the equation of motion."""
+    wild = not np.isfinite(record).all() or np.abs(record[2:4]).max() > 100.0
+    if wild or np.mean(np.abs(record[10:12]) > 0.1) > 0.01:
+        raise BenchError(
+            "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution",
+            where=where,
+            remedy="make the hidden effects smaller or give them their other sign, or stiffen the controller",
+        )
 
 
 def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
@@ -271,11 +272,7 @@ def _truth(true: TrueModel, leg: Leg, hidden: tuple[Hidden, ...], seed: int) -> 
         HiddenTruth(
             term.effect.id,
             term.joint,
-            {
-                key.rpartition(".")[2]: value
-                for key, value in numbers.items()
-                if key.startswith(f"{term.name}.")
-            },
+            {key.rpartition(".")[2]: value for key, value in numbers.items() if key.startswith(f"{term.name}.")},
         )
         for term in true.model.terms
         if term.name in names

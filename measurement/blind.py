@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from measurement.bench import Bench, Run, simulate_runs
-from measurement.hidden import Hidden
-from measurement.leg import Leg
+from measurement.hidden import Hidden, true_model
+from measurement.leg import Leg, standard_leg
 from measurement.recording import write_recording
 from measurement.seal import write_seal
+from measurement.trajectory import random_trajectory
 from symbolic.effect import Effect, Shape
 from symbolic.model import Model
 
@@ -26,13 +27,27 @@ SEAL = "truth.seal"
 NOTHING_HIDDEN = 0.1
 """Share of draws in which nothing is hidden, so that "adequate" is a possible answer."""
 
+SHARE = (0.04, 0.2)
+"""Smallest and largest size of a drawn effect against the torque of the leg it is hidden in."""
+
+TRIALS = 30
+"""Attempts to place an effect where the leg moves; an end stop has little chance at a random angle."""
+
 
 def draw(
-    rng: np.random.Generator, effects: Iterable[Effect], *, nothing: float = NOTHING_HIDDEN
+    rng: np.random.Generator,
+    effects: Iterable[Effect],
+    *,
+    leg: Leg | None = None,
+    share: tuple[float, float] = SHARE,
+    nothing: float = NOTHING_HIDDEN,
 ) -> tuple[Hidden, ...]:
-    """Return one effect of `effects` at a random joint and size, or () with probability `nothing`.
+    """Return one effect of `effects` at a random joint, of a size that fits `leg`; () with probability
+    `nothing`.
 
-    Coefficients lie between 0.7 and 1.8 times their typical size, shapes in the inner part of their range.
+    Shapes are drawn from the inner part of their range, again until the effect acts on a usual motion. Then
+    the coefficients are scaled so that its torque is between `share[0]` and `share[1]` of the leg's own (both
+    as standard deviations). An effect without coefficients keeps the size its shape gives it.
     """
     pool = [
         (effect, joint)
@@ -42,16 +57,34 @@ def draw(
     ]
     if not pool or rng.random() < nothing:
         return ()
+    leg = standard_leg() if leg is None else leg
     effect, joint = pool[int(rng.integers(len(pool)))]
-    scale = float(rng.uniform(0.7, 1.8))
-    values: dict[str, float] = {}
-    for key, coefficient in effect.coefficients.items():
-        usual = 1.0 if coefficient.typical is None else coefficient.typical
-        signed = (coefficient.min is None or coefficient.min < 0.0) and rng.random() < 0.5
-        values[key] = (-1.0 if signed else 1.0) * scale * float(rng.uniform(0.9, 1.1)) * usual
-    for key, shape in effect.shape.items():
-        values[key] = _shape(rng, shape)
+    wanted = math.exp(float(rng.uniform(math.log(share[0]), math.log(share[1]))))
+    for _ in range(TRIALS):
+        hidden = Hidden(effect, joint, _values(rng, effect))
+        usual = relative_size(hidden, leg)
+        if usual > 1e-4:
+            break
+    scale = wanted / usual if usual > 1e-4 else 1.0
+    values = {key: value * (scale if key in effect.coefficients else 1.0) for key, value in hidden.values.items()}
+    if joint is not None and _replaces_coulomb(hidden):
+        # Presliding takes the place of dry friction, so there cannot be more of it than the joint has.
+        dry = leg.base[4 if joint == "hip" else 6]
+        values = {key: min(value, dry) if key in effect.coefficients else value for key, value in values.items()}
     return (Hidden(effect, joint, values),)
+
+
+def relative_size(hidden: Hidden, leg: Leg, model: Model | None = None) -> float:
+    """Return the standard deviation of the effect's torque over that of the leg's own, on a usual motion.
+
+    Where the effect acts on both joints, the larger of the two ratios.
+    """
+    model = Model.standard() if model is None else model
+    motion = random_trajectory(np.random.default_rng(0), model.limits).at(np.arange(0.0, 20.0, 0.02))
+    own = true_model(model, leg.base, ()).torque(motion)
+    added = true_model(model, leg.base, (hidden,)).torque(motion) - own
+    spread = np.maximum(added.std(axis=0), np.abs(added.mean(axis=0)))
+    return float((spread / own.std(axis=0)).max())
 
 
 def write_blind(
@@ -78,15 +111,27 @@ def write_runs(folder: str | Path, runs: Iterable[Run]) -> tuple[tuple[Path, ...
     paths.
     """
     several = tuple(runs)
-    paths = tuple(
-        write_recording(one.recording, Path(folder) / f"{one.recording.name}.csv") for one in several
-    )
+    paths = tuple(write_recording(one.recording, Path(folder) / f"{one.recording.name}.csv") for one in several)
     return paths, write_seal(Path(folder) / SEAL, several[0].truth, paths)
 
 
+def _values(rng: np.random.Generator, effect: Effect) -> dict[str, float]:
+    """Draw coefficients about their typical size, with either sign where both are possible, and shapes."""
+    values: dict[str, float] = {}
+    for key, coefficient in effect.coefficients.items():
+        usual = 1.0 if coefficient.typical is None else coefficient.typical
+        signed = (coefficient.min is None or coefficient.min < 0.0) and rng.random() < 0.5
+        values[key] = (-1.0 if signed else 1.0) * float(rng.uniform(0.6, 1.4)) * usual + 0.0
+    return values | {key: _shape(rng, shape) for key, shape in effect.shape.items()}
+
+
+def _replaces_coulomb(hidden: Hidden) -> bool:
+    effect = hidden.effect
+    return not isinstance(effect, str) and isinstance(effect.torque, str) and "dahl(" in effect.torque
+
+
 def _shape(rng: np.random.Generator, shape: Shape) -> float:
-    """Draw a shape value: one of its choices, or between half and twice its typical value inside its bounds.
-    """
+    """Draw a shape value: one of its choices, or between half and twice its typical value inside its bounds."""
     if shape.choices:
         return float(shape.choices[int(rng.integers(len(shape.choices)))])
     if shape.spacing == "log" and shape.min > 0:

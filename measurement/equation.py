@@ -8,9 +8,8 @@ simulation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,31 +17,28 @@ from numpy.typing import NDArray
 from measurement.hidden import TrueModel
 from measurement.plant import Equation, Memory, Symbols, step_function
 from symbolic.model import Model
-from symbolic.quantity import JOINTS
 from symbolic.term import Term
-
-if TYPE_CHECKING:
-    from symbolic.torque import Torque
 
 Array = NDArray[np.float64]
 
-REMEMBERED = ("play", "dahl")
-"""Operators that the leg itself can have: their state moves with the joint."""
-
-OF_THE_CHANNEL = ("delay", "ddt")
-"""Operators on a finished signal: a torque written with them belongs to the torque channel, not to the leg.
-"""
-
 
 def belongs_to_channel(term: Term) -> bool:
-    """Whether a term acts on the measured torque rather than on the leg: it speaks of `tau_model`, delay or
-    ddt.
+    """Whether a term acts on the measured torque rather than on the leg.
+
+    It does when it speaks of `tau_model`, or has an operator that works on a finished signal (delay, ddt, or
+    one operator inside another).
     """
     from symbolic.torque import MODEL_TORQUE, torques
+    from symbolic.tree import OPERATORS, Call
+
+    def finished(node: Any) -> bool:
+        if not (isinstance(node, Call) and node.function in OPERATORS):
+            return False
+        nested = frozenset().union(*(argument.calls() for argument in node.arguments)) & OPERATORS.keys()
+        return node.function not in REMEMBERED or bool(nested)
 
     return any(
-        torque.names & MODEL_TORQUE or any(call.name in OF_THE_CHANNEL for call in _calls(torque.node))
-        for torque in torques(term)
+        torque.names & MODEL_TORQUE or any(finished(node) for node in torque.node.walk()) for torque in torques(term)
     )
 
 
@@ -57,9 +53,7 @@ def split_channel(true: TrueModel) -> tuple[TrueModel, bool]:
             model = model.without(term.name)
     numbers = true.numbers()
     linear = np.array([numbers[entry.name] for entry in model.parameters])
-    return TrueModel(
-        model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float)
-    ), True
+    return TrueModel(model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float)), True
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +73,7 @@ _RECENT: dict[tuple[str, float], Stepper] = {}
 
 
 def stepper(model: Model, dt: float) -> Stepper:
-    """Return the step function of `model` (no terms of the torque channel); built once per process and model.
-    """
+    """Return the step function of `model` (no terms of the torque channel); built once per process and model."""
     key = (model.key(), dt)
     if key not in _RECENT:
         while len(_RECENT) >= 64:
@@ -108,67 +101,34 @@ def equation_of(model: Model) -> Equation:
     """Return the torque (2,) of `model`, all its terms included, with an entry of memory per `play` or
     `dahl`.
     """
+    from symbolic.equation import model_expressions
+
+    form = model_expressions(model)
+    symbols = Symbols(form.t, form.q, form.dq, form.ddq, form.sign, form.linear, form.shape, form.memory)
+    memories = (Memory(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
+    return Equation(symbols, form.torque, tuple(memories))
+
+
+def _play_start(x: Any) -> Any:
+    return x
+
+
+def _play(value: Any, old: Any, new: Any, half_width: Any) -> Any:
     import casadi as ca
 
-    from symbolic.rigid_columns import rigid_columns
-    from symbolic.torque import torques
-
-    size = {"q": 2, "dq": 2, "ddq": 2, "sign": 2, "linear": len(model.parameters), "shape": len(model.shapes)}
-    count = sum(len(_remembered(torque.node)) for term in model.terms for torque in torques(term))
-    sym = Symbols(
-        t=ca.SX.sym("t"),
-        memory=ca.SX.sym("memory", count),
-        **{name: ca.SX.sym(name, length) for name, length in size.items()},
-    )
-    place = {entry.name: k for k, entry in enumerate(model.parameters)}
-    at = {entry.name: k for k, entry in enumerate(model.shapes)}
-    form = rigid_columns(model)
-    rigid = ca.vertcat(*(sym.linear[place[name]] for name in form.names))
-    shapes = ca.vertcat(ca.SX(0, 1), *(sym.shape[at[name]] for name in form.shapes))
-    values = form.function(ca.vertcat(sym.t, sym.q, sym.dq, sym.ddq), shapes, rigid)
-    tau_rigid = [ca.SX(0), ca.SX(0)]
-    for k, (joint, column) in enumerate(form.entries):
-        tau_rigid[joint] += values[k] * rigid[column]
-    friction = [
-        sym.sign[j] * sym.linear[place[f"coulomb:{joint}"]]
-        + sym.dq[j] * sym.linear[place[f"viscous:{joint}"]]
-        for j, joint in enumerate(JOINTS)
-    ]
-    words: dict[str, Any] = {"t": sym.t}
-    for j in range(len(JOINTS)):
-        words |= {
-            f"theta{j + 1}": sym.q[j],
-            f"dtheta{j + 1}": sym.dq[j],
-            f"ddtheta{j + 1}": sym.ddq[j],
-            f"tau_rigid{j + 1}": tau_rigid[j],
-        }
-    total = [tau_rigid[j] + friction[j] for j in range(len(JOINTS))]
-    memories: list[Memory] = []
-    for term in model.terms:
-        numbers = {key: sym.linear[place[f"{term.name}.{key}"]] for key in term.effect.coefficients}
-        numbers |= {key: sym.shape[at[f"{term.name}.{key}"]] for key in term.effect.shape}
-        for torque in torques(term):
-            total[torque.joint] += _text(torque, {**words, **numbers}, sym, memories)
-    return Equation(sym, ca.vertcat(*total), tuple(memories))
+    return ca.fmin(ca.fmax(value, new - half_width), new + half_width)
 
 
-def _calls(node: Any) -> list[Any]:
-    return []
+def _dahl_start(x: Any) -> Any:
+    return 0.0 * x
 
 
-def _remembered(node: Any) -> list[Any]:
-    return []
+def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
+    import casadi as ca
+
+    side = ca.sign(new - old)
+    return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
 
 
-def _text(torque: Torque, words: Mapping[str, Any], sym: Symbols, memories: list[Memory]) -> Any:
-    """Return a torque text as CasADi SX; each of its operators is appended to `memories` and read from there.
-    """
-    from symbolic.lower import to_casadi
-
-    from symbolic.torque import own_names
-
-    own = {
-        word: words[canonical] for word, canonical in own_names(torque.joint).items() if canonical in words
-    }
-    names = {**words, **own}
-    return to_casadi(torque.node, names)
+REMEMBERED = {"play": (_play_start, _play), "dahl": (_dahl_start, _dahl)}
+"""Operators that the leg itself can have, because their state moves with the joint: (start, update)."""

@@ -20,8 +20,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-NEWTON_STEPS = 3
-"""Corrections of `a` per step. The start value is the last `a`: two already leave 1e-9 N·m on smooth motion.
+NEWTON_STEPS = 5
+"""Corrections of `a` per step. Two leave 1e-9 N·m on smooth motion; friction that grows with load needs five.
 """
 
 SOFT = 5e-3
@@ -51,15 +51,17 @@ class Symbols:
 
 @dataclass(frozen=True)
 class Memory:
-    """An operator that remembers: its `argument` x at an instant, and the update of its value when x moves
-    on.
+    """An operator that remembers: its `argument` x at an instant, its `parameter`, and how its value follows
+    x.
 
-    `start(x)` is its value when it is switched on, `update(value, old_x, new_x) -> value`; all in CasADi SX.
+    `start(x)` is the value when it is switched on, `update(value, old_x, new_x, parameter)` the value after x
+    moved on; all in CasADi SX.
     """
 
     argument: Any
+    parameter: Any
     start: Callable[[Any], Any]
-    update: Callable[[Any, Any, Any], Any]
+    update: Callable[[Any, Any, Any, Any], Any]
 
 
 @dataclass(frozen=True)
@@ -119,10 +121,14 @@ class _Midpoint:
             names = [sym.t, sym.q, sym.dq, sym.ddq, sym.sign, sym.linear, sym.shape, sym.memory]
             return ca.Function("at", names, [expression])(t, q_m, v_m, a, s, linear, shape, memory)
 
-        none = ca.SX(0, 1)
-        now = ca.vertcat(none, *(at(entry.argument, ca.SX.zeros(count)) for entry in equation.memories))
+        blank, none = ca.SX.zeros(count), ca.SX(0, 1)
+        now = ca.vertcat(none, *(at(entry.argument, blank) for entry in equation.memories))
         memory = ca.vertcat(
-            none, *(entry.update(value[k], last[k], now[k]) for k, entry in enumerate(equation.memories))
+            none,
+            *(
+                entry.update(value[k], last[k], now[k], at(ca.SX(entry.parameter), blank))
+                for k, entry in enumerate(equation.memories)
+            ),
         )
         residual = at(equation.torque, memory)
         by_a, by_s = ca.jacobian(residual, a), ca.diag(ca.jacobian(residual, s))
@@ -181,9 +187,7 @@ def step_function(equation: Equation, dt: float) -> Any:
     sticks = ca.logic_and(ca.fabs(impulse) < bound, bound > TINY)
     a = ca.if_else(sticks, -v / dt, a)
     velocity = ca.if_else(sticks, 0.0, v + dt * a)
-    residual, _, _, now, memory, q_m, v_m = midpoint.evaluate(
-        a, s, q, v, given[0], last, value, linear, shape
-    )
+    residual, _, _, now, memory, q_m, v_m = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape)
 
     after = ca.vertcat(q + dt * v + 0.5 * dt**2 * a, velocity, a, s, encoder, speed, now, memory)
     record = ca.vertcat(q_m, v_m, a, s, motor, residual - supplied)

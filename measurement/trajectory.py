@@ -117,7 +117,7 @@ def random_trajectory(
     single limit (acceleration, for equal weights) throttles the range of angles.
     """
     k = np.arange(1, harmonics + 1)
-    weight = rng.uniform(0.3, 1.0, (2, harmonics)) / k**0.7
+    weight = rng.uniform(0.3, 1.0, (2, harmonics)) / k**0.4
     phase = rng.uniform(0.0, 2.0 * np.pi, (2, harmonics))
     low, high = np.array([limits[joint].angle for joint in JOINTS]).T
     offset = 0.5 * (low + high) + rng.uniform(-0.04, 0.04, 2) * (high - low)

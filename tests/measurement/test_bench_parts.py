@@ -46,9 +46,7 @@ def test_the_published_motion_touches_the_lower_knee_limit_and_no_other():
     motion = paper_trajectory(period=10.0).at(np.linspace(0.0, 10.0, 20_001))
     assert motion.q[:, 1].min() == pytest.approx(-1.62, abs=0.005)
     assert np.abs(motion.ddq[:, 0]).max() == pytest.approx(4.04, abs=0.01)
-    assert (
-        largest_scale(paper_trajectory(period=8.0))[0] < 1.0 < largest_scale(paper_trajectory(period=9.5))[0]
-    )
+    assert largest_scale(paper_trajectory(period=8.0))[0] < 1.0 < largest_scale(paper_trajectory(period=9.5))[0]
 
 
 def test_a_centre_outside_the_limits_is_refused():
@@ -111,9 +109,7 @@ def test_encoder_reads_whole_steps_and_torque_noise_has_its_size():
 
 
 def test_bursts_are_short_and_rare():
-    tau = Sensors(torque_noise=0.0, outlier_share=0.0).torque(
-        np.zeros((6_000, 2)), 100.0, np.random.default_rng(3)
-    )
+    tau = Sensors(torque_noise=0.0, outlier_share=0.0).torque(np.zeros((6_000, 2)), 100.0, np.random.default_rng(3))
     assert 0.002 < (np.abs(tau) > 0).mean() < 0.05
     assert np.abs(tau).max() <= 6.0 * 3
 

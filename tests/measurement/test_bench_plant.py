@@ -125,17 +125,13 @@ def test_below_coulomb_nothing_creeps():
 def test_just_above_coulomb_it_slips():
     hold = np.array(newton_euler([0.4, -0.8], [0.0, 0.0], [0.0, 0.0], np))
     push = hold + np.array([0.0, 1.05 * COULOMB[1]])
-    *_, dq, _, sign, _ = run(
-        plant(COULOMB), [0.4, -0.8], [0.0, 0.0], 300, lambda t: np.tile(push, (t.size, 1))
-    )
+    *_, dq, _, sign, _ = run(plant(COULOMB), [0.4, -0.8], [0.0, 0.0], 300, lambda t: np.tile(push, (t.size, 1)))
     assert dq[-1, 1] > 0.01 and sign[-1, 1] == pytest.approx(1.0)
 
 
 def test_a_sliding_joint_comes_to_rest_without_chatter():
     hold = np.array(newton_euler([0.4, -0.8], [0.0, 0.0], [0.0, 0.0], np))
-    *_, dq, _, _sign, _ = run(
-        plant(COULOMB), [0.4, -0.8], [0.8, -0.9], 2000, lambda t: np.tile(hold, (t.size, 1))
-    )
+    *_, dq, _, _sign, _ = run(plant(COULOMB), [0.4, -0.8], [0.8, -0.9], 2000, lambda t: np.tile(hold, (t.size, 1)))
     for j in (0, 1):
         assert np.all(dq[-500:, j] == 0.0)
         assert np.count_nonzero(np.diff(np.sign(dq[:, j]))) <= 3
