@@ -81,7 +81,7 @@ def figure_style() -> Iterator[None]:
         "axes.titlecolor": INK,
         "axes.titlelocation": "left",
         "axes.titlesize": 11,
-        "axes.titleweight": "semibold",
+        "axes.titleweight": "bold",
         "figure.constrained_layout.use": True,
         "figure.dpi": 110,
         "figure.facecolor": PAPER,

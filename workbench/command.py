@@ -126,9 +126,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
         sys.stdout.write(f"exoid {version()}\n")
         return DONE
     if verb.startswith("-"):
-        raise UsageError(
-            f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]"
-        )
+        raise UsageError(f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]")
     parser = verb_parser(verb)
     try:
         args = parser.parse(rest)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from workbench.files import check_target, make_folder, write_json
+from workbench.files import check_folder, check_target, make_folder, write_json
 from workbench.screen import Screen
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ def check_places(args: argparse.Namespace) -> None:
     if args.json:
         check_target(args.json)
     if args.out:
-        make_folder(args.out)
+        check_folder(args.out)
 
 
 def deliver(

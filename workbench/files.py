@@ -66,6 +66,18 @@ def make_folder(path: str | Path) -> Path:
         raise _refusal(folder, error) from error
 
 
+def check_folder(path: str | Path) -> None:
+    """Refuse a folder that could not be made or written to, without making it; raises OutputError."""
+    place = Path(path).absolute()
+    try:
+        while not place.exists() and place != place.parent:
+            place = place.parent
+        with tempfile.TemporaryFile(dir=place):
+            return
+    except OSError as error:
+        raise _refusal(Path(path), error) from error
+
+
 def check_target(path: str) -> None:
     """Refuse a --json target that cannot be written before the work starts, not after it."""
     if path == "-":

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from symbolic.quantity import JOINTS
 from workbench.options import merged
@@ -21,18 +21,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What a question about recordings starts from. `prepared`, `verify_prepared` are filtered alike."""
+    """What a question about recordings starts from; `cutoff` in Hz of the common filter, None: chosen."""
 
     model: Model
     recordings: tuple[Recording, ...]
-    verify: tuple[Recording, ...]
-    prepared: tuple[Any, ...]
-    verify_prepared: tuple[Any, ...]
-
-    @property
-    def all_recordings(self) -> tuple[Recording, ...]:
-        """Recordings to fit, then those kept unseen."""
-        return self.recordings + self.verify
+    verify: tuple[Recording, ...] = ()
+    cutoff: float | None = None
 
 
 def load_model(path: str | None) -> Model:
@@ -47,25 +41,14 @@ def load_model(path: str | None) -> Model:
 
 
 def load(args: argparse.Namespace) -> Inputs:
-    """Read and prepare what `args` name: --model, REC..., --verify, --map, --units, --cutoff."""
+    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff."""
     model = load_model(getattr(args, "model", None))
     columns, units = merged(args.map, "--map"), merged(args.units, "--units")
     unseen = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, unseen)
     recordings = tuple(read(path, columns, units) for path in args.recordings)
     verify = tuple(read(path, columns, units) for path in unseen)
-    return prepare_all(model, recordings, verify, args.cutoff)
-
-
-def prepare_all(
-    model: Model, recordings: Sequence[Recording], verify: Sequence[Recording], cutoff: float | None
-) -> Inputs:
-    """Filter all recordings with one cut-off, so that errors compare, and return the Inputs."""
-    from measurement.prepare import prepare
-
-    together = tuple(prepare([*recordings, *verify], cutoff=cutoff))
-    count = len(recordings)
-    return Inputs(model, tuple(recordings), tuple(verify), together[:count], together[count:])
+    return Inputs(model, recordings, verify, args.cutoff)
 
 
 def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None) -> Recording:
@@ -127,6 +110,4 @@ def beside(source: str | None, suffix: str) -> str:
         name = base.with_name(f"{base.stem}+{suffix.replace(':', '-')}{tail}.toml")
         if not name.exists():
             return str(name)
-    raise UsageError(
-        "there are a thousand such models already", where=str(base.parent), remedy="use --write FILE"
-    )
+    raise UsageError("there are a thousand such models already", where=str(base.parent), remedy="use --write FILE")

@@ -9,21 +9,13 @@ from collections.abc import Sequence
 from workbench.parser import UsageError
 
 
-def add_common(
-    parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR"
-) -> None:
+def add_common(parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR") -> None:
     """Add --json, --out, --seed and --quiet, which every command has."""
     group = parser.add_argument_group("output")
-    group.add_argument(
-        "--json", metavar="FILE", help="write the result as JSON to FILE; - means standard output"
-    )
+    group.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE; - means standard output")
     group.add_argument("--out", metavar="DIR", help=out)
-    group.add_argument(
-        "--seed", metavar="N", type=whole_number, default=0, help="seed of everything random (0)"
-    )
-    group.add_argument(
-        "--quiet", action="store_true", help="no progress and no tables, only warnings and errors"
-    )
+    group.add_argument("--seed", metavar="N", type=whole_number, default=0, help="seed of everything random (0)")
+    group.add_argument("--quiet", action="store_true", help="no progress and no tables, only warnings and errors")
 
 
 def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> None:

@@ -59,12 +59,17 @@ class Screen:
             numeric = bool(rows) and all(_is_number(row[index]) for row in rows)
             # A sentence may wrap, a number or an identifier may not.
             longest = max((len(str(row[index])) for row in rows), default=0)
-            table.add_column(
-                name, justify="right" if numeric else "left", no_wrap=longest <= 24, overflow="fold"
-            )
+            table.add_column(name, justify="right" if numeric else "left", no_wrap=longest <= 24, overflow="fold")
         for row in rows:
             table.add_row(*(Text(str(cell)) for cell in row))
-        _console().print(table)
+        if colours:
+            _console().print(table)
+            return
+        plain = _console()
+        with plain.capture() as captured:
+            plain.print(table)
+        lines = (line.rstrip() for line in captured.get().splitlines())
+        sys.stdout.write("\n".join(lines).strip("\n") + "\n")
 
 
 def warn(text: str) -> None:

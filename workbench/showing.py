@@ -54,9 +54,7 @@ def show_comparison(screen: Screen, found: Any) -> None:
     if not found.where:
         screen.say("The error depends on nothing that was looked at.")
         return
-    places = [
-        (w.joint, w.variable, percent(w.share), w.sentence, w.caution) for w in found.where[:MOST_PLACES]
-    ]
+    places = [(w.joint, w.variable, percent(w.share), w.sentence, w.caution) for w in found.where[:MOST_PLACES]]
     screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
 
 
@@ -68,9 +66,7 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     screen.say(str(found.sentence))
     screen.say(f"why: {found.rule}", "faint")
     for one in result["accepted"]:
-        alike = (
-            f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
-        )
+        alike = f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
         screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
     suspects = result["suspects"][:MOST_SUSPECTS]
     if suspects:
@@ -103,9 +99,7 @@ def show_steps(screen: Screen, steps: Steps) -> None:
 
 def values(parameters: Mapping[str, Mapping[str, Any]]) -> str:
     """Return ": c = 2.6 N·m, v_s = 0.15 rad/s" for the parameters of an accepted effect."""
-    parts = [
-        f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {p['unit']}" for name, p in parameters.items()
-    ]
+    parts = [f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {p['unit']}" for name, p in parameters.items()]
     return ": " + ", ".join(parts) if parts else ""
 
 

@@ -34,18 +34,14 @@ def run(args: argparse.Namespace) -> int:
 
     check_places(args)
     effect, joint = split_joint(args.effect)
-    load_model(args.model).with_effect(
-        effect, joint=joint
-    )  # a wrong name is told before the recordings are read
-    target = args.write or (
-        str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect)
-    )
+    load_model(args.model).with_effect(effect, joint=joint)  # a wrong name is told before the recordings are read
+    target = args.write or (str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect))
     check_new_model(target, args.model)
     given = load(args)
     with progress(f"adding {args.effect}", quiet=args.quiet):
         from diagnosis.extend import add
 
-        found = add(given.model, effect, joint, given.prepared, given.verify_prepared)
+        found = add(given.model, effect, joint, given.recordings, given.verify)
     from symbolic.model_file import write_model
 
     write_model(found.model, target, found.after)

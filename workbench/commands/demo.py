@@ -26,24 +26,21 @@ def run(args: argparse.Namespace) -> int:
 
     began = time.perf_counter()
     args.out = args.out or DEFAULT_FOLDER
-    args.cutoff = None
     check_places(args)
     screen = Screen.of(args)
-    screen.say(
-        "Four recordings of a leg with something hidden in it; the standard model knows nothing of it."
-    )
+    screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
     from diagnosis.discover import discover
 
     from workbench.asking import answer, material_of
     from workbench.deliver import deliver
-    from workbench.inputs import load_model, prepare_all, read
+    from workbench.inputs import Inputs, load_model, read
     from workbench.report.material import Steps
     from workbench.showing import show_comparison, show_diagnosis, show_steps
 
     recordings = [read(str(path), None, None) for path in sorted(DATA.glob("train*.csv"))]
     verify = [read(str(path), None, None) for path in sorted(DATA.glob("verify*.csv"))]
-    given = prepare_all(load_model(None), recordings, verify, args.cutoff)
+    given = Inputs(load_model(None), tuple(recordings), tuple(verify))
     found, comparison = answer(args, discover, given)
     show_comparison(screen, comparison)
     show_diagnosis(screen, found)

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbolic.effect import Coefficient, Effect, Shape
-from workbench.files import check_target, make_folder, write_json, write_text
+from workbench.deliver import check_places
+from workbench.files import make_folder, write_json, write_text
 from workbench.formula import formula
+from workbench.inputs import split_joint
 from workbench.options import add_common
 from workbench.screen import Screen
 
@@ -28,13 +30,13 @@ def run(args: argparse.Namespace) -> int:
     """Show the catalogue, or the entry asked for."""
     from symbolic.catalogue import catalogue, find_effect
 
-    if args.json:
-        check_target(args.json)
+    check_places(args)
     known = catalogue()
-    chosen = {args.id: find_effect(args.id)} if args.id else dict(known)
+    found = find_effect(split_joint(args.id)[0]) if args.id else None
+    chosen = dict(known) if found is None else {found.id: found}
     screen = Screen.of(args)
-    if args.id:
-        screen.say(describe(chosen[args.id]))
+    if found is not None:
+        screen.say(describe(found))
     else:
         rows = [(e.id, joints(e), next(iter(formula(e).values())), e.explains) for e in chosen.values()]
         screen.table("", ("effect", "joint", "torque added", "what it means"), rows)
@@ -92,9 +94,7 @@ def _coefficient(entry: Coefficient) -> str:
 
 
 def _shape(entry: Shape) -> str:
-    span = (
-        " or ".join(f"{c:g}" for c in entry.choices) if entry.choices else f"{entry.min:g} to {entry.max:g}"
-    )
+    span = " or ".join(f"{c:g}" for c in entry.choices) if entry.choices else f"{entry.min:g} to {entry.max:g}"
     typical = f", typically {entry.typical:g}" if entry.typical is not None else ""
     return f"{entry.unit or '1'}, {span}{typical}" + (f"; {entry.explains}" if entry.explains else "")
 
@@ -107,9 +107,7 @@ def to_json(effect: Effect) -> dict[str, Any]:
         "family": effect.family,
         "explains": effect.explains,
         "joints": list(effect.joints),
-        "torque": effect.torque
-        if effect.torque is None or isinstance(effect.torque, str)
-        else dict(effect.torque),
+        "torque": effect.torque if effect.torque is None or isinstance(effect.torque, str) else dict(effect.torque),
         "derived": effect.derive is not None,
         "coefficients": _fields(effect.coefficients),
         "shape": _fields(effect.shape),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-from workbench.files import check_target, make_folder, write_bytes, write_json
+from workbench.deliver import check_places
+from workbench.files import make_folder, write_bytes, write_json
 from workbench.options import add_common
 from workbench.progress import progress
 from workbench.screen import Screen
@@ -22,12 +22,8 @@ DEFAULT_FOLDER = "generated"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg"
-    )
-    parser.add_argument(
-        "--check", action="store_true", help="write nothing; compare with what is there, byte by byte"
-    )
+    parser.add_argument("model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg")
+    parser.add_argument("--check", action="store_true", help="write nothing; compare with what is there, byte by byte")
     add_common(parser, out=f"write C, header and manifest into DIR (default: {DEFAULT_FOLDER})")
 
 
@@ -35,8 +31,7 @@ def run(args: argparse.Namespace) -> int:
     """Generate, compile, say what changed; with --check, 1 when something would change."""
     from workbench.inputs import load_model
 
-    if args.json:
-        check_target(args.json)
+    check_places(args)
     model = load_model(args.model)
     folder = Path(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
@@ -63,11 +58,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _generated(model: Any) -> dict[str, bytes]:
     """Return {file name: content} of everything generated for `model`."""
-    from symbolic.code import write_generated
+    from symbolic.code import generate
 
-    with TemporaryDirectory(prefix="exoid-") as place:
-        write_generated(model, Path(place))
-        return {path.name: path.read_bytes() for path in sorted(Path(place).iterdir()) if path.is_file()}
+    return {name: text.encode() for name, text in generate(model).files.items()}
 
 
 def _state(path: Path, content: bytes) -> str:

@@ -33,10 +33,12 @@ def run(args: argparse.Namespace) -> int:
     given = load(args)
     with progress("identifying", quiet=args.quiet) as report:
         from optimisation.identify import identify
+        from optimisation.prepare import prepare
 
+        prepared = prepare(given.model, given.recordings, cutoff=given.cutoff)
         steps = iter(range(1, 100))
         fit = identify(
-            given.model, given.prepared, seed=args.seed,
+            given.model, prepared.train, seed=args.seed,
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of

@@ -16,9 +16,7 @@ exoid reveal runs/truth.seal"""
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("seal", metavar="SEAL", help="the .seal file that exoid simulate --blind wrote")
-    parser.add_argument(
-        "recordings", metavar="REC", nargs="*", help="check that the seal belongs to these recordings"
-    )
+    parser.add_argument("recordings", metavar="REC", nargs="*", help="check that the seal belongs to these recordings")
     add_common(parser, out="write result.json into DIR")
 
 

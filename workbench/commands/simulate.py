@@ -6,7 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.files import check_target, make_folder, write_json
+from workbench.deliver import check_places
+from workbench.files import make_folder, write_json
 from workbench.options import add_common, positive, whole_number
 from workbench.progress import progress
 from workbench.screen import Screen
@@ -22,9 +23,7 @@ DEFAULT_FOLDER = "exoid-runs"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg"
-    )
+    parser.add_argument("model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg")
     parser.add_argument(
         "--effect", metavar="ID[:joint][=SIZE]", action="append", default=[],
         help="hide this effect; SIZE is one number, or a list such as c=2.6,v_s=0.15",
@@ -34,29 +33,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
     )  # fmt: skip
     parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
-    parser.add_argument(
-        "--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)"
-    )
-    parser.add_argument(
-        "--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)"
-    )
+    parser.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)")
+    parser.add_argument("--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)")
     add_common(parser, out=f"write the recordings into DIR (default: {DEFAULT_FOLDER})")
 
 
 def run(args: argparse.Namespace) -> int:
     """Simulate and write; never overwrites a recording."""
-    from measurement.hidden import parse_hidden
+    from measurement.hidden import parse_hidden, true_model
+    from measurement.leg import standard_leg
     from workbench.inputs import load_model
     from workbench.parser import UsageError
 
-    if args.json:
-        check_target(args.json)
+    check_places(args)
     if not 1 <= args.runs <= 100:
         raise UsageError(f"--runs {args.runs} is not between 1 and 100")
     model = load_model(args.model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
-    folder = make_folder(args.out or DEFAULT_FOLDER)
+    true_model(model, standard_leg().base, hidden)  # a wrong name is told before anything is written
+    folder = Path(args.out or DEFAULT_FOLDER)
     _refuse_overwriting(folder, args.runs)
+    make_folder(folder)
     if args.blind and not hidden:
         hidden = _draw(args.seed)
     with progress("simulating", quiet=args.quiet):
@@ -77,9 +74,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _simulate(
-    args: argparse.Namespace, folder: Path, model: Any, hidden: Any
-) -> tuple[list[Path], Path | None]:
+def _simulate(args: argparse.Namespace, folder: Path, model: Any, hidden: Any) -> tuple[list[Path], Path | None]:
     """Write the recordings, and the seal with --blind."""
     from measurement.bench import Bench, simulate_runs
     from measurement.blind import write_blind

@@ -87,7 +87,10 @@ def number(value: Any, digits: int = 3) -> str:
     """Return a number with `digits` significant digits, or a dash for None and what is not finite."""
     if value is None or not math.isfinite(value):
         return "–"
-    return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+    if isinstance(value, int):
+        return str(value)
+    text = f"{value:.0f}" if 10**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def percent(value: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.report.cells import share
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
 
@@ -23,7 +24,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         (
             place,
             term(one),
-            one["explained_share"],
+            share(one["explained_share"]),
             one["p_value"],
             ", ".join(one["look_alikes"]) or "–",
             cautions.get(term(one), "") or "–",
@@ -34,7 +35,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "head": (
             "rank",
             "effect",
-            "share of the error explained",
+            "explains",
             "p-value",
             "look-alikes in these data",
             "caution",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbolic.quantity import JOINTS
+from workbench.report.cells import share
 from workbench.report.material import Material
 
 TITLE = "Where the model fails"
@@ -37,5 +38,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
             for j, joint in enumerate(JOINTS)
         ],
         "head": ("joint", "depends on", "share of the error", "what that means", "caution"),
-        "rows": [(w.joint, w.variable, float(w.share), w.sentence, w.caution) for w in found.where],
+        "rows": [(w.joint, w.variable, share(w.share), w.sentence, w.caution) for w in found.where],
     }

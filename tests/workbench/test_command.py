@@ -1,0 +1,165 @@
+"""The frame of the command line: speed, suggestions, statuses, output targets."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from workbench.command import BAD_INPUT, find_verbs, load_verb, main, verb_parser
+
+HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py")
+ROOT = Path(__file__).parents[2]
+
+
+def in_a_process(code: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["--help"], ["effects", "--json", os.devnull, "--quiet"], ["discover", "-h"]]
+)
+def test_help_and_catalogue_load_nothing_heavy(arguments):
+    code = (
+        f"import sys; from workbench.command import main; status = main({arguments!r})\n"
+        f"print('LOADED', [m for m in {HEAVY!r} if m in sys.modules], 'STATUS', status)"
+    )
+    out = in_a_process(code)
+    assert "LOADED [] STATUS 0" in out.stdout, out.stdout + out.stderr
+
+
+def test_help_is_fast():
+    best = 10.0
+    for _ in range(5):
+        began = time.perf_counter()
+        in_a_process("from workbench.command import main; main(['--help'])")
+        best = min(best, time.perf_counter() - began)
+    assert best < 0.3
+
+
+def test_alone_it_tells_a_newcomer_what_to_do_first(capsys):
+    assert main([]) == 0
+    assert "exoid demo" in capsys.readouterr().out
+
+
+def test_overview_names_every_verb(capsys):
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    assert all(f"  {verb} " in text for verb in find_verbs())
+
+
+@pytest.mark.parametrize("verb", find_verbs())
+def test_every_verb_keeps_the_contract(verb, capsys):
+    module = load_verb(verb)
+    assert module.HELP.strip()
+    options = {name for action in verb_parser(verb)._actions for name in action.option_strings}
+    assert {"--json", "--out", "--seed", "--quiet"} <= options
+    assert main([verb, "--help"]) == 0
+    assert f"exoid {verb}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["diagnos"], "did you mean 'diagnose'"),
+        (["zzz"], "known: add, "),
+        (["--verbose"], "unknown option"),
+        (["effects", "stribek"], "did you mean stribeck"),
+        (["effects", "--jsn", "-"], "did you mean '--json'"),
+        (["effects", "--seed", "x"], "'x' is not a whole number"),
+        (["effects", "--seed", "-1"], "not between 0 and"),
+        (["effects", "--json", "/nowhere/x.json"], "/nowhere/x.json: cannot be written"),
+        (["effects", "--json", "."], "this is a folder"),
+        (["effects", "--out", os.devnull], "cannot be written"),
+        (["compare"], "required: REC"),
+        (["compare", "--verify", "a.csv"], "before --verify"),
+        (["compare", "nowhere.csv"], "nowhere.csv: there is no such file"),
+        (["compare", "a.csv", "--cutoff", "0"], "0 is not above zero"),
+        (["compare", "a.csv", "--cutoff", "nan"], "not a finite number"),
+        (["compare", "a.csv", "--limit", "1,2,3"], "has 3 numbers"),
+        (["compare", "a.csv", "--map", "q1"], "is not NAME=VALUE"),
+        (["compare", "a.csv", "--map", "q1=x", "--map", "q1=y"], "q1 is given as 'x' and as 'y'"),
+        (["compare", "a.csv", "--map", "q1=x,q1=y"], "given twice"),
+        (["compare", "a.csv", "./a.csv"], "named twice"),
+        (["compare", "a.csv", "--verify", "a.csv"], "both fitted and in --verify"),
+        (["add", "stribeck:kne", "a.csv"], "did you mean 'knee'"),
+        (["add", "stribeck:", "a.csv"], "does not name an effect"),
+        (["add", "stribek:knee", "a.csv"], "did you mean stribeck"),
+        (["simulate", "--runs", "0"], "not between 1 and 100"),
+        (["simulate", "--effect", "stribek:knee"], "did you mean stribeck"),
+        (["simulate", "--effect", "stribeck:knee=big"], "big"),
+        (["reveal", "nowhere.seal"], "cannot be read"),
+    ],
+)
+def test_bad_input_is_told_and_ends_with_2(arguments, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == BAD_INPUT
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert "Traceback" not in captured.err
+    assert captured.out == ""
+
+
+def test_bad_input_leaves_nothing_behind(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    main(["simulate", "--effect", "stribek:knee"])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (MemoryError(), 2, "not enough memory"),
+        (OSError(28, "No space left on device", "x.json"), 2, "x.json: No space left on device"),
+        (ZeroDivisionError("oops"), 70, "mistake of exoid"),
+    ],
+)
+def test_what_goes_wrong_has_its_own_status(error, status, said, monkeypatch, capsys):
+    def fail(args):
+        raise error
+
+    monkeypatch.setattr(load_verb("effects"), "run", fail)
+    assert main(["effects"]) == status
+    assert said in capsys.readouterr().err
+
+
+def test_a_reader_that_leaves_early_hears_nothing_more():
+    command = f"{sys.executable} -m workbench.command effects | head -1"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    out = subprocess.run(command, shell=True, capture_output=True, text=True, env=environment, check=False)
+    assert out.stderr == ""
+
+
+def test_json_on_standard_output_is_alone_there(capsys):
+    assert main(["effects", "stribeck", "--json", "-"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["schema"] == "exoid.effects/1"
+    assert found["effects"][0]["shape"]["v_s"]["unit"] == "rad/s"
+
+
+def test_effects_can_be_written_to_a_folder(tmp_path, capsys):
+    assert main(["effects", "--out", str(tmp_path / "catalogue"), "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+    assert (tmp_path / "catalogue" / "stribeck.txt").read_text("utf-8").startswith("stribeck")
+    assert json.loads((tmp_path / "catalogue" / "effects.json").read_text("utf-8"))["effects"]
+
+
+def test_options_may_stand_between_recordings():
+    args = verb_parser("compare").parse(["a.csv", "--seed", "3", "b.csv", "--verify", "c.csv", "--map", "q1=x\\,y"])
+    assert (args.recordings, args.verify, args.seed, args.map) == (["a.csv", "b.csv"], ["c.csv"], 3, [{"q1": "x,y"}])
+
+
+def test_a_terminal_without_greek_gets_question_marks():
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii"}
+    out = subprocess.run(
+        [sys.executable, "-m", "workbench.command", "effects", "stribeck"],
+        capture_output=True, text=True, env=environment, check=False,
+    )  # fmt: skip
+    assert out.returncode == 0, out.stderr

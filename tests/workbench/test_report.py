@@ -1,0 +1,179 @@
+"""The page: self-contained, escaped, readable on a phone, alive without errors in a real browser."""
+
+from __future__ import annotations
+
+import functools
+import http.server
+import re
+import shutil
+import subprocess
+import threading
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, figure, material
+
+from measurement.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
+from workbench.report.material import Material, Steps
+from workbench.report.page import find_sections, render, slug, write_report
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+FRAME = """<!doctype html><body style="margin:0"><iframe id="page" style="border:0;width:380px;height:900px"
+src="report.html"></iframe><pre id="out">waiting</pre><script>
+document.getElementById("page").onload = () => {
+  const page = document.getElementById("page").contentDocument;
+  const head = page.querySelector("#suspects table.sortable th:nth-child(3) button");
+  const order = () => Array.from(page.querySelectorAll("#suspects tbody tr")).map(r => r.cells[0].textContent).join();
+  const before = order(); head.click(); const after = order();
+  page.querySelector("button.zoom").click();
+  document.getElementById("out").textContent = "width=" + page.documentElement.scrollWidth
+    + " before=" + before + " after=" + after + " zoomed=" + page.getElementById("zoom").open;
+};</script></body>"""
+
+
+class Page(HTMLParser):
+    """Collects what a page asks for and what it shows without words."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.images: list[dict[str, str | None]] = []
+        self.scripts = 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        self.links += [found[name] or "" for name in ("src", "href", "data", "action", "srcset") if name in found]
+        self.scripts += tag == "script"
+        if tag == "img":
+            self.images.append(found)
+
+
+def test_nothing_is_requested_from_outside():
+    text = render(material())
+    page = Page(text)
+    assert page.links
+    assert all(link.startswith(("#", "data:")) for link in page.links)
+    assert not re.search(r"@import|url\((?!data:)", text)
+
+
+def test_figures_have_words_and_live_in_the_page():
+    images = [i for i in Page(render(material())).images if "src" in i]
+    assert len(images) == 2
+    assert all((i["alt"] or "").strip() and (i["src"] or "").startswith("data:image/") for i in images)
+
+
+def test_hostile_text_stays_text():
+    text = render(material())
+    assert HOSTILE not in text
+    assert Page(text).scripts == 1
+
+
+def test_every_section_is_shown_with_its_title():
+    text = render(material())
+    for section in find_sections():
+        assert f">{section.TITLE}</h2>" in text
+
+
+@pytest.mark.parametrize("section", find_sections(), ids=lambda s: s.__name__.rsplit(".", 1)[1])
+def test_sections_keep_quiet_without_material(section):
+    assert section.__name__.endswith("repeat") or section.context(Material(title="empty")) is None
+
+
+def test_an_almost_empty_page_renders():
+    assert "only this" in render(Material(title="t", answer="only this"))
+
+
+@pytest.mark.parametrize("verdict", ["adequate", "missing", "ambiguous", "unexplained"])
+def test_every_verdict_renders(verdict):
+    assert f'class="verdict {verdict}"' in render(replace(material(), diagnosis=FakeDiagnosis(verdict=verdict)))
+
+
+def test_without_unseen_recordings_no_unseen_error_is_claimed():
+    steps = Steps(({"model": "base", "train_rms": [1.0, float("inf")], "verify_rms": None, "sentence": ""},))
+    text = render(Material(title="t", steps=steps, comparison=FakeComparison(unseen=False)))
+    assert "has not seen" not in text
+    assert not re.search(r">\s*(nan|inf)\b", text)
+
+
+def test_files_of_a_report(tmp_path):
+    page = write_report(material(), tmp_path / "out")
+    assert page.name == "report.html"
+    assert sorted(p.name for p in (page.parent / "figures").iterdir()) == [
+        "01-suspects.png",
+        "02-residual-over-time.png",
+    ]
+
+
+def test_the_same_material_gives_the_same_page():
+    assert render(material()) == render(material())
+
+
+def test_svg_follows_dark_mode_and_heavy_figures_become_png():
+    svg = adaptive(to_svg(figure()))
+    assert "prefers-color-scheme:dark" in svg
+    assert "var(--c0)" in svg
+    assert to_data_uri(figure()).startswith("data:image/svg+xml")
+    import numpy as np
+
+    from measurement.figures import new_figure
+
+    heavy = new_figure()
+    heavy.subplots().scatter(np.arange(20000.0), np.sin(np.arange(20000.0)))
+    assert len(to_svg(heavy)) > LARGEST_SVG
+    assert to_data_uri(heavy).startswith("data:image/png")
+
+
+def test_slug_is_a_file_name():
+    assert slug("Where: θ/../x ") == "where-x"
+    assert slug("θ") == "figure"
+
+
+@pytest.fixture(scope="module")
+def visit(tmp_path_factory):
+    """Open the page in a 380 px wide frame of headless Chromium: (what it measured, console, requested paths)."""
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine, so the page cannot be opened in a browser")
+    folder = tmp_path_factory.mktemp("page")
+    write_report(material(), folder)
+    (folder / "frame.html").write_text(FRAME, "utf-8")
+    asked: list[str] = []
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, format, *args):
+            asked.append(self.path)
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder)))
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        out = subprocess.run(
+            [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
+             f"--user-data-dir={folder / 'profile'}", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+             "--virtual-time-budget=4000", "--dump-dom", f"http://127.0.0.1:{server.server_port}/frame.html"],
+            capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+    found = re.search(r'<pre id="out">(.*?)</pre>', out.stdout, re.S)
+    return found[1] if found else out.stderr, [x for x in out.stderr.splitlines() if "CONSOLE" in x], asked
+
+
+def test_no_overflow_at_380_pixels(visit):
+    width = re.search(r"width=(\d+)", visit[0])
+    assert width, visit[0]
+    assert int(width[1]) <= 380
+
+
+def test_no_console_errors_and_no_other_request(visit):
+    assert visit[1] == []
+    assert set(visit[2]) <= {"/frame.html", "/report.html", "/favicon.ico"}
+
+
+def test_tables_sort_and_figures_zoom(visit):
+    assert "before=1,2,3 after=3,2,1" in visit[0]
+    assert "zoomed=true" in visit[0]
