@@ -66,7 +66,7 @@ def _parse(body: str, layout: Layout) -> Any | None:
     exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
     try:
         frame = pd.read_csv(
-            io.StringIO(body),
+            io.BytesIO(body.encode(errors="replace")),  # a StringIO would take four bytes a character
             sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
             decimal=layout.decimal,
             header=None,
