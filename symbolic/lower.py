@@ -46,11 +46,7 @@ def lower(node: Node, table: Table) -> Any:
         if node.operator == "**" and isinstance(node.right, Number):
             return table.power(lower(node.left, table), node.right.value)
         return table.binary[node.operator](lower(node.left, table), lower(node.right, table))
-    if (
-        node.function == "sgn"
-        and isinstance(node.arguments[0], Name)
-        and node.arguments[0].name in table.signs
-    ):
+    if node.function == "sgn" and isinstance(node.arguments[0], Name) and node.arguments[0].name in table.signs:
         return table.signs[node.arguments[0].name]
     if node.function not in table.functions:
         raise ExpressionError(
@@ -125,9 +121,7 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
     import sympy
 
     table = Table(
-        number=lambda value: (
-            sympy.nsimplify(value) if value * 2.0 == round(value * 2.0) else sympy.Float(value)
-        ),
+        number=lambda value: sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value),
         name=lambda name: sympy.pi if name == "pi" and name not in symbols else _known(name, symbols),
         negative=lambda a: -a,
         power=lambda base, exponent: base ** sympy.Rational(int(2 * exponent), 2),

@@ -124,7 +124,7 @@ _SPECIAL: dict[str, Any] = {
 }
 
 LATEX = Table(
-    number=lambda value: Piece(_latex_number(value), ATOM if "e" not in number(value) else PRODUCT),
+    number=lambda value: Piece(_latex_number(value), ATOM if "e" not in number(value) else POWER),
     name=lambda name: Piece(latex_name(name)),
     negative=lambda a: Piece("-" + _inside(a, SIGN, _TALL), SIGN),
     power=_latex_power,

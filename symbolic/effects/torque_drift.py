@@ -11,8 +11,6 @@ EFFECT = Effect(
     torque="c * t",
     coefficients={"c": Coefficient("N·m/s", typical=0.05, explains="drift of the reading")},
     explains="The zero of the torque sensor creeps while it is recorded, as it warms up or relaxes.",
-    tells_apart=(
-        "Return to the same posture at rest every minute, and read the unloaded sensor before and after."
-    ),
-    reference="Fraden, Handbook of Modern Sensors, Springer",
+    tells_apart=("Return to the same posture at rest every minute, and read the unloaded sensor before and after."),
+    reference="Fraden, Handbook of Modern Sensors, Springer, 2010",
 )

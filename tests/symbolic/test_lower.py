@@ -1,0 +1,171 @@
+"""One tree says the same in NumPy, SymPy and CasADi, and reads well in LaTeX and plain text."""
+
+import casadi
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.mathtext import MathTextParser
+
+from symbolic.errors import ExpressionError
+from symbolic.expression import parse
+from symbolic.lower import split_memory, to_casadi, to_latex, to_numpy, to_sympy, to_text
+from symbolic.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
+
+NAMES = ("theta1", "dtheta2", "c", "v_s")
+STATES = np.array([[0.3, -0.7, 0.9, 0.2], [-0.4, 0.6, -1.0, 0.5], [0.8, 1.0, 0.1, 0.7]]).T
+
+
+def in_numpy(node):
+    values = to_numpy(node, dict(zip(NAMES, STATES, strict=True)))
+    return np.broadcast_to(values, STATES.shape[1])
+
+
+def in_sympy(node):
+    symbols = sympy.symbols(NAMES, real=True)
+    expression = to_sympy(node, dict(zip(NAMES, symbols, strict=True)))
+    return [float(expression.subs(dict(zip(symbols, state, strict=True)))) for state in STATES.T]
+
+
+def in_casadi(node):
+    symbols = [casadi.SX.sym(name) for name in NAMES]
+    expression = to_casadi(node, dict(zip(NAMES, symbols, strict=True)))
+    function = casadi.Function("f", symbols, [casadi.SX(expression)])
+    return [float(function(*state)) for state in STATES.T]
+
+
+def check_agreement(node):
+    values = in_numpy(node)
+    np.testing.assert_allclose(in_sympy(node), values, rtol=1e-9, atol=1e-10)
+    np.testing.assert_allclose(in_casadi(node), values, rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("word", sorted(FUNCTIONS))
+def test_every_function_agrees(word):
+    positive = word in ("log", "sqrt")
+    arguments = ["v_s + 0.1", "v_s"] if positive else ["theta1 * dtheta2", "c"]
+    check_agreement(parse(f"{word}({', '.join(arguments[: FUNCTIONS[word]])})", NAMES))
+
+
+@pytest.mark.parametrize("exponent", [n / 2 for n in range(-16, 17)])
+def test_every_power_agrees(exponent):
+    base = "theta1" if exponent == int(exponent) else "v_s"
+    check_agreement(parse(f"({base})**{exponent}", NAMES))
+
+
+@pytest.mark.parametrize(
+    "text", ["pi", "2", "1.7e308 * theta1 / 1e308", "theta1 - c / v_s", "-theta1**2", "-2**0.5 * 1e-3", "--c"]
+)
+def test_arithmetic_agrees(text):
+    check_agreement(parse(text, NAMES))
+
+
+def _grow(children):
+    # Only what stays well conditioned, so that rounding cannot be mistaken for disagreement.
+    return st.one_of(
+        children.map(lambda part: Unary("-", part)),
+        st.builds(Binary, st.sampled_from("+-*"), children, children),
+        st.builds(lambda word, a: Call(word, (a,)), st.sampled_from(["sin", "cos", "tanh", "abs"]), children),
+        st.builds(lambda word, a, b: Call(word, (a, b)), st.sampled_from(["max", "min"]), children, children),
+    )
+
+
+calm = st.recursive(
+    st.one_of(st.integers(1, 10).map(lambda n: Number(n / 10)), st.sampled_from(NAMES).map(Name)),
+    _grow,
+    max_leaves=8,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(calm)
+def test_random_trees_agree(tree):
+    check_agreement(tree)
+
+
+def test_the_sign_of_a_velocity_is_the_signal_that_was_given():
+    node = parse("c * sgn(dtheta1) + sgn(2 * dtheta1)", ["c", "dtheta1"])
+    env = {"c": 2.0, "dtheta1": np.array([0.5, -0.5])}
+    assert to_numpy(node, env, {"dtheta1": np.array([0.25, 0.0])}).tolist() == [1.5, -1.0]
+    c, v, s = sympy.symbols("c v s", real=True)
+    assert to_sympy(node, {"c": c, "dtheta1": v}, {"dtheta1": s}) == c * s + sympy.sign(2 * v)
+    symbol = casadi.SX.sym("s")
+    written = to_casadi(node, {"c": 2.0, "dtheta1": casadi.SX(0.5)}, {"dtheta1": symbol})
+    assert float(casadi.substitute(written, symbol, 0.25)) == 1.5
+
+
+def test_operators_run_over_the_recording():
+    t = np.array([0.0, 0.1, 0.3, 0.4])
+    x = np.array([0.0, 1.0, 1.0, 0.0])
+    node = parse("c * (delay(theta1, d) - theta1)", ["c", "d", "theta1"])
+    values = to_numpy(node, {"t": t, "theta1": x, "c": 2.0, "d": 0.1})
+    np.testing.assert_allclose(values, [0.0, -2.0, 0.0, 2.0], atol=1e-12)
+
+
+def test_operators_become_undefined_functions_in_sympy():
+    theta = sympy.Symbol("theta", real=True)
+    expression = to_sympy(parse("play(theta, 0.5)", ["theta"]), {"theta": theta})
+    assert str(expression) == "play(theta, 1/2)"
+
+
+def test_casadi_says_that_it_cannot_remember():
+    with pytest.raises(ExpressionError, match="needs a whole recording"):
+        to_casadi(parse("ddt(c)", ["c"]), {"c": casadi.SX.sym("c")})
+
+
+def test_memory_can_be_split_off():
+    node = parse("c * (dahl(theta, s) + 2) - dahl(theta, s) * ddt(ddt(theta))", ["c", "theta", "s"])
+    rest, found = split_memory(node)
+    assert to_text(rest) == "c * (memory1 + 2) - memory1 * memory2"
+    assert {name: to_text(call) for name, call in found.items()} == {
+        "memory1": "dahl(theta, s)",
+        "memory2": "ddt(ddt(theta))",
+    }
+
+
+@pytest.mark.parametrize("text", ["log(theta1)", "sqrt(theta1)", "1 / (theta1 - theta1)", "exp(1e4 * v_s)"])
+def test_a_torque_that_is_no_number_is_refused_with_its_sample(text):
+    with pytest.raises(ExpressionError, match=r"not a finite number at sample [01]\b"):
+        in_numpy(parse(text, NAMES))
+
+
+def test_a_missing_value_is_named():
+    with pytest.raises(ExpressionError, match="'c' has no value here"):
+        to_numpy(parse("c", ["c"]), {"t": np.zeros(2)})
+
+
+def test_a_parameter_of_an_operator_must_not_vary():
+    node = parse("play(theta1, theta1)", ["theta1"])
+    with pytest.raises(ExpressionError, match="varies with the motion"):
+        to_numpy(node, {"t": np.arange(3.0), "theta1": np.ones(3)})
+
+
+@pytest.mark.parametrize(
+    ("text", "latex"),
+    [
+        ("c * sgn(dtheta)", r"c \, \mathrm{sgn}\left(\dot{\theta}\right)"),
+        ("ddtheta2 / v_s", r"\frac{\ddot{\theta}_{2}}{v_{s}}"),
+        ("-(theta + c)**2", r"-\left(\theta + c\right)^{2}"),
+        ("abs(tau_rigid1) + sqrt(c2)", r"\left|\tau_{\mathrm{rigid},1}\right| + \sqrt{c_{2}}"),
+        ("2 * 3e-9 * 4", r"2 \cdot 3 \cdot 10^{-9} \cdot 4"),
+        ("sigma * theta_m * side * pi", r"\sigma \, \theta_{m} \, \mathrm{side} \, \pi"),
+        ("stiff_hip * play(theta, h)", r"\mathrm{stiff}_{\mathrm{hip}} \, \mathrm{play}\left(\theta, h\right)"),
+    ],
+)
+def test_latex(text, latex):
+    node = parse(
+        text,
+        {"c", "c2", "h", "v_s", "side", "sigma", "stiff_hip", "tau_rigid1"}
+        | {"theta", "theta_m", "dtheta", "ddtheta2"},
+    )
+    assert to_latex(node) == latex
+    MathTextParser("path").parse(f"${to_latex(node)}$")
+
+
+@pytest.mark.parametrize(
+    "text", ["c - (1 - 2)", "-(c * 2)", "(-c)**2", "-c**2", "c * (-1)", "c / (2 * 3)", "(c + 1) * 2", "1e-12 * c"]
+)
+def test_plain_text_keeps_the_brackets_it_needs(text):
+    node = parse(text, ["c"])
+    assert parse(to_text(node), ["c"]) == node

@@ -1,0 +1,108 @@
+"""Torques with memory, on clocks that are not even."""
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from symbolic.errors import EffectError
+from symbolic.operators import MEMORY, dahl, ddt, delay, play
+
+signals = arrays(float, st.integers(1, 40), elements=st.floats(-3.0, 3.0))
+
+
+@settings(deadline=None)
+@given(signals, st.floats(0.0, 1.0))
+def test_play_stays_within_its_gap_and_moves_only_when_pushed(x, h):
+    w = play(np.arange(len(x)), x, h)
+    assert np.all(np.abs(w - x) <= h * (1 + 1e-12) + 1e-12)
+    moved = np.diff(w) != 0.0
+    pushed = np.abs(np.abs(w - x)[1:] - h) < 1e-9
+    assert np.all(pushed[moved])
+
+
+def test_play_without_a_gap_is_the_angle_itself():
+    x = np.array([0.2, 0.5, -0.1])
+    assert play(np.arange(3.0), x, 0.0).tolist() == x.tolist()
+
+
+def test_play_lags_on_the_way_back():
+    w = play(np.arange(5.0), np.array([0.0, 1.0, 0.9, 0.5, 0.9]), 0.2)
+    np.testing.assert_allclose(w, [0.0, 0.8, 0.8, 0.7, 0.7])
+
+
+@settings(deadline=None)
+@given(signals, st.floats(0.0, 500.0))
+def test_dahl_stays_between_minus_one_and_one_and_is_odd(x, sigma):
+    z = dahl(np.arange(len(x)), x, sigma)
+    assert np.all(np.abs(z) <= 1.0 + 1e-12)
+    np.testing.assert_allclose(dahl(np.arange(len(x)), -x, sigma), -z, atol=1e-12)
+
+
+@settings(deadline=None)
+@given(signals.filter(lambda x: len(x) > 1), st.floats(10.0, 500.0), st.integers(2, 5))
+def test_dahl_does_not_depend_on_how_finely_a_path_is_sampled(x, sigma, parts):
+    at = np.arange(len(x), dtype=float)
+    fine = np.linspace(0.0, len(x) - 1.0, (len(x) - 1) * parts + 1)
+    z = dahl(at, x, sigma)
+    np.testing.assert_allclose(dahl(fine, np.interp(fine, at, x), sigma)[::parts], z, atol=1e-9)
+
+
+def test_dahl_builds_up_exponentially_after_a_reversal():
+    x = np.concatenate([np.linspace(0.0, 1.0, 50), np.linspace(1.0, 0.9, 50)])
+    z = dahl(np.arange(100.0), x, 30.0)
+    np.testing.assert_allclose(z[:50], 1.0 - np.exp(-30.0 * x[:50]), atol=1e-12)
+    np.testing.assert_allclose(z[50:], -1.0 + (1.0 + z[49]) * np.exp(-30.0 * (1.0 - x[50:])), atol=1e-12)
+
+
+def uneven(n=400):
+    rng = np.random.default_rng(5)
+    return np.cumsum(0.01 * (0.5 + rng.random(n)))
+
+
+def test_delay_moves_a_signal_and_holds_its_edges():
+    t = uneven()
+    x = np.sin(t)
+    np.testing.assert_allclose(delay(t, x, 0.05)[20:], np.sin(t - 0.05)[20:], atol=1e-4)
+    assert delay(t, x, 0.05)[0] == x[0]
+    assert delay(t, x, -0.05)[-1] == x[-1]
+    assert delay(t, x, 0.0).tolist() == x.tolist()
+
+
+def test_ddt_is_exact_for_a_parabola_on_an_uneven_clock():
+    t = uneven()
+    np.testing.assert_allclose(ddt(t, 3.0 * t**2 - t), 6.0 * t - 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_short_recordings(n):
+    t, x = np.arange(n, dtype=float), np.arange(n, dtype=float)
+    for word, operator in MEMORY.items():
+        out = operator(t, x) if word == "ddt" else operator(t, x, 0.1)
+        assert out.shape == (n,)
+        assert np.isfinite(out).all()
+
+
+@pytest.mark.parametrize("operator", [play, dahl])
+@pytest.mark.parametrize("value", [-0.1, float("nan")])
+def test_a_negative_parameter_is_refused(operator, value):
+    with pytest.raises(EffectError, match="give a number that is not negative"):
+        operator(np.arange(2.0), np.arange(2.0), value)
+
+
+@pytest.mark.parametrize("word", sorted(MEMORY))
+def test_a_long_recording_takes_no_time(word):
+    t = np.arange(100_000) * 1e-3
+    x = np.sin(t) + 0.01 * np.sin(900.0 * t)
+    parameter = () if word == "ddt" else (0.02,)
+    best = min(_seconds(MEMORY[word], t, x, *parameter) for _ in range(4))
+    assert best < 0.15  # about 0.02 on an idle machine
+
+
+def _seconds(operator, *arguments):
+    start = time.perf_counter()
+    operator(*arguments)
+    return time.perf_counter() - start
