@@ -21,10 +21,9 @@ if TYPE_CHECKING:
 
 def model_key(model: Model) -> str:
     """Return the hash of everything the numbers of a model depend on, plus its name and limits."""
-    limits = {
-        joint: [*limit.angle, limit.velocity, limit.acceleration] for joint, limit in model.limits.items()
-    }
-    return sha256(canonical({"name": model.name, "limits": limits, **equations(model)}))
+    limits = {joint: [*limit.angle, limit.velocity, limit.acceleration] for joint, limit in model.limits.items()}
+    own = [[effect.id, effect.joints, repr(effect.torque)] for effect in model.custom]
+    return sha256(canonical({"name": model.name, "limits": limits, "custom": own, **equations(model)}))
 
 
 def equations_key(model: Model) -> str:
@@ -98,6 +97,4 @@ def processor() -> str:
     except OSError:
         return " ".join((platform.machine(), platform.processor()))
     first = text.split("\n\n", 1)[0].splitlines()
-    return "\n".join(
-        line for line in first if line.startswith(("model name", "flags", "Features", "CPU part"))
-    )
+    return "\n".join(line for line in first if line.startswith(("model name", "flags", "Features", "CPU part")))

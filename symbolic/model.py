@@ -56,13 +56,13 @@ class Model:
     gravity: float = 9.81
     limits: Mapping[str, Limits] = field(default_factory=lambda: TABLE_1)
     terms: tuple[Term, ...] = ()
+    custom: tuple[Effect, ...] = ()
+    """Effects of the user's own, known beside the catalogue whether or not they are among the terms."""
 
     def __post_init__(self) -> None:
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
             if not (math.isfinite(value) and value > 0.0):
-                raise EffectError(
-                    f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)"
-                )
+                raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
         names = [term.name for term in self.terms]
         for name in names:
             if names.count(name) > 1:
@@ -85,10 +85,8 @@ class Model:
         from symbolic.torque import check_term
 
         if isinstance(effect, str):
-            from symbolic.catalogue import find_effect
-
             name, _, place = effect.partition(":")
-            term = Term(find_effect(name), joint or place or None)
+            term = Term(self.find_effect(name), joint or place or None)
         else:
             term = Term(effect, joint)
         check_term(term)
@@ -108,14 +106,21 @@ class Model:
         """Return the eight-parameter model of the same leg: no terms."""
         return replace(self, terms=()) if self.terms else self
 
+    def find_effect(self, id: str) -> Effect:
+        """Return the effect of that id, of the user's own or of the catalogue; EffectError names the nearest."""
+        own = {effect.id: effect for effect in (*self.custom, *(t.effect for t in self.terms if t.effect.custom))}
+        if id in own:
+            return own[id]
+        from symbolic.catalogue import find_effect
+
+        return find_effect(id)
+
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Linear parameters (P,), in the order of the columns."""
         bounds = {"Phi1": 0.0, "Phi2": 0.0}
         inertial = tuple(
-            Parameter(
-                name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None
-            )
+            Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None)
             for name in INERTIAL
         )
         return inertial + friction_parameters() + tuple(p for term in self.terms for p in term.parameters)
@@ -144,8 +149,7 @@ class Model:
 
     @cached_property
     def needs_reference(self) -> bool:
-        """Whether some column is computed from the model's own torque, so that columns() wants a reference.
-        """
+        """Whether some column is computed from the model's own torque, so that columns() wants a reference."""
         from symbolic.columns import needs_reference
 
         return needs_reference(self)
@@ -165,9 +169,7 @@ class Model:
         """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
         values = np.asarray(linear, dtype=float)
         if values.shape != (len(self.parameters),):
-            raise ValueError(
-                f"linear has shape {values.shape}, the model has {len(self.parameters)} parameters"
-            )
+            raise ValueError(f"linear has shape {values.shape}, the model has {len(self.parameters)} parameters")
         return np.asarray((self.columns(motion, shape, values) @ values).T)
 
     def key(self) -> str:
@@ -178,6 +180,4 @@ class Model:
 
     def __repr__(self) -> str:
         terms = "".join(f" + {term.name}" for term in self.terms)
-        return (
-            f"Model({self.name!r}: rigid leg + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
-        )
+        return f"Model({self.name!r}: rigid leg + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"

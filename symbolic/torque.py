@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from symbolic.degree import check_proportional
 from symbolic.errors import EffectError
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.term import Term
@@ -62,8 +62,7 @@ def is_transform(term: Term) -> bool:
 
 
 def uses_feedback(term: Term) -> bool:
-    """Whether the term's columns are computed from the model's own torque, hence from reference parameters.
-    """
+    """Whether the term's columns are computed from the model's own torque, hence from reference parameters."""
     return bool(term.effect.coefficients) and any(torque.names & FEEDBACK for torque in torques(term))
 
 
@@ -71,15 +70,11 @@ def check_term(term: Term) -> None:
     """Refuse a term that has nothing to identify, or whose text the grammar refuses."""
     effect = term.effect
     if (effect.torque is None) == (effect.derive is None):
-        raise EffectError(
-            "an effect has either a torque text or derive()", where=effect.id, remedy="give exactly one"
-        )
+        raise EffectError("an effect has either a torque text or derive()", where=effect.id, remedy="give exactly one")
     parsed = torques(term)
     if effect.derive is not None:
         if not (effect.coefficients or effect.shape):
-            raise EffectError(
-                "no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one"
-            )
+            raise EffectError("no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one")
         return
     used = frozenset().union(*(torque.names for torque in parsed))
     for key in (*effect.coefficients, *effect.shape):
@@ -89,19 +84,17 @@ def check_term(term: Term) -> None:
                 where=f"{effect.id}: {'; '.join(torque.text for torque in parsed)}",
                 remedy=f"use {key} in the text or drop its declaration",
             )
+    unknowns, what = (effect.coefficients, "coefficient") if effect.coefficients else (MODEL_TORQUE, "model torque")
     if not effect.coefficients and not used & MODEL_TORQUE:
         raise EffectError(
             "the torque has no coefficient",
             where=f"{effect.id}: {'; '.join(torque.text for torque in parsed)}",
             remedy="multiply it by a coefficient and declare that with its unit",
         )
+    for torque in parsed:
+        check_proportional(torque.node, torque.text, unknowns, what)
 
 
 def own_names(joint: int) -> dict[str, str]:
     """Return {word for the own joint: canonical word} at a joint index."""
     return {stem: f"{stem}{joint + 1}" for stem in OWN}
-
-
-def joint_name(joint: int) -> str:
-    """Return "hip" or "knee"."""
-    return JOINTS[joint]

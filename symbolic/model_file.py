@@ -1,0 +1,238 @@
+"""A model as a TOML file a person can edit. Nothing in it is ever executed; every refusal names file, line and key.
+
+`[[custom_effects]]` tables define effects in the same torque language as the catalogue's. They join the catalogue, so
+that a diagnosis considers them; an `[[effects]]` table puts any effect, custom or not, into the model itself.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from symbolic.effect import Effect
+from symbolic.errors import EffectError, ExoidError, ExpressionError, ModelFileError
+from symbolic.files import write_whole
+from symbolic.model import TABLE_1, Limits, Model
+from symbolic.quantity import JOINTS
+from symbolic.toml_reader import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+LARGEST_FILE = 1_000_000
+"""Bytes; a model file has a few thousand, and anything this large is another kind of file."""
+
+
+class Identified(Protocol):
+    """The part of a fit that is written into a model file."""
+
+    @property
+    def estimates(self) -> Sequence[Any]: ...  # noqa: D102
+    @property
+    def delta(self) -> Any: ...  # noqa: D102
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """Identified numbers read from a model file: {name: value} of `linear` and `shape`, `delta` (J,) N·m or None."""
+
+    linear: Mapping[str, float]
+    shape: Mapping[str, float]
+    delta: tuple[float, ...] | None
+
+
+def read_model(path: str | Path) -> Model:
+    """Read a model file; ModelFileError says what is wrong, in which line, and what to do."""
+    return _model(_load(path))
+
+
+def read_numbers(path: str | Path) -> Numbers | None:
+    """Read the `[identified]` numbers of a model file; None where it has none, ModelFileError where they are wrong."""
+    top = _load(path)
+    model = _model(top)
+    if "identified" not in top.values:
+        return None
+    table = top.table("identified")
+    found = {key: table.table(key) for key in ("parameters", "shape") if key in table.values}
+    linear = _values(found.get("parameters"), [p.name for p in model.parameters])
+    shape = _values(found.get("shape"), [s.name for s in model.shapes])
+    delta = tuple(table.numbers("delta", 2, low=0.0)) if "delta" in table.values else None
+    return Numbers(linear, shape, delta)
+
+
+def write_model(model: Model, path: str | Path, fit: Identified | None = None) -> Path:
+    """Write `model`, with the numbers of `fit` where given, whole or not at all; return the path.
+
+    ModelFileError where the model holds an effect that TOML cannot express.
+    """
+    import tomli_w
+
+    return write_whole(path, tomli_w.dumps(model_content(model, fit)))
+
+
+def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]:
+    """Return the content of the model file as plain data."""
+    content: dict[str, Any] = {
+        "name": model.name,
+        "geometry": {"thigh_length": model.thigh_length, "gravity": model.gravity},
+        "limits": {
+            joint: {"angle": list(limit.angle), "velocity": limit.velocity, "acceleration": limit.acceleration}
+            for joint, limit in model.limits.items()
+        },
+    }
+    if model.terms:
+        content["effects"] = [
+            {"id": term.effect.id, **({} if term.joint is None else {"joint": term.joint})} for term in model.terms
+        ]
+    custom = {effect.id: effect for effect in (*model.custom, *(t.effect for t in model.terms if t.effect.custom))}
+    if custom:
+        content["custom_effects"] = [custom_content(effect) for effect in custom.values()]
+    if fit is not None:
+        content["identified"] = _identified_content(model, fit)
+    return content
+
+
+def custom_content(effect: Effect) -> dict[str, Any]:
+    """Return a custom effect as plain data; ModelFileError for one that is derived in Python."""
+    if effect.torque is None:
+        raise ModelFileError(
+            "an effect that changes the mechanism needs Python and cannot be written to TOML",
+            where=f"custom effect {effect.id}",
+            remedy="add it as a file in symbolic/effects/",
+        )
+    content: dict[str, Any] = {"id": effect.id, "explains": effect.explains}
+    if effect.on_both:
+        content["joint"] = "both"
+    elif len(effect.joints) == 1:
+        content["joint"] = effect.joints[0]
+    content["torque"] = effect.torque if isinstance(effect.torque, str) else dict(effect.torque)
+    for field in ("coefficients", "shape"):
+        declared = getattr(effect, field)
+        if declared:
+            content[field] = {key: _declaration(value) for key, value in declared.items()}
+    for field in ("title", "family", "tells_apart", "reference"):
+        if getattr(effect, field) not in ("", "other", "no reference given"):
+            content[field] = getattr(effect, field)
+    return content
+
+
+def _declaration(value: Any) -> dict[str, Any]:
+    kept = {}
+    for field in dataclasses.fields(value):
+        item = getattr(value, field.name)
+        if field.name == "unit" or (item is not None and item != field.default):
+            kept[field.name] = list(item) if isinstance(item, tuple) else item
+    return kept
+
+
+def _identified_content(model: Model, fit: Identified) -> dict[str, Any]:
+    content: dict[str, Any] = {}
+    estimates = {estimate.name: estimate for estimate in fit.estimates}
+    for group, names in (("parameters", model.parameters), ("shape", model.shapes)):
+        found = {entry.name: estimates[entry.name].to_json() for entry in names if entry.name in estimates}
+        content[group] = {name: {k: _plain(v) for k, v in numbers.items()} for name, numbers in found.items()}
+    if fit.delta is not None:
+        content["delta"] = [float(value) for value in fit.delta]
+    return {key: value for key, value in content.items() if value}
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, str) else float(value)
+
+
+def _load(path: str | Path) -> Table:
+    where = str(path)
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise ModelFileError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
+    if len(data) > LARGEST_FILE:
+        raise ModelFileError("is too large for a model file", where=where, remedy="give the TOML file of a model")
+    try:
+        text = data.decode("utf-8-sig")
+        values = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        raise ModelFileError("is not UTF-8 text", where=where, remedy="save it as UTF-8") from error
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise ModelFileError(f"is not valid TOML: {error}", where=where, remedy="mend that line") from error
+    return Table(values, (), where, text)
+
+
+def _model(top: Table) -> Model:
+    top.only("name", "geometry", "limits", "effects", "custom_effects", "identified")
+    geometry = top.table("geometry") if "geometry" in top.values else top.child("geometry", {})
+    geometry.only("thigh_length", "gravity")
+    if "identified" in top.values:
+        top.table("identified").only("parameters", "shape", "delta", "loss", "rms")
+    model = Model(
+        name=top.text("name", "unnamed leg"),
+        thigh_length=geometry.number("thigh_length", 0.40, above=0.0, below=2.0),
+        gravity=geometry.number("gravity", 9.81, above=0.0, below=100.0),
+        limits=_limits(top),
+        custom=_custom_effects(top),
+    )
+    for entry in top.tables("effects"):
+        entry.only("id", "joint")
+        joint = entry.text("joint", "")
+        try:
+            model = model.with_effect(entry.text("id"), joint if joint not in ("", "both") else None)
+        except ExoidError as error:
+            raise entry.error("joint" if joint and "joint" in str(error) else "id", error.what, error.remedy) from error
+    return model
+
+
+def _limits(top: Table) -> Mapping[str, Limits]:
+    if "limits" not in top.values:
+        return TABLE_1
+    limits = dict(TABLE_1)
+    table = top.table("limits")
+    table.only(*JOINTS)
+    for joint in JOINTS:
+        if joint not in table.values:
+            continue
+        own, usual = table.table(joint), TABLE_1[joint]
+        own.only("angle", "velocity", "acceleration")
+        low, high = own.numbers("angle", 2) if "angle" in own.values else usual.angle
+        if not low < high:
+            raise own.error("angle", f"the range [{low}, {high}] is empty", "give [low, high] in rad with low < high")
+        limits[joint] = Limits(
+            (low, high),
+            own.number("velocity", usual.velocity, above=0.0),
+            own.number("acceleration", usual.acceleration, above=0.0),
+        )
+    return limits
+
+
+def _custom_effects(top: Table) -> tuple[Effect, ...]:
+    from symbolic.custom_effect import read_custom_effect
+
+    found: dict[str, Effect] = {}
+    for entry in top.tables("custom_effects"):
+        try:
+            effect = read_custom_effect(entry)
+        except ExpressionError as error:
+            raise ExpressionError(
+                error.what, where=f"{entry.place('torque')}:\n{error.where}", remedy=error.remedy
+            ) from error
+        except EffectError as error:
+            raise entry.error("torque", error.what, error.remedy) from error
+        if effect.id in found:
+            raise entry.error("id", f"there are two custom effects called {effect.id!r}", "rename one")
+        found[effect.id] = effect
+    return tuple(found.values())
+
+
+def _values(table: Table | None, known: list[str]) -> dict[str, float]:
+    """Return {name: value}; a value may stand alone or in a table with its unit and interval."""
+    if table is None:
+        return {}
+    table.only(*known)
+    found = {}
+    for name, value in table.values.items():
+        found[name] = table.table(name).number("value") if isinstance(value, dict) else table.number(name)
+    return found
