@@ -2,13 +2,16 @@
 
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import workbench
 from measurement.bench import Bench, BenchError, run, simulate, simulate_runs
 from measurement.blind import SEAL, draw, relative_size, write_blind
 from measurement.controller import Controller
+from measurement.demo import write_demo
 from measurement.hidden import Hidden, parse_hidden, true_model
 from measurement.leg import paper_leg, random_leg, standard_leg
 from measurement.recording import to_csv
@@ -194,3 +197,19 @@ def test_draws_respect_bounds_and_leave_some_legs_alone():
             assert 0.039 < relative_size(hidden[0], standard_leg()) < 0.201
     signs = {np.sign(hidden[0].values["c"]) for hidden in drawn if hidden and hidden[0].joint is None}
     assert signs == {-1.0, 1.0}
+
+
+def test_the_demo_is_small_and_regenerates(tmp_path):
+    made = write_demo(tmp_path)
+    shipped = Path(workbench.__file__).parent / "demo_data"
+    assert sum(path.stat().st_size for path in made) < 1_000_000
+    assert open_seal(made[-1], made[:-1]).truth.terms == ("load_friction:knee",)
+    for path in made:
+        # Last digits of sin and exp may differ between machines' C libraries; what is read must not.
+        own, theirs = path.read_text(), (shipped / path.name).read_text()
+        if own != theirs and path.suffix == ".csv":
+            np.testing.assert_allclose(_table(own), _table(theirs), atol=1e-3)
+
+
+def _table(text):
+    return np.array([[float(cell) for cell in line.split(",")] for line in text.split()[1:]])
