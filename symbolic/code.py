@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from symbolic.equation import STATE, Expressions, model_expressions
 from symbolic.files import sha256, write_whole
 from symbolic.fingerprint import equations_key, versions
+from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -37,11 +38,17 @@ MEANING = {
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Generated text: C `code`, `header`, and `manifest` (JSON)."""
+    """Generated text: C `code`, `header`, and `manifest` (JSON).
+
+    `entries` are the (joint, parameter) of the regressor that the C computes; `needs_reference` says whether some of
+    them depend on the linear parameters.
+    """
 
     code: str
     header: str
     manifest: str
+    entries: tuple[tuple[int, int], ...]
+    needs_reference: bool
 
     @property
     def files(self) -> dict[str, str]:
@@ -100,18 +107,20 @@ def generate(model: Model) -> Sources:
     expressions = model_expressions(model)
     made = functions(expressions)
     entries = [(joint, parameter) for joint, parameter, _ in expressions.columns]
-    code = _casadi_text(made) + _loops(len(expressions.memories), len(entries))
+    code = _TITLE + _casadi_text(made) + _loops(len(expressions.memories), len(entries))
     header = _header(model, entries, [memory.operator for memory in expressions.memories])
+    needed = reference_needed(expressions)
     manifest = {
         "model": describe(model),
         "equations": equations_key(model),
         "versions": versions(),
-        "entries": entries,
-        "needs_reference": reference_needed(expressions),
+        "regressor": [f"{JOINTS[joint]} {model.parameters[p].name}" for joint, p in entries],
+        "regressor_needs_reference": needed,
         "operations": {name: operations(function) for name, function in made.items()},
         "sha256": {f"{PREFIX}.c": sha256(code), f"{PREFIX}.h": sha256(header)},
     }
-    return Sources(code, header, json.dumps(manifest, indent=2, ensure_ascii=False) + "\n")
+    text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
+    return Sources(code, header, text, tuple(entries), needed)
 
 
 def reference_needed(expressions: Expressions) -> bool:
@@ -129,8 +138,17 @@ def describe(model: Model) -> dict[str, Any]:
         "gravity": model.gravity,
         "terms": [term.name for term in model.terms],
         "parameters": {parameter.name: parameter.unit for parameter in model.parameters},
+        "inertial": inertial(model),
         "shape": {shape.name: shape.shape.unit for shape in model.shapes},
     }
+
+
+def inertial(model: Model) -> dict[str, str]:
+    """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
+    from symbolic.rigid import rigid
+
+    form = rigid(model.derived).regressor
+    return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
 
 
 def operations(function: Any) -> int:
@@ -169,6 +187,9 @@ def _casadi_text(made: dict[str, Any]) -> str:
     for function in made.values():
         generator.add(function)
     return str(generator.dump())
+
+
+_TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited by hand. See the header. */\n"
 
 
 def _loops(memories: int, entries: int) -> str:
@@ -210,7 +231,7 @@ CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, cons
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
     parameters = [f"  {k}: {p.name} [{p.unit}]" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {s.name} [{s.shape.unit}]" for k, s in enumerate(model.shapes)]
-    table = [f"  {k}: Y[{('hip', 'knee')[j]}][{model.parameters[p].name}]" for k, (j, p) in enumerate(entries)]
+    table = [f"  {k}: Y[{JOINTS[j]}][{model.parameters[p].name}]" for k, (j, p) in enumerate(entries)]
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
         "    const double *shape, const double *memory, const double *extra, double *out);\n"

@@ -7,7 +7,6 @@ CasADi. Without a compiler the same CasADi functions run in CasADi's virtual mac
 from __future__ import annotations
 
 import ctypes
-import json
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -170,7 +169,8 @@ def _source(model: Model) -> Source:
     from symbolic.code import generate
 
     made = generate(model)
-    return Source(made.code, EXACT, json.loads(made.manifest))
+    record = {"entries": made.entries, "needs_reference": made.needs_reference}
+    return Source(made.code, EXACT, record)
 
 
 def _state(motion: Motion) -> Float:
