@@ -12,6 +12,7 @@ from types import MappingProxyType
 from symbolic import effects
 from symbolic.effect import Effect
 from symbolic.errors import EffectError
+from symbolic.term import Term
 
 FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drift", "contact", "base")
 """Families in the order in which the catalogue lists them."""
@@ -26,13 +27,19 @@ def catalogue() -> Mapping[str, Effect]:
 
 
 def find_effect(id: str) -> Effect:
-    """Return the effect of that id; EffectError with the nearest ids where there is none."""
+    """Return the effect of that id; "stribeck:knee" is understood where the effect has a place at that joint.
+
+    EffectError with the nearest ids where there is none, or with the joints it can have.
+    """
     known = catalogue()
-    if id in known:
-        return known[id]
-    near = difflib.get_close_matches(str(id)[:80], known, n=3, cutoff=0.5)
+    name, colon, joint = str(id)[:80].partition(":")
+    if name in known:
+        if colon:
+            Term(known[name], joint)
+        return known[name]
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else "the catalogue has: " + ", ".join(known)
-    raise EffectError(f"there is no effect {str(id)[:80]!r}", where="catalogue", remedy=hint)
+    raise EffectError(f"there is no effect {name!r}", where="catalogue", remedy=hint)
 
 
 def _load(name: str) -> Effect:

@@ -1,8 +1,7 @@
 """Whether an effect keeps what it declares: known names, ordered bounds, linear in its coefficients.
 
 A torque is evaluated with one coefficient at one and the others at zero, so it has to be linear *and*
-homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not. The rule is read off the tree,
-without algebra, so that a refusal can point at the place.
+homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (degree.py).
 """
 
 from __future__ import annotations
@@ -11,21 +10,19 @@ import math
 import re
 from collections.abc import Iterator
 
+from symbolic.degree import check_proportional
 from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.errors import EffectError, ExpressionError
+from symbolic.errors import EffectError
 from symbolic.expression import parse
 from symbolic.quantity import JOINTS
 from symbolic.tokens import refusal
-from symbolic.tree import CONSTANTS, FUNCTIONS, OPERATORS, Binary, Call, Name, Node, Number, Unary
-
-OWN = ("theta", "dtheta", "ddtheta", "tau_rigid", "tau_model")
-"""Words for the effect's own joint; with 1 or 2 behind them for hip or knee."""
+from symbolic.torque import MODEL_TORQUE, OWN
+from symbolic.tree import CONSTANTS, FUNCTIONS, OPERATORS, Call, Node
 
 NUMBERED = tuple(f"{stem}{index}" for stem in OWN for index in (1, 2))
 RESERVED = frozenset((*OWN, *NUMBERED, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
 """Words no coefficient and no shape may be called."""
 
-MODEL_TORQUE = frozenset(("tau_model", "tau_model1", "tau_model2"))
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[a-z][a-z0-9_]{0,59}")
 
@@ -66,59 +63,13 @@ def allowed_names(effect: Effect) -> frozenset[str]:
     return frozenset((*own, *NUMBERED, "t", *CONSTANTS, *effect.coefficients, *effect.shape))
 
 
-def check_linear(node: Node, text: str, linear: frozenset[str]) -> None:
-    """Refuse a tree that is not linear and homogeneous in the names `linear`: ExpressionError with a caret."""
-    words = " and ".join(sorted(linear & node.names()) or sorted(linear))
-    if _degree(node, text, linear) == 0:
-        raise refusal(
-            f"the torque does not contain {words}" if linear else "the torque has no coefficient",
-            text,
-            node.span,
-            "multiply it by a coefficient and declare that with its unit",
-        )
-
-
-def _degree(node: Node, text: str, linear: frozenset[str]) -> int:
-    """Return 0 for a subtree free of the names, 1 for one linear and homogeneous in them; refuse others."""
-    if isinstance(node, Number):
-        return 0
-    if isinstance(node, Name):
-        return int(node.name in linear)
-    degrees = [_degree(child, text, linear) for child in node.children()]
-    if not any(degrees):
-        return 0
-    if isinstance(node, Unary):
-        return 1
-    if isinstance(node, Binary) and node.operator in "+-":
-        if all(degrees):
-            return 1
-        free = node.left if degrees[1] else node.right
-        raise _not_linear(free, text, linear, "has a part without a coefficient")
-    if isinstance(node, Binary) and node.operator == "*" and sum(degrees) == 1:
-        return 1
-    if isinstance(node, Binary) and node.operator == "/" and degrees == [1, 0]:
-        return 1
-    if isinstance(node, Binary) and node.operator == "**" and node.right == Number(1.0):
-        return 1
-    if isinstance(node, Call) and node.function in ("delay", "ddt") and not any(degrees[1:]):
-        return 1
-    raise _not_linear(node, text, linear, "is not linear in its coefficients")
-
-
-def _not_linear(node: Node, text: str, linear: frozenset[str], what: str) -> ExpressionError:
-    return refusal(
-        f"the torque {what}",
-        text,
-        node.span,
-        f"each term is {' or '.join(sorted(linear))} times something free of them; "
-        "declare a number that enters otherwise as a shape",
-    )
-
-
 def _check_text(effect: Effect, text: str) -> frozenset[str]:
     """Check one torque text and return the names it uses."""
     node = parse(text, allowed_names(effect))
-    check_linear(node, text, frozenset(effect.coefficients) or MODEL_TORQUE)
+    if effect.coefficients:
+        check_proportional(node, text, effect.coefficients, "coefficient")
+    else:
+        check_proportional(node, text, MODEL_TORQUE, "model torque")
     for call in _memory(node):
         varying = call.arguments[1].names() - effect.shape.keys() if len(call.arguments) > 1 else frozenset()
         if varying:

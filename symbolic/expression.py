@@ -141,9 +141,7 @@ class _Parser:
             return base
         exponent = self.exponent()
         if self.here.kind == "mark" and self.here.text == "**":
-            raise self.refuse(
-                "a power of a power", self.here.span, "use round brackets, and one exponent of at most 8"
-            )
+            raise self.refuse("a power of a power", self.here.span, "use round brackets, and one exponent of at most 8")
         return self.binary(sign, base, exponent)
 
     def exponent(self) -> _Part:
@@ -210,9 +208,7 @@ class _Parser:
         count = FUNCTIONS.get(word) or OPERATORS.get(word)
         if count is None:
             if word in self.names or word in CONSTANTS:
-                raise self.refuse(
-                    f"{word} is not a function", token.span, f"to multiply, write {word} * (...)"
-                )
+                raise self.refuse(f"{word} is not a function", token.span, f"to multiply, write {word} * (...)")
             raise self.unknown("function", token, FUNCTIONS.keys() | OPERATORS.keys())
         opening = self.here
         self.at += 1
@@ -265,9 +261,7 @@ class _Parser:
         return refusal(what, self.text, span, remedy)
 
     def too_deep(self, span: Span) -> ExpressionError:
-        return self.refuse(
-            f"more than {DEEPEST} brackets or signs inside each other", span, "simplify the torque"
-        )
+        return self.refuse(f"more than {DEEPEST} brackets or signs inside each other", span, "simplify the torque")
 
     def unexpected(self, wanted: str) -> ExpressionError:
         token = self.here

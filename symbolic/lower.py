@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symbolic.errors import ExpressionError
-from symbolic.tree import CONSTANTS, OPERATORS, Binary, Call, Name, Node, Number, Unary
+from symbolic.tree import CONSTANTS, OPERATORS, Binary, Name, Node, Number, Unary
 
 if TYPE_CHECKING:
     from symbolic.motion import Float
@@ -52,7 +52,7 @@ def lower(node: Node, table: Table) -> Any:
         raise ExpressionError(
             f"{node.function} needs a whole recording and cannot be written here",
             where=to_text(node),
-            remedy="replace it by a named input (split_memory)",
+            remedy="replace it by a named input (separate.py)",
         )
     return table.functions[node.function](*(lower(argument, table) for argument in node.arguments))
 
@@ -146,7 +146,7 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
 
 
 def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = NONE) -> Any:
-    """Return the CasADi expression; ExpressionError for operators with memory (see split_memory)."""
+    """Return the CasADi expression; ExpressionError for operators with memory (separate.py names them)."""
     import casadi
 
     table = Table(
@@ -185,28 +185,6 @@ def to_text(node: Node) -> str:
     from symbolic.writing import TEXT
 
     return str(lower(node, TEXT).text)
-
-
-def split_memory(node: Node) -> tuple[Node, dict[str, Call]]:
-    """Return the tree with each outermost operator with memory replaced by a name, and {name: operator}.
-
-    The names are memory1, memory2, ... ; equal operators share one. So a text with memory can be compiled:
-    the operators are computed over the recording first and enter as signals.
-    """
-    found: dict[Call, str] = {}
-
-    def replaced(part: Node) -> Node:
-        if isinstance(part, Call) and part.function in OPERATORS:
-            return Name(found.setdefault(part, f"memory{len(found) + 1}"), part.span)
-        if isinstance(part, Call):
-            return Call(part.function, tuple(replaced(a) for a in part.arguments), part.span)
-        if isinstance(part, Binary):
-            return Binary(part.operator, replaced(part.left), replaced(part.right), part.span)
-        if isinstance(part, Unary):
-            return Unary(part.operator, replaced(part.operand), part.span)
-        return part
-
-    return replaced(node), {name: call for call, name in found.items()}
 
 
 def _known(name: str, env: Mapping[str, Any]) -> Any:

@@ -88,9 +88,7 @@ def _token(text: str, match: re.Match[str]) -> Token:
     if kind == "mark":
         return Token(kind, "**" if word == "^" else word, span)
     if len(word) > LONGEST_WORD:
-        raise refusal(
-            f"a {kind} of {len(word)} characters", text, span, f"use at most {LONGEST_WORD} characters"
-        )
+        raise refusal(f"a {kind} of {len(word)} characters", text, span, f"use at most {LONGEST_WORD} characters")
     if kind == "name":
         return Token(kind, word, span)
     value = float(word)

@@ -1,5 +1,6 @@
 """Every effect of the catalogue keeps what it declares, and says the same in every language."""
 
+import sys
 from functools import partial
 
 import casadi
@@ -7,13 +8,16 @@ import numpy as np
 import pytest
 import sympy
 
+from symbolic import effects
 from symbolic.catalogue import FAMILIES, catalogue, find_effect
-from symbolic.effect_check import MODEL_TORQUE, allowed_names, check_effect, texts
+from symbolic.effect_check import allowed_names, check_effect, texts
 from symbolic.errors import EffectError
 from symbolic.expression import parse
-from symbolic.lower import split_memory, to_casadi, to_latex, to_numpy, to_sympy, to_text
+from symbolic.lower import to_casadi, to_latex, to_numpy, to_sympy, to_text
 from symbolic.operators import MEMORY
+from symbolic.separate import separate
 from symbolic.term import Term
+from symbolic.torque import MODEL_TORQUE, own_names
 
 IDS = {
     *("stribeck", "viscous_quadratic", "viscous_cubic", "viscous_asymmetry", "torque_offset", "load_friction"),
@@ -103,8 +107,12 @@ def test_numpy_sympy_and_casadi_agree(effect, text):
     function = sympy.lambdify(list(symbols.values()), to_sympy(node, symbols), [memory, "numpy"])
     np.testing.assert_allclose(function(*(env[name] for name in names)), values, rtol=1e-9, atol=1e-9)
 
-    rest, remembered = split_memory(node)
-    env |= {name: to_numpy(call, env) for name, call in remembered.items()}
+    env = {own_names(0).get(name, name): value for name, value in env.items()}
+    env |= {f"sign{j}": np.sign(env[f"dtheta{j}"]) for j in (1, 2) if f"dtheta{j}" in env}
+    rest, operations = separate(node, 0, 0)
+    for one in operations:
+        parameter = [] if one.parameter is None else [to_numpy(one.parameter, env)]
+        env[one.name] = operator_over(one.operator, env["t"], to_numpy(one.argument, env), *parameter)
     inputs = {name: casadi.SX.sym(name) for name in env}
     compiled = casadi.Function("f", list(inputs.values()), [casadi.SX(to_casadi(rest, inputs))])
     table = [np.broadcast_to(env[name], env["t"].shape)[None, :] for name in inputs]
@@ -229,3 +237,35 @@ def test_the_ripple_search_misses_no_frequency():
         near = wave(n + step / 2.0)
         rest = wave(n) - near @ np.linalg.lstsq(near, wave(n), rcond=None)[0]
         assert np.sum(rest**2) < 0.1 * np.sum(wave(n) ** 2)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder of effects instead of the catalogue's own; what is imported from it is forgotten again."""
+    monkeypatch.setattr(effects, "__path__", [str(tmp_path)])
+    before = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        if name.startswith("symbolic.effects."):
+            del sys.modules[name]
+
+
+def test_a_new_file_is_a_new_effect(folder):
+    source = 'from symbolic.effect import Effect\nEFFECT = Effect(id="trial_a", explains="", family="base")\n'
+    (folder / "trial_a.py").write_text(source)
+    assert list(catalogue.__wrapped__()) == ["trial_a"]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "",
+        "EFFECT = 3",
+        'from symbolic.effect import Effect\nEFFECT = Effect(id="other", explains="", family="base")',
+        'from symbolic.effect import Effect\nEFFECT = Effect(id="trial_b", explains="", family="magic")',
+    ],
+)
+def test_a_file_that_is_no_effect_is_named(folder, source):
+    (folder / "trial_b.py").write_text(source)
+    with pytest.raises(EffectError, match=r"symbolic/effects/trial_b\.py: the file does not define"):
+        catalogue.__wrapped__()

@@ -20,7 +20,6 @@ GOOD = Effect(id="brake", explains="", torque="c * sgn(dtheta)", coefficients=C)
         "(c * theta + 2 * c) * 3 - c",
         "delay(c * theta, 0.1) + ddt(c * dtheta)",
         "c * play(theta, 0.1) * t * pi",
-        "c**1",
         "c * max(theta, 0)",
     ],
 )

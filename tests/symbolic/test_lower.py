@@ -10,7 +10,7 @@ from matplotlib.mathtext import MathTextParser
 
 from symbolic.errors import ExpressionError
 from symbolic.expression import parse
-from symbolic.lower import split_memory, to_casadi, to_latex, to_numpy, to_sympy, to_text
+from symbolic.lower import to_casadi, to_latex, to_numpy, to_sympy, to_text
 from symbolic.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
 
 NAMES = ("theta1", "dtheta2", "c", "v_s")
@@ -112,16 +112,6 @@ def test_operators_become_undefined_functions_in_sympy():
 def test_casadi_says_that_it_cannot_remember():
     with pytest.raises(ExpressionError, match="needs a whole recording"):
         to_casadi(parse("ddt(c)", ["c"]), {"c": casadi.SX.sym("c")})
-
-
-def test_memory_can_be_split_off():
-    node = parse("c * (dahl(theta, s) + 2) - dahl(theta, s) * ddt(ddt(theta))", ["c", "theta", "s"])
-    rest, found = split_memory(node)
-    assert to_text(rest) == "c * (memory1 + 2) - memory1 * memory2"
-    assert {name: to_text(call) for name, call in found.items()} == {
-        "memory1": "dahl(theta, s)",
-        "memory2": "ddt(ddt(theta))",
-    }
 
 
 @pytest.mark.parametrize("text", ["log(theta1)", "sqrt(theta1)", "1 / (theta1 - theta1)", "exp(1e4 * v_s)"])
