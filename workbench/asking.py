@@ -68,6 +68,6 @@ def material_of(
         pictures=pictures_of(found, comparison),
         truth=truth,
         command=command_of(args),
-        settings=settings_of(args),
+        settings=settings_of(args) | ({"filter": found.cutoff} if found.cutoff else {}),
         seconds=found.seconds,
     )

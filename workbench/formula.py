@@ -16,6 +16,7 @@ def pretty(text: str) -> str:
     text = re.sub(r"(θ[′″]?|τ_rigid|τ_model)([12])\b", lambda m: m[1] + m[2].translate(DIGITS), text)
     text = re.sub(r"\babs\(([^()]*)\)", r"|\1|", text)
     text = re.sub(r"\s*(?:\*\*|\^)\s*(-?\d)(?![\d.])", lambda m: m[1].translate(POWERS), text)
+    text = re.sub(r"\s*\*\*\s*", "^", text)
     return re.sub(r"\s*\*\s*", "·", text).strip()
 
 

@@ -67,6 +67,8 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     screen.say(f"why: {found.rule}", "faint")
     for one in result["accepted"]:
         alike = f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
+        never = one.get("never_separable") or ()
+        alike += f"; no motion can tell it from {', '.join(never)}" if never else ""
         screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
     suspects = result["suspects"][:MOST_SUSPECTS]
     if suspects:
@@ -78,6 +80,10 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     left = result.get("unexplained") or {}
     if left.get("significant"):
         screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
+        for text in left.get("suggested_terms", ()):
+            screen.say(f"  worth trying as an effect of your own: torque = {text!r}")
+    if found.stopped_because:
+        screen.say(f"stopped: {found.stopped_because}", "faint")
     if found.next_experiment:
         screen.say(f"measure next: {found.next_experiment}")
 

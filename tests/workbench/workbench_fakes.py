@@ -130,6 +130,9 @@ class FakeDiagnosis:
     noise_floor: Any = field(default_factory=lambda: np.array([0.5, 0.5]))
     next_experiment: str = "Move the knee slowly through zero speed, many times."
     seconds: float = 1.9
+    cutoff: str = "8 Hz, the best of seven on unseen motion"
+    stopped_because: str = "nothing left lowers the error of unseen motion"
+    biased: tuple[str, ...] = ("Phi2",)
     model: Any = field(default_factory=FakeModel)
     fit: Any = field(default_factory=FakeFit)
 

@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
         screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
     deliver(args, screen, {"schema": "exoid.fit/1", **fit.to_json()}, lambda: Material(
         title="Identified parameters",
-        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS). {fit.certificate}",
+        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS).",
         recordings=given.recordings, model=given.model, fit=fit,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
         seconds=fit.seconds,

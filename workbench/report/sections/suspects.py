@@ -42,7 +42,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         ),
         "rows": rows,
         "more": max(0, len(found["suspects"]) - MOST),
-        "unexplained": found.get("unexplained") or {"significant": False},
+        "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},
     }
 
 

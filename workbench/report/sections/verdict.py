@@ -30,8 +30,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "words": "" if found is None else WORDS.get(found.verdict, found.verdict),
         "sentence": material.answer or ("" if found is None else found.sentence),
         "rule": "" if found is None else found.rule,
-        "accepted": [{**one, "term": term(one)} for one in accepted],
+        "accepted": [{"sentence": "", "never_separable": (), **one, "term": term(one)} for one in accepted],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
+        "biased": [] if found is None else list(found.biased),
+        "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
     }
 

@@ -1,0 +1,189 @@
+"""What each verb does with the answers of the packages below, which are stood in for."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeModel
+
+from workbench import commands
+from workbench.command import main
+from workbench.formula import pretty
+from workbench.showing import above, truth_sentence
+
+DATA = Path(commands.__file__).parents[1] / "demo_data"
+TRAIN, VERIFY = str(DATA / "train_1.csv"), str(DATA / "verify.csv")
+
+
+@pytest.fixture
+def stand_in(monkeypatch):
+    """Put a function in the place of `diagnosis.<module>.<name>`."""
+
+    def put(module, name, answer):
+        calls = []
+
+        def function(*arguments, **named):
+            calls.append((arguments, named))
+            if named.get("progress"):
+                named["progress"](0.5, "half way")
+            return answer
+
+        monkeypatch.setitem(sys.modules, f"diagnosis.{module}", SimpleNamespace(**{name: function}))
+        return calls
+
+    return put
+
+
+@pytest.fixture
+def addition(stand_in, monkeypatch, tmp_path):
+    """`diagnosis.extend.add` and a model writer, standing in."""
+    monkeypatch.chdir(tmp_path)
+    written = []
+
+    def write_model(model, path, fit=None):
+        written.append(str(path))
+        Path(path).write_text("name = 'x'\n", "utf-8")
+
+    monkeypatch.setitem(sys.modules, "symbolic.model_file", SimpleNamespace(write_model=write_model))
+
+    def put(helped):
+        steps = tuple(SimpleNamespace(label=s["model"], sentence="", **{k: s[k] for k in ("train_rms", "verify_rms")})
+                      for s in STEPS[:2])  # fmt: skip
+        found = SimpleNamespace(
+            model=FakeModel(), before=FakeFit(estimates=()), after=FakeFit(), helped=helped,
+            waterfall=SimpleNamespace(steps=steps, noise_floor=[0.5, 0.5], stopped_because="it was asked for one."),
+            sentence="The unseen error of the knee falls from 0.98 to 0.58 N·m.", to_json=lambda: {"helped": helped},
+        )  # fmt: skip
+        stand_in("extend", "add", found)
+        return written
+
+    return put
+
+
+def test_compare_shows_size_and_place(stand_in, capsys):
+    stand_in("compare", "compare", FakeComparison())
+    assert main(["compare", TRAIN, "--verify", VERIFY]) == 0
+    out = capsys.readouterr().out
+    assert "0.58" in out
+    assert "starts or reverses" in out
+
+
+@pytest.mark.parametrize(("limit", "status"), [("0.8", 0), ("0.8,0.5", 1), ("0.1", 1)])
+def test_a_limit_that_is_not_met_ends_with_1(limit, status, stand_in, capsys):
+    stand_in("compare", "compare", FakeComparison())
+    assert main(["compare", TRAIN, "--verify", VERIFY, "--limit", limit]) == status
+
+
+def test_an_error_that_is_not_a_number_meets_no_limit():
+    assert above((1.0, 1.0), [0.5, float("nan")])
+    assert not above(None, [float("nan"), 0.0])
+
+
+@pytest.mark.parametrize("verb", ["diagnose", "discover"])
+def test_json_alone_on_standard_output(verb, stand_in, capsys):
+    calls = stand_in(verb, verb, FakeDiagnosis())
+    assert main([verb, TRAIN, "--verify", VERIFY, "--seed", "5", "--json", "-"]) == 0
+    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert found["schema"] == "exoid.discovery/1"
+    assert found["accepted"][0]["parameters"]["stribeck:knee.c"]["high"] is None
+    assert calls[0][1]["seed"] == 5
+
+
+def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
+    stand_in("discover", "discover", FakeDiagnosis())
+    stand_in("compare", "compare", FakeComparison())
+    arguments = ["--out", str(tmp_path / "r"), "--json", str(tmp_path / "x.json")]
+    assert main(["discover", TRAIN, "--verify", VERIFY, *arguments]) == 0
+    out = capsys.readouterr().out
+    assert "An effect is missing" in out
+    assert "noise floor" in out
+    assert (tmp_path / "r" / "report.html").is_file()
+    assert json.loads((tmp_path / "x.json").read_text("utf-8")) == json.loads(
+        (tmp_path / "r" / "result.json").read_text("utf-8")
+    )
+
+
+def test_quiet_says_nothing(stand_in, capsys):
+    stand_in("diagnose", "diagnose", FakeDiagnosis())
+    assert main(["diagnose", TRAIN, "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(("helped", "status"), [(True, 0), (False, 1)])
+def test_add_writes_a_new_model_and_judges_by_unseen_motion(helped, status, addition, capsys):
+    written = addition(helped)
+    assert main(["add", "stribeck:knee", TRAIN, "--verify", VERIFY]) == status
+    assert written == ["leg+stribeck-knee.toml"]
+    assert main(["add", "stribeck:knee", TRAIN, "--verify", VERIFY]) == status
+    assert written[1] == "leg+stribeck-knee-2.toml"
+    assert "0.58" in capsys.readouterr().out
+
+
+def test_add_never_overwrites_the_model_it_comes_from(tmp_path, monkeypatch, capsys):
+    model = tmp_path / "leg.toml"
+    model.write_text('name = "my leg"\n', "utf-8")
+    assert main(["add", "stribeck:knee", TRAIN, "--model", str(model), "--write", str(model)]) == 2
+    assert "overwrite" in capsys.readouterr().err
+    assert model.read_text("utf-8") == 'name = "my leg"\n'
+
+
+def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    stand_in("discover", "discover", FakeDiagnosis())
+    stand_in("compare", "compare", FakeComparison())
+    assert main(["demo"]) == 0
+    out = capsys.readouterr().out
+    assert "load_friction:knee" in out
+    assert (tmp_path / "exoid-demo" / "report.html").is_file()
+
+
+def test_simulate_identify_and_reveal(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["simulate", "--blind", "--runs", "2", "--duration", "5", "--out", "b", "--seed", "3"]) == 0
+    shown = capsys.readouterr().out
+    assert main(["reveal", "b/truth.seal", "b/run_0.csv", "--json", "-"]) == 0
+    effects = json.loads(capsys.readouterr().out)["effects"]
+    assert all(one["id"] not in shown for one in effects)
+    assert main(["simulate", "--runs", "2", "--out", "b"]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert main(["identify", "b/run_0.csv", "b/run_1.csv", "--limit", "0.0001", "--json", "fit.json"]) == 1
+    found = json.loads(Path("fit.json").read_text("utf-8"), parse_constant=pytest.fail)
+    assert found["schema"] == "exoid.fit/1"
+    assert "Phi1" in capsys.readouterr().out
+
+
+def test_generate_writes_once_and_checks(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["generate", "--check", "--out", "g"]) == 1
+    assert not Path("g").exists()
+    assert main(["generate", "--out", "g", "--json", "-"]) == 0
+    out = capsys.readouterr().out
+    assert json.loads(out[out.index("{") :])["files"] == {"leg.c": "new", "leg.h": "new", "manifest.json": "new"}
+    assert main(["generate", "--check", "--out", "g"]) == 0
+    assert main(["generate", "--out", "g"]) == 0
+    assert "unchanged" in capsys.readouterr().out
+
+
+def test_truth_as_a_sentence():
+    assert truth_sentence(SimpleNamespace(effects=())) == "nothing was hidden."
+    one = SimpleNamespace(term="stribeck:hip", values={"c": 2.6, "v_s": 0.15})
+    assert truth_sentence(SimpleNamespace(effects=(one,))) == "stribeck:hip (c = 2.6, v_s = 0.15) was hidden."
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("c * dtheta * abs(dtheta)", "c·θ′·|θ′|"),
+        ("k * (theta1 + theta2)", "k·(θ₁ + θ₂)"),
+        ("c * dtheta**3", "c·θ′³"),
+        ("c * ddtheta2", "c·θ″₂"),
+        ("c * abs(tau_rigid) * sgn(dtheta)", "c·|τ_rigid|·sgn(θ′)"),
+        ("c * theta ** 0.5", "c·θ^0.5"),
+    ],
+)
+def test_formulas_read_like_handwriting(text, shown):
+    assert pretty(text) == shown
