@@ -1,4 +1,7 @@
-"""An elastic transmission with a gap: c play(θ; h)."""
+"""An elastic transmission with a gap: c play(θ; h).
+
+Without a gap (h = 0) play(θ; 0) = θ, and what is left is a plain spring of stiffness c.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,10 @@ EFFECT = Effect(
     shape={
         "h": Shape(
             "rad",
-            min=0.002,
-            max=0.2,
+            min=0.001,
+            max=0.1,
             spacing="log",
-            points=8,
+            points=5,
             typical=0.03,
             explains="half the width of the gap",
         )

@@ -11,7 +11,15 @@ EFFECT = Effect(
     torque="c * side * max(0, side * (theta - theta_s))",
     coefficients={"c": Coefficient("N·m/rad", min=0.0, typical=50.0, explains="stiffness of the stop")},
     shape={
-        "theta_s": Shape("rad", min=-2.0, max=2.0, points=41, explains="angle at which contact begins"),
+        "theta_s": Shape(
+            "rad",
+            min=-2.0,
+            max=2.0,
+            spacing="position",
+            points=41,
+            explains="angle at which contact begins; strapping and encoder zero may move it between recordings",
+            per_recording=True,
+        ),
         "side": Shape(
             "1",
             min=-1.0,

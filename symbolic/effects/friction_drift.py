@@ -9,10 +9,10 @@ EFFECT = Effect(
     title="Friction drift",
     family="drift",
     torque="c * exp(-t / T) * sgn(dtheta)",
-    coefficients={"c": Coefficient("N·m", min=0.0, typical=5.0, explains="extra friction when cold")},
+    coefficients={"c": Coefficient("N·m", typical=5.0, explains="extra friction when cold; negative: it grows")},
     shape={
         "T": Shape(
-            "s", min=5.0, max=600.0, spacing="log", points=8, typical=60.0, explains="time to lose 63 % of it"
+            "s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it"
         )
     },
     explains="A cold joint rubs more, and the extra friction fades while it warms up.",

@@ -18,7 +18,7 @@ EFFECT = Effect(
             min=10.0,
             max=500.0,
             spacing="log",
-            points=8,
+            points=7,
             typical=100.0,
             explains="inverse of the angle over which it builds up",
         )

@@ -1,4 +1,8 @@
-"""A flexible transmission, to first order: c τ_model''."""
+"""A flexible transmission, to first order: c τ_model''.
+
+Encoder behind the transmission, at the joint: the rotor also follows the twist τ/K, so c = J_rotor/K > 0.
+Encoder before it, at the motor: the leg lags by the twist, and c = -J_leg/K < 0. Hence both signs.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +16,11 @@ EFFECT = Effect(
     shape={
         "c": Shape(
             "s²",
-            min=1e-05,
-            max=0.003,
-            spacing="log",
-            points=8,
-            typical=0.0005,
-            explains="rotor inertia over stiffness of the transmission",
+            min=-0.01,
+            max=0.01,
+            points=10,
+            typical=0.002,
+            explains="inertia over stiffness; positive: encoder at the joint, negative: at the motor",
         )
     },
     explains="Gear or belt give way under load, so that the motor moves before the joint does.",

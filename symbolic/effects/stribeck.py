@@ -16,7 +16,7 @@ EFFECT = Effect(
             min=0.01,
             max=0.4,
             spacing="log",
-            points=8,
+            points=9,
             typical=0.1,
             explains="speed at which most of it is gone",
         )

@@ -11,10 +11,10 @@ EFFECT = Effect(
     torque="c * dtheta**3",
     coefficients={
         "c": Coefficient(
-            "N·m·s³/rad³", typical=2.0, explains="positive: stiffening; negative: thinning grease"
+            "N·m·s³/rad³", min=0.0, typical=4.0, explains="steepening of the resistance"
         )
     },
-    explains="The resistance curve over speed is bent, with the same bend in both directions.",
+    explains="The faster it moves, the more steeply the resistance rises, the same in both directions.",
     tells_apart=(
         "Constant speeds up to the highest allowed; only a wide range of speeds tells the cube from the "
         "square."

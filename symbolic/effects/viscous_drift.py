@@ -9,10 +9,10 @@ EFFECT = Effect(
     title="Viscous drift",
     family="drift",
     torque="c * exp(-t / T) * dtheta",
-    coefficients={"c": Coefficient("N·m·s/rad", min=0.0, typical=3.0, explains="extra viscosity when cold")},
+    coefficients={"c": Coefficient("N·m·s/rad", typical=3.0, explains="extra viscosity when cold; negative: it grows")},
     shape={
         "T": Shape(
-            "s", min=5.0, max=600.0, spacing="log", points=8, typical=60.0, explains="time to lose 63 % of it"
+            "s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it"
         )
     },
     explains="Cold grease is thick, and the extra resistance at speed fades while it warms up.",

@@ -11,12 +11,11 @@ EFFECT = Effect(
     torque="c * dtheta * abs(dtheta)",
     coefficients={
         "c": Coefficient(
-            "N·m·s²/rad²", typical=3.0, explains="positive: churning or air; negative: thinning grease"
+            "N·m·s²/rad²", min=0.0, typical=3.0, explains="resistance of oil or air that is pushed aside"
         )
     },
     explains=(
-        "Moving twice as fast takes more than twice the extra torque, as when oil or air is pushed aside "
-        "(less than twice if the coefficient is negative: grease that thins)."
+        "Moving twice as fast takes four times the extra torque, as when oil or air is pushed aside."
     ),
     tells_apart=(
         "Constant speeds over the whole range, up to the highest allowed; at least five levels in both "
