@@ -16,6 +16,9 @@ from functools import lru_cache
 from pathlib import Path
 
 CANDIDATES = ("cc", "gcc", "clang")
+ANSWER = 5.0
+"""Seconds a compiler may take to say who it is."""
+
 PATIENCE = 60.0
 """Seconds a compilation may take; a model takes 0.2 s, and a compiler that hangs must not hang us."""
 
@@ -77,16 +80,12 @@ def _probe(wanted: str | None) -> Compiler | None:
 
 
 def _ask(path: str) -> str | None:
-    """Return what the compiler says it is; None where it does not answer within five seconds."""
+    """Return what the compiler says it is; None where it does not answer in time."""
     try:
-        done = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=5.0, check=False)
+        done = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=ANSWER, check=False)
     except (OSError, subprocess.TimeoutExpired, UnicodeDecodeError):
         return None
-    return (
-        f"{os.path.realpath(path)} {done.stdout.splitlines()[0]}"
-        if not done.returncode and done.stdout
-        else None
-    )
+    return f"{os.path.realpath(path)} {done.stdout.splitlines()[0]}" if not done.returncode and done.stdout else None
 
 
 @lru_cache(maxsize=64)

@@ -1,9 +1,26 @@
 """Fixtures for all tests."""
 
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+def pytest_configure(config):
+    """Compile into a folder of this run, shared by all its workers, unless EXOID_CACHE names one."""
+    if "EXOID_CACHE" not in os.environ:
+        config.exoid_cache = os.environ["EXOID_CACHE"] = tempfile.mkdtemp(prefix="exoid-tests-")
+
+
+def pytest_unconfigure(config):
+    """Remove the folder if this process made it."""
+    if folder := getattr(config, "exoid_cache", None):
+        shutil.rmtree(folder, ignore_errors=True)
+        del os.environ["EXOID_CACHE"]
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,228 @@
+"""Compiled models and fitness kernels: same numbers as without, in any state of the cache."""
+
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from symbolic import Coefficient, Effect, Model, Motion, Shape, compiler, library
+from symbolic import fitness as fitness_module
+from symbolic.kernel import NoCompilerWarning, compiled, fitness
+
+ROOT = Path(__file__).parents[2]
+N_M = Coefficient("N·m")
+
+
+def random_motion(n=60, seed=0):
+    rng = np.random.default_rng(seed)
+    return Motion(np.cumsum(rng.uniform(0.005, 0.02, n)), *(rng.normal(size=(n, 2)) for _ in range(3)))
+
+
+def rich_model():
+    """Shapes, memory, feedback, a transform and derived effects at once."""
+    load = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": N_M})
+    late = Effect("late", "", "delay(tau_model, d) - tau_model", shape={"d": Shape("s", -0.1, 0.1, typical=0.03)})
+    slack = Effect("slack", "", "c * play(theta, h)", coefficients={"c": N_M}, shape={"h": Shape("rad", 0.01, 0.4)})
+    creep = Effect(
+        "creep",
+        "",
+        "c * sgn(dtheta) * exp(-(dtheta / v)**2)",
+        coefficients={"c": N_M},
+        shape={"v": Shape("rad/s", 0.1, 0.4)},
+    )
+    model = Model.standard()
+    for effect, joint in ((load, "hip"), (slack, "knee"), (creep, "knee"), (late, "hip")):
+        model = model.with_effect(effect, joint)
+    for effect in ("com_offset_thigh", "base_motion", "gravity_tilt", "cuff_interaction"):
+        model = model.with_effect(effect)
+    return model
+
+
+@pytest.fixture
+def fresh_cache(tmp_path, monkeypatch):
+    """An empty cache, and no memory of what this process has loaded."""
+    from symbolic import kernel
+
+    monkeypatch.setenv("EXOID_CACHE", str(tmp_path))
+    monkeypatch.setattr(kernel, "_RECENT", {})
+    monkeypatch.setattr(fitness_module, "_LOADED", {})
+    return tmp_path
+
+
+@pytest.mark.parametrize("backend", ["auto", "vm"])
+@pytest.mark.parametrize("make", [Model.standard, rich_model])
+def test_columns_and_torque_agree(make, backend):
+    model, motion = make(), random_motion()
+    linear = np.random.default_rng(1).normal(size=len(model.parameters))
+    fast = compiled(model, backend)
+    wanted = model.columns(motion, None, linear)
+    scale = np.abs(wanted).max()
+    assert fast.columns(motion, None, linear) == pytest.approx(wanted, abs=1e-12 * scale)
+    assert fast.inverse_dynamics(motion, linear) == pytest.approx(model.torque(motion, linear), abs=1e-11 * scale)
+
+
+@pytest.mark.parametrize("backend", ["auto", "vm"])
+def test_forward_dynamics_undoes_inverse_dynamics(backend):
+    effect = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": N_M})
+    model = Model.standard().with_effect(effect, "hip").with_effect("com_offset_shank")
+    motion = random_motion()
+    linear = np.array([25.14, 7.42, 1.43, -10.42, 31.35, 12.53, 43.40, 28.01, 0.1, 0.1])
+    fast = compiled(model, backend)
+    tau = fast.inverse_dynamics(motion, linear)
+    assert fast.forward_dynamics(motion, tau, linear) == pytest.approx(motion.ddq, abs=1e-10)
+
+
+def test_matrices_assemble_to_the_torque():
+    motion, linear = random_motion(), np.array([25.14, 7.42, 1.43, -10.42, 0, 0, 0, 0])
+    model = Model.standard()
+    leg = compiled(model)
+    m, c = leg.mass_matrix(motion, linear), leg.coriolis(motion, linear)
+    tau = np.einsum("nij,nj->ni", m, motion.ddq) + np.einsum("nij,nj->ni", c, motion.dq) + leg.gravity(motion, linear)
+    assert tau == pytest.approx(model.torque(motion, linear), abs=1e-10)
+    j = leg.jacobian(motion, 0.25)
+    x = 0.4 * np.cos(motion.q[:, 0]) + 0.25 * np.cos(motion.q.sum(axis=1))
+    assert j[:, 0, 0] == pytest.approx(x)
+
+
+def test_no_samples_and_wrong_lengths():
+    model = Model.standard()
+    empty = Motion(np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros((0, 2)))
+    assert model.columns(empty).shape == (2, 0, 8)
+    with pytest.raises(ValueError, match="linear has shape"):
+        model.torque(empty, np.zeros(7))
+    with pytest.raises(ValueError, match="shape has shape"):
+        model.columns(empty, np.zeros(1))
+
+
+def test_fitness_in_c_and_in_numpy(monkeypatch):
+    rng = np.random.default_rng(4)
+    columns = Model.standard().columns(random_motion(5000))
+    tau, population, delta = rng.normal(size=(2, 5000)) * 60, rng.normal(size=(13, 8)) * 9, np.array([30.0, 70.0])
+    fast = fitness(columns, tau)
+    monkeypatch.setattr(fitness_module, "kernel_for", lambda *_: None)
+    slow = fitness(columns, tau)
+    assert slow.backend == "numpy" and len(fast.entries) == 10
+    residual = tau - np.einsum("jnp,ip->ijn", columns, population)
+    wanted = np.where(
+        np.abs(residual) <= delta[:, None], residual**2, 2 * delta[:, None] * (np.abs(residual) - delta[:, None] / 2)
+    ).sum(axis=(1, 2))
+    for one in (fast, slow):
+        assert one.sse(population) == pytest.approx((residual**2).sum(axis=(1, 2)), rel=1e-12)
+        assert one.huber(population, delta) == pytest.approx(wanted, rel=1e-12)
+        assert one.huber(population, [np.inf, np.inf]) == pytest.approx(one.sse(population), rel=1e-12)
+        assert one.sse(population[:0]).shape == (0,)
+
+
+def test_fitness_keeps_nan_to_the_candidate_that_has_it():
+    columns = Model.standard().columns(random_motion(50))
+    one = fitness(columns, np.zeros((2, 50)))
+    population = np.ones((6, 8))
+    population[2, 3], population[4, 0] = np.nan, np.inf
+    for values in (one.sse(population), one.huber(population, [1.0, 1.0])):
+        assert list(np.isnan(values)) == [False, False, True, False, True, False]
+    with pytest.raises(ValueError, match="not finite"):
+        fitness(columns, np.full((2, 50), np.nan))
+    with pytest.raises(ValueError, match="positive threshold"):
+        one.huber(population, [0.0, 1.0])
+
+
+def test_the_cache_is_used_and_a_damaged_entry_is_rebuilt(fresh_cache, monkeypatch):
+    from symbolic import kernel
+
+    model, motion = Model.standard(), random_motion()
+    wanted = model.columns(motion)
+    (entry,) = fresh_cache.glob("model-*")
+    made = (entry / "library.so").stat().st_mtime_ns
+    assert not list(fresh_cache.glob(".*"))
+
+    monkeypatch.setattr(kernel, "_RECENT", {})
+    assert np.array_equal(model.columns(motion), wanted)
+    assert (entry / "library.so").stat().st_mtime_ns == made
+
+    for name, damage in (
+        ("library.so", b"broken"),
+        ("record.json", b"{}"),
+        ("seal.json", b"[]"),
+        ("seal.json", b"\xff"),
+    ):
+        # Another inode, as a damaged disk or an interrupted copy leaves it; the loaded library stays mapped.
+        (entry / name).unlink()
+        (entry / name).write_bytes(damage)
+        monkeypatch.setattr(kernel, "_RECENT", {})
+        assert np.array_equal(model.columns(motion), wanted)
+        assert library._open(entry) is not None
+
+
+def test_the_key_knows_everything_that_matters(monkeypatch):
+    found = compiler.Compiler("/usr/bin/cc", "cc 12")
+    key = library._key("content", found, ("-O2",))
+    assert key == library._key("content", found, ("-O2",))
+    assert key != library._key("content", found, ("-O3",))
+    assert key != library._key("other", found, ("-O2",))
+    assert key != library._key("content", compiler.Compiler("/usr/bin/cc", "cc 13"), ("-O2",))
+    for name, value in (("processor", "another"), ("versions", {"casadi": "9"}), ("generator_key", "edited")):
+        with monkeypatch.context() as patch:
+            patch.setattr(library, name, lambda value=value: value)
+            assert key != library._key("content", found, ("-O2",))
+
+
+SCRIPT = """
+import numpy as np
+from symbolic import Model, Motion
+from symbolic.kernel import compiled
+one = compiled(Model.standard(0.37))
+motion = Motion(np.arange(3.0), *(np.ones((3, 2)) for _ in range(3)))
+print(one.backend, repr(float(one.columns(motion)[0, 0, 0])))
+"""
+
+
+def test_two_processes_at_once(tmp_path):
+    environment = {"EXOID_CACHE": str(tmp_path), "PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    command = [sys.executable, "-c", SCRIPT]
+    running = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    answers = [process.communicate(timeout=60)[0] for process in running]
+    assert answers[0] == answers[1] != ""
+    assert len(list(tmp_path.glob("model-*"))) == 1
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_warm_start_needs_neither_sympy_nor_casadi():
+    script = SCRIPT + "import sys\nprint('sympy' in sys.modules, 'casadi' in sys.modules)"
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    if done.stdout.startswith("c "):
+        assert done.stdout.splitlines()[1] == "False False"
+
+
+@pytest.mark.parametrize(
+    ("script", "patience"),
+    [("exit 1", None), ('[ "$1" = --version ] && echo fake cc || exit 1', None), ("sleep 30", 0.2)],
+)
+def test_broken_and_hanging_compilers_fall_back_with_one_warning(fresh_cache, monkeypatch, script, patience):
+    fake = fresh_cache / "fake-cc"
+    fake.write_text(f"#!/bin/sh\n{script}\n")
+    fake.chmod(0o755)
+    monkeypatch.setenv("EXOID_COMPILER", str(fake))
+    if patience:
+        monkeypatch.setattr(compiler, "ANSWER", patience)
+    compiler._probe.cache_clear()
+    compiler._warn_once.cache_clear()
+    model, motion = Model.standard(0.41), random_motion()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        first = model.columns(motion)
+        fit = fitness(first, np.zeros((2, len(motion))))
+    assert [w.category for w in caught] == [NoCompilerWarning]
+    assert fit.backend == "numpy" and compiled(model).backend == "vm"
+    assert first == pytest.approx(compiled(model, "vm").columns(motion))
+
+
+def test_the_compiler_can_be_switched_off(fresh_cache, monkeypatch):
+    monkeypatch.setenv("EXOID_COMPILER", "none")
+    compiler._probe.cache_clear()
+    compiler._warn_once.cache_clear()
+    with pytest.warns(NoCompilerWarning, match="EXOID_COMPILER"):
+        assert compiled(Model.standard()).backend == "vm"
