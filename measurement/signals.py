@@ -109,7 +109,7 @@ def velocity_noise(q: Float, rate: float, cutoff: float) -> Float:
 
 def running_median(x: Float, seconds: float, rate: float) -> Float:
     """Return the running median of each channel of `x` (N, J) over a window of `seconds`."""
-    window = max(5, int(round(seconds * rate)) | 1)
+    window = max(5, round(seconds * rate) | 1)
     return median_filter(x, size=(window, 1), mode="nearest")
 
 

@@ -72,7 +72,7 @@ class Assembly:
         self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.tau) for one in self.prepared])
 
     def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
-        """Return the linear data for shape values (S,) and `reference` parameters (P,)."""
+        """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
         columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
         return LinearData(
             columns=np.concatenate(columns, axis=1),
@@ -85,7 +85,8 @@ class Assembly:
 
     def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
         one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
-        raw = self.model.columns(one.motion, shape, reference)
+        own = shape[index] if shape is not None and np.ndim(shape) == 2 else shape
+        raw = self.model.columns(one.motion, own, reference)
         if before is None or smooth is None:
             smooth = np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1)
         else:

@@ -53,11 +53,11 @@ class Stage:
 class Fit:
     """An identified model.
 
-    `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with
-    95 % intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each
-    recording, which differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m. `best_known` says that
-    shape parameters were searched, so that only the linear part carries a proof. `plausibility` is what to
-    be careful about.
+    `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with 95 %
+    intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each recording, which
+    differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
+    `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
+    `plausibility` is what to be careful about.
     """
 
     model: FittableModel
@@ -94,29 +94,21 @@ class Fit:
         lines = [f"Fit of {self.model.name!r} to {where}"]
         width = max(len(e.name) for e in self.estimates)
         for e in self.estimates:
-            lines.append(
-                f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}"
-            )
+            lines.append(f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}")
         rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
         lines.append(f"  rms residual [N·m]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
         if self.best_known:
             lines.append("  shape parameters: best known of a grid and local searches, not proven")
         for name, run in self.runs.items():
-            lines.append(
-                f"  {name}: relative gap {run.gap:.1e}, {run.evaluations} evaluations, {run.seconds:.2f} s"
-            )
+            lines.append(f"  {name}: relative gap {run.gap:.1e}, {run.evaluations} evaluations, {run.seconds:.2f} s")
         if self.reference is not None:
             r = self.reference
-            lines.append(
-                f"  IPOPT: relative gap {r.gap:.1e}, {r.iterations} iterations, {r.seconds:.2f} s, {r.status}"
-            )
+            lines.append(f"  IPOPT: relative gap {r.gap:.1e}, {r.iterations} iterations, {r.seconds:.2f} s, {r.status}")
         lines += [f"  caution, {caution}" for caution in self.plausibility]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        head = "".join(
-            f"<th>{h}</th>" for h in ("parameter", "value", "unit", "95 % low", "95 % high", "SSE")
-        )
+        head = "".join(f"<th>{h}</th>" for h in ("parameter", "value", "unit", "95 % low", "95 % high", "SSE"))
         first = [*self.sse.linear, *self.sse.shape]
         rows = "".join(
             f"<tr><td>{html.escape(e.name)}</td><td>{e.value:.5g}</td><td>{html.escape(e.unit)}</td>"

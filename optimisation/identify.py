@@ -20,7 +20,7 @@ from optimisation.certificate import certify
 from optimisation.fit import Fit, Stage
 from optimisation.fitness import population_fitness
 from optimisation.linear import delta_rule, solve_huber, solve_sse
-from optimisation.local_shape import descend, own_shapes, reach
+from optimisation.local_shape import descend, own_shapes
 from optimisation.loss import huber
 from optimisation.optimiser import Optimiser, Run, minimise
 from optimisation.optimisers.nfo import NFO
@@ -79,14 +79,10 @@ def identify(
     scope = _scope(model, shape is not None)
 
     say("least squares")
-    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, None)
+    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, start)
     first.data.require_enough()
     sse = _stage("sse", first, _middle(first_shape), infinite, first.linear, searches, seed, say, scope)
-    limits = (
-        delta_rule(first.data.residual(first.linear), use=first.data.use)
-        if delta is None
-        else np.asarray(delta)
-    )
+    limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
@@ -100,10 +96,11 @@ def identify(
 
     spread = _spread(assembly, best, best_shape, limits)
     estimates = _estimates(model, best.linear, best_shape, spread)
+    middle = _middle(best_shape)
     cautions = (
-        *_numerical(model, best, best_shape, bool(model.shapes) and shape is None),
+        *_numerical(model, best, middle, bool(model.shapes) and shape is None),
         *_unproven(stage),
-        *check_plausibility(model, best.linear, estimates, best_shape),
+        *check_plausibility(model, best.linear, estimates, middle),
     )
     return Fit(
         model=model,
@@ -170,13 +167,21 @@ def _solve_shape(
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
         return values, solved(values), [values]
+    model, prepared = assembly.model, assembly.prepared
     own = bool(own_shapes(model))
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
         if not began.size:
             began = search_shape(loss, shapes, None).best
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
-        found = descend(lambda v: loss(v if own else v[0]), model, rows, reach(model, prepared))
+        found = descend(
+            lambda v: loss(v if own else v[0]),
+            lambda v: solved(v if own else v[0]).linear,
+            model,
+            prepared,
+            rows,
+            delta,
+        )
         best = found if own else found[0]
         return best, solved(best), best
     search = search_shape(loss, shapes, starts)
@@ -208,9 +213,7 @@ def _stage(
         floor = max(certificate.primal, np.finfo(float).tiny)
         for name, search in searches.items():
             say(f"{name} ({kind})")
-            run = minimise(
-                problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=seed
-            )
+            run = minimise(problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=seed)
             runs[name] = replace(run, gap=(huber(data.residual(run.x), delta) - certificate.primal) / floor)
         say(f"IPOPT ({kind})")
         reference = solve_reference(data, delta)
@@ -248,9 +251,7 @@ def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> C
         for p in range(linear.size):
             step_p = np.zeros(linear.size)
             step_p[p] = 1e-5 * size[p]
-            total[:, :, p] = (predicted(linear + step_p, shape) - predicted(linear - step_p, shape)) / (
-                2.0 * step_p[p]
-            )
+            total[:, :, p] = (predicted(linear + step_p, shape) - predicted(linear - step_p, shape)) / (2.0 * step_p[p])
     extra = np.stack(slopes, axis=2) if slopes else np.zeros((*found.data.tau.shape, 0))
     jacobian = np.concatenate([total, extra], axis=2)
     jacobian = jacobian * found.data.use[:, :, None]

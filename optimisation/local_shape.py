@@ -17,16 +17,18 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
+    from optimisation.assemble import FittableModel
+    from optimisation.assemble import Prepared as Working
     from optimisation.fit import Fit
     from optimisation.prepare import Prepared, PreparedRecording
 
 SWEEPS = 6
 """Rounds of coordinate descent at most."""
-SETTLED = 1e-7
+SETTLED = 1e-6
 """Relative fall of the loss below which coordinate descent stops."""
 
 
-def own_shapes(model: Model) -> tuple[int, ...]:
+def own_shapes(model: FittableModel) -> tuple[int, ...]:
     """Return the indices of shape parameters that each recording has to itself."""
     return tuple(i for i, s in enumerate(model.shapes) if s.shape.per_recording)
 
@@ -60,11 +62,15 @@ def _fit_own(
             joint = 0 if model.shapes[index].term.endswith(":hip") else 1
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
-            values = [loss(_with(best, index, v)) for v in trials]
-            k = int(np.argmin(values))
-            low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
-            best = _with(best, index, _minimum(lambda v, i=index: loss(_with(best, i, v)), low, high))
+            best = _scan(loss, best, index, trials)
     return best
+
+
+def _scan(loss: Callable[[Float], float], shape: Float, index: int, trials: Float) -> Float:
+    """Return `shape` with value `index` at the best of `trials`, refined between its neighbours."""
+    k = int(np.argmin([loss(_with(shape, index, v)) for v in trials]))
+    low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
+    return _with(shape, index, _minimum(lambda v: loss(_with(shape, index, v)), low, high))
 
 
 def _with(shape: Float, index: int, value: float) -> Float:
@@ -76,26 +82,57 @@ def _with(shape: Float, index: int, value: float) -> Float:
 def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
     from scipy.optimize import minimize_scalar
 
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-4 * (high - low)})
+    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 2e-4 * (high - low)})
     return float(found.x)
 
 
-def descend(loss: Callable[[Float], float], model: Model, start: Float, reach: Float) -> Float:
+Loss = Callable[[Float], float]
+Settle = Callable[[Float], Float]
+
+
+def descend(
+    loss: Loss, settled: Settle, model: FittableModel, prepared: Sequence[Working], start: Float, delta: Float
+) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss ((R, S) -> float): coordinate descent.
 
-    `reach` (S,) is how far a coordinate may move in one sweep; a value that is not per recording moves in all rows.
+    `settled` ((R, S) -> (P,)) gives the linear parameters there. What a recording has to itself is fitted to that
+    recording with the linear parameters held; everything else with the linear parameters solved anew at every trial.
     """
+    far = reach(model, prepared)
+    own = own_shapes(model)
     best, value = np.array(start, dtype=float), loss(start)
     for _ in range(SWEEPS):
         before = value
+        if own:
+            linear = settled(best)
+            rows = [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
+            if (reached := loss(np.array(rows))) < value:
+                best, value = np.array(rows), reached
         for index, entry in enumerate(model.shapes):
-            if entry.shape.choices:
-                continue
-            rows = [[r] for r in range(len(best))] if entry.shape.per_recording else [list(range(len(best)))]
-            for group in rows:
-                best, value = _move(loss, best, value, index, group, reach[index], entry.shape.min, entry.shape.max)
+            if not entry.shape.choices and index not in own:
+                every = list(range(len(best)))
+                best, value = _move(loss, best, value, index, every, far[index], entry.shape.min, entry.shape.max)
         if before - value <= SETTLED * max(before, 1e-300):
             break
+    return best
+
+
+def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
+    """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
+    from optimisation.assemble import Assembly
+
+    assembly = Assembly(model, [one])
+    best = shape.copy()
+    for index in own_shapes(model):
+        entry = model.shapes[index].shape
+
+        def loss(v: float, base: Float = best, index: int = index) -> float:
+            data = assembly.data(_with(base, index, v), linear if model.needs_reference else None)
+            return huber(data.residual(linear), delta)
+
+        at = float(best[index])
+        found = _minimum(loss, max(entry.min, at - far[index]), min(entry.max, at + far[index]))
+        best = _with(best, index, found) if loss(found) < loss(at) else best
     return best
 
 
@@ -121,7 +158,7 @@ def _move(
     return (moved(found), reached) if reached < value else (best, value)
 
 
-def reach(model: Model, prepared: Sequence[PreparedRecording]) -> Float:
+def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
     """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
     out = []
     for entry in model.shapes:

@@ -39,11 +39,7 @@ def _bounds(model: FittableModel, linear: Float, estimates: Sequence[Estimate]) 
         if not below and not above:
             continue
         limit = float(low if below else high)
-        word = (
-            "negative"
-            if below and limit == 0.0
-            else f"{'below' if below else 'above'} {limit:g} {parameter.unit}"
-        )
+        word = "negative" if below and limit == 0.0 else f"{'below' if below else 'above'} {limit:g} {parameter.unit}"
         reaches = estimate.low <= limit <= estimate.high
         if reaches:
             verdict = f"but its 95 % interval reaches {limit:g}: these recordings cannot tell it from that"
@@ -92,11 +88,7 @@ def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[F
         "the leg would gain energy by being accelerated, and a simulation of it diverges"
     )
     remedy = "record faster motion with more acceleration on both joints; check the filter cut-off"
-    return [
-        Finding(
-            "inertia", "warning", what, f"knee = {knee[worst]:.2f} rad", float(smallest[worst]), 0.0, remedy
-        )
-    ]
+    return [Finding("inertia", "warning", what, f"knee = {knee[worst]:.2f} rad", float(smallest[worst]), 0.0, remedy)]
 
 
 def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
@@ -119,7 +111,5 @@ def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
     room = one - two + min(0.0, four)
     if three**2 / two < room:
         return []
-    what = (
-        "no positive masses, lengths and inertias give Φ1 to Φ4 (Φ3²/Φ2 must be below Φ1 - Φ2 + min(0, Φ4))"
-    )
+    what = "no positive masses, lengths and inertias give Φ1 to Φ4 (Φ3²/Φ2 must be below Φ1 - Φ2 + min(0, Φ4))"
     return [Finding("realisable", "warning", what, "Phi1..Phi4", three**2 / two, room, remedy)]

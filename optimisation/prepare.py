@@ -34,6 +34,7 @@ from optimisation.problem import LinearData
 from symbolic.errors import RecordingError
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
 
 CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 """Cut-off frequencies tried, Hz."""
@@ -45,8 +46,10 @@ TOLERANCE = 0.03
 """A cut-off may predict this much worse than the best one; then the faster one is preferred (more information)."""
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
-OUTLIER = 3.0
+OUTLIER = 4.0
 """Robust deviations from the local median beyond which a torque sample is an outlier."""
+SIGN_WIDTH = (1e-4, 5e-2)
+"""Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -129,7 +132,9 @@ def prepare(
             remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
         )
     count = len(recordings)
-    beta = _robust_base(base, [_prepare_one(base, n, e, COMMON_BAND, None) for n, e in zip(names, even, strict=True)][:count])
+    beta = _robust_base(
+        base, [_prepare_one(base, n, e, COMMON_BAND, None) for n, e in zip(names, even, strict=True)][:count]
+    )
     if cutoff is None:
         choice = _choose(base, names[:count], even[:count], beta)
     else:
@@ -153,7 +158,7 @@ def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta:
     rate = even.rate / factor
     q = np.array(low_pass(even.q, cutoff, even.rate)[::factor])
     dq, ddq = derivatives(q, rate)
-    width = np.clip(3.0 * velocity_noise(even.q, even.rate, cutoff), 5e-3, 5e-2)
+    width = np.clip(0.3 * velocity_noise(even.q, even.rate, cutoff), *SIGN_WIDTH)
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / width))
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
@@ -195,7 +200,9 @@ def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta
     """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean."""
     slowest = min(e.rate for e in even)
     tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
-    judge = assemble(base, [_prepare_one(base, n, e, min(COMMON_BAND, tried[0]), beta) for n, e in zip(names, even, strict=True)])
+    judge = assemble(
+        base, [_prepare_one(base, n, e, min(COMMON_BAND, tried[0]), beta) for n, e in zip(names, even, strict=True)]
+    )
     errors, shares = [], []
     for cutoff in tried:
         data = assemble(base, [_prepare_one(base, n, e, cutoff, beta) for n, e in zip(names, even, strict=True)])
@@ -220,8 +227,12 @@ def _reason(tried: Sequence[float], index: int, relative: Float, shares: Sequenc
         return text + ", and no faster cut-off was tried"
     after = index + 1
     if relative[after] > 1.0 + TOLERANCE:
-        return text + f"; at {tried[after]:g} Hz unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
-    return text + f"; at {tried[after]:g} Hz it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
+        worse = 100 * (relative[after] - 1)
+        return text + f"; at {tried[after]:g} Hz unseen torque is predicted {worse:.0f} % worse than at best"
+    return (
+        text
+        + f"; at {tried[after]:g} Hz it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
+    )
 
 
 def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
@@ -234,16 +245,10 @@ def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
-    found = []
-    for one in prepared:
-        for joint, share in zip(("hip", "knee"), one.outliers, strict=True):
-            if share > 0.02:
-                what = f"{100 * share:.1f} % of the torque samples stand more than {OUTLIER:g} deviations off their neighbours"
-                found.append(
-                    Finding(
-                        "torque_outliers", "repaired", what + "; bridged before filtering", f"{one.name}, {joint}",
-                        float(share), 0.02, "look at the torque sensor and its cable if this is unexpected", True,
-                        confidence="certain",
-                    )
-                )
-    return tuple(found)
+    most = np.max([one.outliers for one in prepared], axis=0)
+    if most.max() < 0.01:
+        return ()
+    shares = ", ".join(f"{joint} up to {100 * share:.0f} %" for joint, share in zip(JOINTS, most, strict=True))
+    what = f"torque samples far off their neighbours were bridged before filtering ({shares})"
+    remedy = "look at the torque sensor and its cable if this is unexpected"
+    return (Finding("torque_outliers", "repaired", what, "all recordings", float(most.max()), 0.01, remedy, True),)

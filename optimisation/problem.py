@@ -49,9 +49,7 @@ class LinearData:
         groups = np.array(self.groups, dtype=np.int64)
         joints, samples, width = columns.shape
         if tau.shape != (joints, samples) or use.shape != tau.shape or groups.shape != (samples,):
-            raise ValueError(
-                f"columns {columns.shape}, tau {tau.shape}, use {use.shape}, groups {groups.shape}"
-            )
+            raise ValueError(f"columns {columns.shape}, tau {tau.shape}, use {use.shape}, groups {groups.shape}")
         if len(self.names) != width or len(self.units) != width:
             raise ValueError(f"{width} columns but {len(self.names)} names and {len(self.units)} units")
         if not use.all():
@@ -170,9 +168,7 @@ def _boxed(data: LinearData, fitness: Fitness, centre: Float, radius: float) -> 
     factor = data.factor
     middle = factor.backward @ centre
     half = radius * np.linalg.norm(factor.backward, axis=1)
-    return Problem(
-        fitness, middle - half, middle + half, data.names, data.units, Ball(factor, centre, radius)
-    )
+    return Problem(fitness, middle - half, middle + half, data.names, data.units, Ball(factor, centre, radius))
 
 
 def sse_problem(data: LinearData, fitness: Fitness) -> Problem:

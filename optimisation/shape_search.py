@@ -101,9 +101,7 @@ def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: F
 
     if len(free) == 1:
         bounds = (max(0.0, middle[0] - reach[0]), min(1.0, middle[0] + reach[0]))
-        result = minimize_scalar(
-            lambda u: evaluate(at(u)), bounds=bounds, method="bounded", options={"xatol": 1e-7}
-        )
+        result = minimize_scalar(lambda u: evaluate(at(u)), bounds=bounds, method="bounded", options={"xatol": 1e-7})
         return at(float(result.x)), float(result.fun)
     corners = [np.array(middle)]
     for i, step in enumerate(reach):

@@ -1,0 +1,338 @@
+"""Compare, diagnose, add, and again, until nothing that helps on unseen motion is left.
+
+Forward: the best significant candidate is added, the model refitted, everything weighed anew. Backward: a term that the
+others have made superfluous goes. Then each accepted term is held against a curve with no physics in it (`unexplained`):
+a term that such a curve clearly beats at the same joint was only the nearest thing the catalogue had; it is taken back.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from diagnosis.candidates import Columns, Library, build_library
+from diagnosis.evidence import Evidence
+from diagnosis.look_alikes import CLOSE, look_alikes, refine
+from diagnosis.present import Present, present
+from diagnosis.results import Accepted, Diagnosis, Step, Suspect
+from diagnosis.suspects import LEAST_SHARE, Score, placebo, rank, weigh
+from diagnosis.unexplained import Remainder, beaten, remainders, significant, suggest
+from diagnosis.verdict import biased_parameters, conclude, sentence_of
+from measurement.recording import Recording
+from optimisation.fit import Fit
+from optimisation.identify import identify
+from optimisation.prepare import Prepared, prepare
+from symbolic.effect import Effect
+from symbolic.model import Model
+from symbolic.motion import Float
+
+Progress = Callable[[float, str], None]
+MOST_TERMS = 6
+"""Terms added at most; a model that needs more has another problem."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A fitted model on the way: where it stands on all recordings, and how the term added last was judged."""
+
+    fit: Fit
+    now: Present
+    added: Score | None = None
+    alike: tuple[str, ...] = ()
+    never: tuple[str, ...] = ()
+
+
+def discover(
+    model: Model,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    cutoff: float | None = None,
+    extra: Sequence[Effect] = (),
+    progress: Progress | None = None,
+    most: int = MOST_TERMS,
+) -> Diagnosis:
+    """Find which effects `model` is missing and add them, at most `most` of them.
+
+    `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue. Every
+    random number comes from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
+    """
+    began = time.perf_counter()
+    tick = progress or _silent
+    tick(0.02, "preparing the recordings")
+    prepared = prepare(model, recordings, verify, cutoff=cutoff)
+    library = build_library(model, prepared.all, (*extra, *_own_effects(model)))
+    search = _Search(prepared, library, seed, tick)
+    stages = [search.fit(model)]
+    first: list[Score] = []
+    banned: set[str] = set()
+    while len(stages) <= most:
+        scores = search.rank(stages[-1], len(stages))
+        first = first or scores
+        found = search.next_stage(stages[-1], scores, banned)
+        if found is None:
+            break
+        stages.append(found)
+    stages = search.prune(stages)
+    stages, left = search.refute(stages, banned)
+    tick(0.97, "writing it down")
+    return _write_up(search, stages, first, left, recordings, verify, began)
+
+
+def diagnose(
+    model: Model,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    cutoff: float | None = None,
+    extra: Sequence[Effect] = (),
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find the effect that `model` misses most: `discover` that stops after one step."""
+    return discover(model, recordings, verify, seed=seed, cutoff=cutoff, extra=extra, progress=progress, most=1)
+
+
+def _silent(fraction: float, text: str) -> None:
+    """Say nothing."""
+
+
+def _own_effects(model: Model) -> tuple[Effect, ...]:
+    """Return the user's own effects that the model file declares, as suspects for the other joint too."""
+    return tuple({t.effect.id: t.effect for t in model.terms if t.effect.custom}.values())
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What stays the same during one search."""
+
+    prepared: Prepared
+    library: Library
+    seed: int
+    tick: Progress
+
+    def fit(self, model: Model, start: Float | None = None) -> Stage:
+        fitted = identify(model, self.prepared.train, optimisers=(), start=start)
+        return Stage(fitted, present(fitted, self.prepared))
+
+    def rank(self, stage: Stage, step: int) -> list[Score]:
+        low, high = _span(step)
+        evidence = stage.now.evidence(seed=self.seed)
+        scores = rank(
+            evidence,
+            self.library,
+            stage.now.model,
+            stage.fit.linear,
+            stage.fit.shape,
+            lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}"),
+        )
+        object.__setattr__(stage.now, "_evidence", evidence)
+        return scores
+
+    def next_stage(self, stage: Stage, scores: Sequence[Score], banned: set[str]) -> Stage | None:
+        """Return the model with the best candidate that really helps after a full refit, or None."""
+        evidence: Evidence = stage.now._evidence  # type: ignore[attr-defined]
+        good = [s for s in scores if s.significant and s.name not in banned]
+        while good:
+            close = [s for s in good if s.share >= CLOSE * good[0].share]
+            refined = [self._refine(evidence, stage, s) for s in close]
+            refined.sort(key=lambda pair: -pair[0].share)
+            best = refined[0]
+            alike = look_alikes(evidence, best, refined[1:])
+            best = _simplest(best, refined, alike)
+            names = tuple(n for n in [p[0].name for p in refined] if n in {*alike, refined[0][0].name})
+            names = tuple(n for n in names if n != best[0].name)
+            found = self._add(stage, best[0])
+            if found is not None:
+                never = tuple(p[0].name for p in refined if p[0].name in names and _same(p[0], best[0]))
+                return replace(found, added=best[0], alike=names, never=never)
+            banned.add(best[0].name)
+            good = [s for s in good if s.name not in banned]
+        return None
+
+    def _refine(self, evidence: Evidence, stage: Stage, score: Score) -> tuple[Score, list[Columns]]:
+        return refine(evidence, score, self.library, stage.now.model, stage.fit.linear, stage.fit.shape)
+
+    def _add(self, stage: Stage, score: Score) -> Stage | None:
+        """Return the stage with the term of `score` added, or None where unseen recordings do not gain."""
+        term = score.candidate.term
+        model = stage.now.model.with_effect(term.effect, term.joint)
+        count = len(self.prepared.train)
+        own = score.shape[:count] if not score.candidate.tangent else _from_tangent(score, count)
+        start = np.concatenate([np.broadcast_to(stage.fit.shapes, (count, len(stage.fit.shape))), own], axis=1)
+        if not any(s.shape.per_recording for s in model.shapes):
+            start = start[0]
+        found = self.fit(model, start if model.shapes else None)
+        return found if _unseen_gain(stage, found) > 0.0 else None
+
+    def prune(self, stages: list[Stage]) -> list[Stage]:
+        """Drop terms that the later ones have made superfluous."""
+        last = stages[-1]
+        terms = [s.added for s in stages[1:] if s.added is not None]
+        for score in terms[:-1]:
+            if len(terms) < 2:
+                break
+            without = self._without(last, score)
+            again = self._again(without, score)
+            if not (again.helps and again.p_value is not None and again.p_value <= 0.01):
+                terms = [t for t in terms if t.name != score.name]
+                last = without
+        if len(terms) == len(stages) - 1:
+            return stages
+        return self._replay(stages, [t.name for t in terms])
+
+    def _without(self, stage: Stage, score: Score) -> Stage:
+        model = stage.now.model.without(score.name)
+        keep = [i for i, s in enumerate(stage.now.model.shapes) if s.term != score.name]
+        shapes = np.asarray(stage.fit.shapes)[:, keep]
+        start = shapes if any(s.shape.per_recording for s in model.shapes) else shapes[0]
+        return self.fit(model, start if model.shapes else None)
+
+    def _again(self, stage: Stage, score: Score) -> Score:
+        """Weigh the candidate of `score` against the model of `stage`, with placebos."""
+        evidence = stage.now.evidence(seed=self.seed)
+        candidate = self.library.find(score.name)
+        columns = self.library.columns(candidate, stage.now.model, stage.fit.linear, stage.fit.shape)
+        return placebo(evidence, weigh(evidence, candidate, columns), columns)
+
+    def _replay(self, stages: list[Stage], names: Sequence[str]) -> list[Stage]:
+        """Return the stages again with only the terms in `names`, in their order."""
+        out = [stages[0]]
+        for stage in stages[1:]:
+            if stage.added is not None and stage.added.name in names:
+                found = self._add(out[-1], stage.added)
+                if found is not None:
+                    out.append(replace(found, added=stage.added, alike=stage.alike, never=stage.never))
+        return out
+
+    def refute(self, stages: list[Stage], banned: set[str]) -> tuple[list[Stage], Remainder | None]:
+        """Take back stand-ins; return the stages left and the remainder of the last, if it is significant."""
+        for score in [s.added for s in stages[1:] if s.added is not None]:
+            joint = score.candidate.term.joint
+            if joint is None:
+                continue
+            self.tick(0.9, f"holding {score.name} against a curve without physics")
+            without = self._without(stages[-1], score)
+            evidence = without.now.evidence(seed=self.seed, draws=199)
+            candidate = self.library.find(score.name)
+            columns = self.library.columns(candidate, without.now.model, without.fit.linear, without.fit.shape)
+            again = weigh(evidence, candidate, columns)
+            single = [Columns(c.joints, c.values[n : n + 1]) for c, n in zip(columns, again.nodes, strict=True)]
+            if beaten(without.now, evidence, joint, single):
+                banned.add(score.name)
+                kept = [s.added.name for s in stages[1:] if s.added is not None and s.added.name not in banned]
+                stages = self._replay(stages, kept)
+        self.tick(0.93, "looking at what is left")
+        last = stages[-1]
+        left = remainders(last.now, last.now.evidence(seed=self.seed))
+        best = next((r for r in left if significant(r)), None)
+        return stages, None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _span(step: int) -> tuple[float, float]:
+    """Return from where to where the progress bar moves in a step; nobody knows how many there will be."""
+    return 0.9 * (1.0 - 0.55 ** (step - 1)), 0.9 * (1.0 - 0.55**step)
+
+
+def _simplest(
+    best: tuple[Score, list[Columns]], refined: Sequence[tuple[Score, list[Columns]]], alike: Sequence[str]
+) -> tuple[Score, list[Columns]]:
+    """Return the candidate with the fewest numbers among those that predict practically as well as the best."""
+    same = [p for p in refined if p[0].name in alike and p[0].share >= best[0].share - 0.1 * LEAST_SHARE]
+    return min([best, *same], key=lambda pair: pair[0].candidate.numbers)
+
+
+def _same(one: Score, other: Score) -> bool:
+    """Whether two candidates gain the same to rounding, on every held-out recording: no motion here differs."""
+    return bool(np.allclose(one.folds, other.folds, rtol=1e-4, atol=1e-6))
+
+
+def _from_tangent(score: Score, count: int) -> Float:
+    """Return start values (R, S) for a number that was weighed as a tangent: its fitted value, inside its bounds."""
+    shapes = list(score.candidate.term.effect.shape.values())
+    value = float(np.clip(score.coefficients[0], shapes[0].min, shapes[0].max))
+    rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in shapes[1:]]
+    return np.tile([value, *rest], (count, 1))
+
+
+def _unseen_gain(before: Stage, after: Stage) -> float:
+    """Return the fall of the squared unseen error, each joint in units of its own; of the fitted one without verify."""
+    old = before.now.verify_rms if before.now.verify_rms is not None else before.now.train_rms
+    new = after.now.verify_rms if after.now.verify_rms is not None else after.now.train_rms
+    return float(np.sum((old**2 - new**2) / np.maximum(old**2, 1e-300)))
+
+
+def _write_up(
+    search: _Search,
+    stages: Sequence[Stage],
+    first: Sequence[Score],
+    left: Remainder | None,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    began: float,
+) -> Diagnosis:
+    last = stages[-1]
+    accepted = []
+    for before, stage in pairwise(stages):
+        score = stage.added
+        assert score is not None
+        term = score.candidate.term
+        prefix = f"{term.name}."
+        numbers = {e.name.removeprefix(prefix): e for e in last.fit.estimates if e.name.startswith(prefix)}
+        accepted.append(
+            Accepted(
+                effect=term.effect.id,
+                joint=term.joint,
+                parameters=numbers,
+                look_alikes=stage.alike,
+                never_separable=stage.never,
+                p_value=float(score.p_value or 1.0),
+                rms_before=_shown(before),
+                rms_after=_shown(stage),
+                sentence=sentence_of(term, numbers),
+            )
+        )
+    steps = tuple(
+        Step(
+            "base" if s.added is None else f"+ {s.added.name}",
+            s.now.train_rms,
+            s.now.verify_rms,
+            "" if s.added is None else accepted[i - 1].sentence,
+        )
+        for i, s in enumerate(stages)
+    )
+    conclusion = conclude(accepted, left, stages[0], last, bool(verify), len(recordings))
+    alike = {a.name: a.look_alikes for a in accepted}
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        rule=conclusion.rule,
+        sentence=conclusion.sentence,
+        accepted=tuple(accepted),
+        suspects=tuple(_suspect(s, alike) for s in first if s.share > 0.0 or s.caution),
+        steps=steps,
+        noise_floor=search.prepared.noise_floor,
+        unexplained=left,
+        unexplained_significant=left is not None,
+        audit=search.prepared.findings,
+        seconds=time.perf_counter() - began,
+        next_experiment=conclusion.next_experiment,
+        model=last.now.model,
+        fit=last.fit,
+        cutoff=search.prepared.choice.reason,
+        stopped_because=conclusion.stopped_because,
+        biased=biased_parameters(stages[0].fit, last.fit),
+    )
+
+
+def _shown(stage: Stage) -> Float:
+    return stage.now.train_rms if stage.now.verify_rms is None else stage.now.verify_rms
+
+
+def _suspect(score: Score, alike: dict[str, tuple[str, ...]]) -> Suspect:
+    term = score.candidate.term
+    return Suspect(term.effect.id, term.joint, score.share, score.p_value, alike.get(term.name, ()), score.caution)

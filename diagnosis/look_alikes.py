@@ -1,0 +1,107 @@
+"""Who could have done it just as well: candidates that these data, or any data, cannot tell from the accepted one.
+
+Two candidates are compared on held-out samples, each refitted with everything else. The difference of their losses is
+summed over blocks of a few seconds, longer than the residual remembers; if its sum is within the scatter of the blocks,
+the data cannot tell them apart (in the manner of Vuong, Econometrica 57(2), 1989, with blocks for dependence).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.candidates import Candidate, Columns, Library, candidate_columns
+from diagnosis.evidence import Evidence, Gram
+from diagnosis.suspects import Score, weigh
+from optimisation.shape_search import from_unit, to_unit
+from symbolic.model import Model
+from symbolic.motion import Float
+
+BLOCK_SECONDS = 2.0
+CLEAR = 2.5
+"""Standard errors by which the better candidate must lead to be told apart."""
+CLOSE = 0.5
+"""Only candidates with at least this part of the best one's gain are compared."""
+REFINEMENTS = 3
+"""Rounds of refinement of each shape value before a comparison, so that a coarse grid decides nothing."""
+
+
+def refine(
+    evidence: Evidence, score: Score, library: Library, model: Model, linear: Float, shape: Float
+) -> tuple[Score, list[Columns]]:
+    """Return the score at shape values refined between the nodes, and the columns there (one node)."""
+    candidate = score.candidate
+    chosen = score.shape  # (R, S)
+    free = [
+        i
+        for i, s in enumerate(candidate.term.effect.shape.values())
+        if not candidate.tangent and not s.choices and not s.per_recording
+    ]
+    columns = _at(candidate, chosen, library, model, linear, shape)
+    best = _one_node(evidence, candidate, chosen, columns, score)
+    for index in free:
+        entry = list(candidate.term.effect.shape.values())[index]
+        reach = 1.0 / max(1, entry.points - 1)
+        for _ in range(REFINEMENTS):
+            middle = to_unit(entry, float(chosen[0, index]))
+            for unit in (middle - 0.5 * reach, middle + 0.5 * reach):
+                trial = chosen.copy()
+                trial[:, index] = from_unit(entry, unit)
+                trial_columns = _at(candidate, trial, library, model, linear, shape)
+                found = _one_node(evidence, candidate, trial, trial_columns, score)
+                if found.share > best.share:
+                    best, chosen, columns = found, trial, trial_columns
+            reach *= 0.5
+    return best, columns
+
+
+def _at(
+    candidate: Candidate, chosen: Float, library: Library, model: Model, linear: Float, shape: Float
+) -> list[Columns]:
+    return [
+        candidate_columns(candidate, row[None], one, model, linear, shape)
+        for row, one in zip(chosen, library.prepared, strict=True)
+    ]
+
+
+def _one_node(
+    evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
+) -> Score:
+    single = replace(candidate, nodes=chosen[:, None, :])
+    found = weigh(evidence, single, columns)
+    return replace(found, p_value=before.p_value, significant=before.significant, caution=before.caution)
+
+
+def look_alikes(
+    evidence: Evidence,
+    best: tuple[Score, list[Columns]],
+    rivals: Sequence[tuple[Score, list[Columns]]],
+) -> list[str]:
+    """Return the names of rivals whose held-out loss is not clearly larger than that of the best."""
+    reference = _losses(evidence, evidence.plain(best[1]), best[1])
+    out = []
+    for score, columns in rivals:
+        difference = _losses(evidence, evidence.plain(columns), columns) - reference
+        spread = np.sqrt(np.sum((difference - difference.mean()) ** 2))
+        if difference.sum() < CLEAR * spread:
+            out.append(score.name)
+    return out
+
+
+def _losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns]) -> Float:
+    """Return the held-out loss of a candidate in blocks of time, over all units of all splits."""
+    out = []
+    for unit, step, coefficients in evidence.held_out_fits(grams):
+        index, weight = evidence.unit(unit)
+        block = evidence.blocks[index]
+        residual = block.residual - block.columns @ step
+        for place, joint in enumerate(columns[index].joints):
+            residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
+        loss = np.sum(weight * residual**2, axis=0)
+        size = max(1, int(BLOCK_SECONDS * block.rate))
+        live = np.flatnonzero(weight.sum(axis=0) > 0.0)
+        starts = np.arange(0, live.size, size)
+        out.append(np.add.reduceat(loss[live], starts))
+    return np.concatenate(out)

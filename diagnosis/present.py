@@ -1,0 +1,108 @@
+"""The present model as evidence sees it: its columns, its residual, and how it could still bend by itself.
+
+The columns include the derivative by every shape parameter, so that a candidate is never credited with what a small
+change of a shape already explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence import BLOCKS, Block, Evidence
+from optimisation.fit import Fit
+from optimisation.local_shape import shapes_for
+from optimisation.prepare import Prepared, PreparedRecording
+from symbolic.model import Model
+from symbolic.motion import Float
+
+SLOPE_STEP = 1e-3
+"""Step of the derivative by a shape parameter, as a share of its range."""
+
+
+@dataclass(frozen=True, eq=False)
+class Present:
+    """A fitted model on all prepared recordings: shape values (R, S) and residuals (J, K), training first."""
+
+    model: Model
+    linear: Float
+    shapes: Float
+    residuals: tuple[Float, ...]
+    prepared: Prepared
+
+    @property
+    def train_rms(self) -> Float:
+        """RMS residual (J,) over the training recordings, N·m."""
+        return pooled_rms(self.residuals[: len(self.prepared.train)], self.prepared.train)
+
+    @property
+    def verify_rms(self) -> Float | None:
+        """RMS residual (J,) over the verification recordings, N·m; None without any."""
+        if not self.prepared.verify:
+            return None
+        return pooled_rms(self.residuals[len(self.prepared.train) :], self.prepared.verify)
+
+    @property
+    def per_recording(self) -> list[tuple[str, Float]]:
+        """Name and RMS residual (J,) of every recording."""
+        return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]
+
+    def evidence(self, *, seed: int, draws: int = 999) -> Evidence:
+        """Return the evidence from which missing effects are weighed."""
+        lone = len(self.prepared.train) == 1
+        blocks = [
+            _block(self.model, one, self.linear, shape, residual, lone and i == 0)
+            for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
+        ]
+        count = len(self.prepared.train)
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws)
+
+
+def present(fit: Fit, prepared: Prepared) -> Present:
+    """Return the fitted model on training and verification recordings.
+
+    Shape values that belong to a recording (where a stop is met) are fitted to each recording, unseen ones included;
+    everything else is as fitted on the training recordings.
+    """
+    model: Model = fit.model  # type: ignore[assignment]
+    shapes = shapes_for(fit, prepared)
+    residuals = tuple(
+        one.tau.T - filtered_torque(model, one, fit.linear, shape)
+        for one, shape in zip(prepared.all, shapes, strict=True)
+    )
+    return Present(model, fit.linear, shapes, residuals, prepared)
+
+
+def filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
+    """Return the model's torque (J, K) after the common filter, N·m."""
+    return np.asarray(one.smooth(model.torque(one.motion, linear, shape)).T)
+
+
+def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the RMS (J,) of residuals (J, K) over the usable samples of several recordings."""
+    square = sum(np.sum(np.where(p.use.T, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
+    count = sum(p.use.sum(axis=0) for p in prepared)
+    return np.sqrt(square / np.maximum(count, 1))
+
+
+def _block(model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, lone: bool) -> Block:
+    raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
+    parts = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
+    columns = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(parts, axis=2), 0, 1)), 0, 1)
+    samples = columns.shape[1]
+    fold = np.arange(samples) * BLOCKS // samples if lone else np.zeros(samples, dtype=int)
+    return Block(np.ascontiguousarray(columns), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
+
+
+def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:
+    """Return ∂τ/∂shape[index] (J, N) before filtering; zero for a choice."""
+    entry = model.shapes[index].shape
+    if entry.choices:
+        return np.zeros((2, len(one.motion)))
+    step = SLOPE_STEP * (entry.max - entry.min)
+    up, down = shape.copy(), shape.copy()
+    up[index], down[index] = min(shape[index] + step, entry.max), max(shape[index] - step, entry.min)
+    rise = model.torque(one.motion, linear, up) - model.torque(one.motion, linear, down)
+    return np.asarray(rise.T / (up[index] - down[index]))

@@ -1,0 +1,205 @@
+"""What a diagnosis hands back. The JSON of `exoid diagnose` and `discover` is these fields written out."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from diagnosis.unexplained import Remainder
+from measurement.finding import Finding
+from optimisation.fit import Fit
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS, Estimate
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+SCHEMA = "exoid.discovery/1"
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A catalogue entry with its evidence; `explained_share` of the weighted error on motion it was not fitted on."""
+
+    effect: str
+    joint: str | None
+    explained_share: float
+    p_value: float | None
+    look_alikes: tuple[str, ...] = ()
+    caution: str = ""
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields under the names of the schema."""
+        return {
+            "effect": self.effect,
+            "joint": self.joint,
+            "explained_share": self.explained_share,
+            "p_value": self.p_value,
+            "look_alikes": list(self.look_alikes),
+            "caution": self.caution,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted:
+    """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m)."""
+
+    effect: str
+    joint: str | None
+    parameters: Mapping[str, Estimate]
+    look_alikes: tuple[str, ...]
+    never_separable: tuple[str, ...]
+    p_value: float
+    rms_before: Float
+    rms_after: Float
+    sentence: str
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields under the names of the schema."""
+        return {
+            "effect": self.effect,
+            "joint": self.joint,
+            "parameters": {name: e.to_json() for name, e in self.parameters.items()},
+            "look_alikes": list(self.look_alikes),
+            "never_separable": list(self.never_separable),
+            "p_value": self.p_value,
+            "rms_before": self.rms_before.tolist(),
+            "rms_after": self.rms_after.tolist(),
+            "sentence": self.sentence,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One model on the way down: RMS (J,) in N·m after the common filter, on the same samples at every step."""
+
+    label: str
+    train_rms: Float
+    verify_rms: Float | None
+    sentence: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields under the names of the schema."""
+        return {
+            "model": self.label,
+            "train_rms": self.train_rms.tolist(),
+            "verify_rms": None if self.verify_rms is None else self.verify_rms.tolist(),
+            "sentence": self.sentence,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The answer of `diagnose` (at most one step) and `discover` (to the end).
+
+    `verdict` is "adequate", "missing", "ambiguous" or "unexplained"; `rule` says which rule led to it, `sentence`
+    says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m.
+    """
+
+    verdict: str
+    rule: str
+    sentence: str
+    accepted: tuple[Accepted, ...]
+    suspects: tuple[Suspect, ...]
+    steps: tuple[Step, ...]
+    noise_floor: Float
+    unexplained: Remainder | None
+    unexplained_significant: bool
+    audit: tuple[Finding, ...]
+    seconds: float
+    next_experiment: str
+    model: Model
+    fit: Fit = field(repr=False)
+    cutoff: str = ""
+    stopped_because: str = ""
+    biased: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result in the schema `exoid.discovery/1`."""
+        return {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "rule": self.rule,
+            "sentence": self.sentence,
+            "accepted": [a.to_json() for a in self.accepted],
+            "suspects": [s.to_json() for s in self.suspects],
+            "steps": [s.to_json() for s in self.steps],
+            "noise_floor": self.noise_floor.tolist(),
+            "unexplained": self._unexplained_json(),
+            "next_experiment": self.next_experiment,
+            "biased": list(self.biased),
+            "filter": self.cutoff,
+            "stopped_because": self.stopped_because,
+            "parameters": {e.name: e.to_json() for e in self.fit.estimates},
+            "audit": [f.to_json() for f in self.audit],
+            "seconds": self.seconds,
+        }
+
+    def _unexplained_json(self) -> dict[str, Any]:
+        one = self.unexplained
+        if one is None or not self.unexplained_significant:
+            return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
+        variables = [one.variable] + ([f"d{_own_angle(one)}"] if one.directed else [])
+        return {
+            "significant": True,
+            "joint": one.joint,
+            "variables": variables,
+            "share": one.share,
+            "p_value": one.p_value,
+            "suggested_terms": [s.text for s in one.suggestions],
+            "suggested_toml": [s.to_toml(one.joint) for s in one.suggestions[:1]],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the suspects, one row each, best first."""
+        import pandas as pd
+
+        rows = [(s.name, s.explained_share, s.p_value, ", ".join(s.look_alikes), s.caution) for s in self.suspects]
+        return pd.DataFrame(rows, columns=["effect", "explained_share", "p_value", "look_alikes", "caution"])
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        from diagnosis.plots import falling_error
+
+        return falling_error(self.steps, self.noise_floor)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure) of everything there is to see."""
+        from diagnosis.plots import diagnosis_figures
+
+        return diagnosis_figures(self)
+
+    def __repr__(self) -> str:
+        lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
+        for step in self.steps:
+            rms = step.train_rms if step.verify_rms is None else step.verify_rms
+            kind = "fitted" if step.verify_rms is None else "unseen"
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, rms, strict=True))
+            lines.append(f"  {step.label:<28} {kind} error [N·m]: {numbers}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        body = html.escape(repr(self))
+        return f"<pre>{body}</pre>" + self.to_frame().head(8).to_html(index=False)
+
+
+Discovery = Diagnosis
+"""`discover` returns the same type as `diagnose`; it only goes further."""
+
+
+def _own_angle(one: Remainder) -> str:
+    return f"q{JOINTS.index(one.joint) + 1}"

@@ -1,0 +1,313 @@
+"""After the catalogue: is there still structure, and what does it depend on?
+
+A smooth curve with no physics in it (cubic B-splines) in one variable at a time is weighed exactly like a candidate:
+on unseen motion, against placebos of itself. If one counts, the remainder is reported with joint, variable, share, the
+learnt curve, and closed forms that come close, written in the torque language so that they can be pasted into a model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from diagnosis.candidates import Columns, own_torques
+from diagnosis.evidence import BLOCKS, Evidence
+from diagnosis.present import Present
+from optimisation.prepare import PreparedRecording
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+KNOTS = 12
+"""Number of spline functions of a remainder."""
+RIDGE = 1e-3
+"""Relative ridge on a remainder: parts of a spline that the model nearly contains must not run wild."""
+LEAST_SHARE = 0.02
+"""Smallest share of the unseen loss a remainder must explain to be spoken of."""
+LEVEL = 0.005
+"""p-value a remainder must reach; a few dozen are tried."""
+BEATEN = 0.25
+"""A term is only a stand-in if a curve without physics gains this much more (relative) at the same joint ..."""
+BEATEN_SHARE = 0.03
+"""... and this much of the present loss."""
+VARIABLES: Mapping[str, tuple[str, str]] = {
+    "q1": ("hip angle", "rad"),
+    "q2": ("knee angle", "rad"),
+    "dq1": ("hip velocity", "rad/s"),
+    "dq2": ("knee velocity", "rad/s"),
+    "ddq1": ("hip acceleration", "rad/s²"),
+    "ddq2": ("knee acceleration", "rad/s²"),
+    "load": ("rigid-body torque of the joint", "N·m"),
+    "t": ("time", "s"),
+}
+"""Variables a remainder may depend on: name in words, and unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """A curve in one variable at one joint; `directed` means its sign turns with the direction of motion.
+
+    `share` of the weighted unseen loss; `x` (M,), `y` (M,) N·m and `band` (M,) (95 %) are the learnt curve. `own`:
+    every recording has a curve of its own (that of the recording which shows it best is given).
+    """
+
+    joint: str
+    variable: str
+    directed: bool
+    share: float
+    unseen: float
+    p_value: float | None
+    x: Float = field(repr=False)
+    y: Float = field(repr=False)
+    band: Float = field(repr=False)
+    own: bool = False
+    suggestions: tuple[Suggestion, ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """Say what is left in words."""
+        words, _ = VARIABLES[self.variable]
+        turned = ", with the sign of the motion" if self.directed else ""
+        moved = ", at a place that differs between recordings" if self.own else ""
+        return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A closed form that comes close: torque text with numbers as coefficients and shapes; `share` of the curve."""
+
+    text: str
+    share: float
+    coefficients: Mapping[str, str]
+    shape: Mapping[str, tuple[str, float, float, float]]
+
+    def to_toml(self, joint: str, identifier: str = "my_effect") -> str:
+        """Return a `[[custom_effects]]` block that can be pasted into a model file."""
+        numbers = ", ".join(f'{k} = {{ unit = "{unit}" }}' for k, unit in self.coefficients.items())
+        lines = [
+            "[[custom_effects]]",
+            f'id = "{identifier}"',
+            f'joint = "{joint}"',
+            f'torque = "{self.text}"',
+            f"coefficients = {{ {numbers} }}",
+        ]
+        if self.shape:
+            shapes = ", ".join(
+                f'{k} = {{ unit = "{unit}", min = {low:.4g}, max = {high:.4g} }}'
+                for k, (unit, low, high, _) in self.shape.items()
+            )
+            lines.append(f"shape = {{ {shapes} }}")
+        lines.append('explains = "found as a remainder; say here what it is"')
+        return "\n".join(lines) + "\n"
+
+
+def remainders(now: Present, evidence: Evidence, joints: Sequence[str] = JOINTS, placebos: int = 3) -> list[Remainder]:
+    """Return every remainder tried at `joints`, the most telling first, the best `placebos` of them with p-values.
+
+    A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
+    its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
+    """
+    common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
+    owns = _own_judges(now, evidence)
+    found = []
+    for joint in joints:
+        for variable, directed in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), directed)
+            if splines is None:
+                continue
+            for own, judges in ((False, common), (True, owns)):
+                one = _weigh(judges, splines, joint, variable, directed, own)
+                found.append((judges, splines, one))
+    found.sort(key=lambda entry: -entry[2].share)
+    out = []
+    for rank, (judges, splines, one) in enumerate(found):
+        if rank < placebos and one.share >= LEAST_SHARE:
+            one = replace(one, p_value=_p_value(judges, splines.columns, one.share))
+        out.append(one)
+    return out
+
+
+_TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and v.startswith(("dq", "ddq", "t"))))
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Evidence on some of the recordings (`which`, indices)."""
+
+    evidence: Evidence
+    which: tuple[int, ...]
+    trained: bool = True
+
+    def columns(self, columns: Sequence[Columns]) -> list[Columns]:
+        return [columns[i] for i in self.which]
+
+
+@dataclass(frozen=True, eq=False)
+class _Splines:
+    """Filtered spline columns per recording, and the basis (M, m) on a grid `x` (M,) over the range."""
+
+    columns: tuple[Columns, ...]
+    x: Float
+    basis: Float
+
+
+def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
+    out = []
+    for index, block in enumerate(evidence.blocks):
+        samples = block.residual.shape[1]
+        folded = replace(block, fold=np.arange(samples) * BLOCKS // samples)
+        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma)
+        out.append(_Judge(alone, (index,), index < len(now.prepared.train)))
+    return out
+
+
+def _weigh(
+    judges: Sequence[_Judge], splines: _Splines, joint: str, variable: str, directed: bool, own: bool
+) -> Remainder:
+    gains = [j.evidence.gain(j.evidence.plain(j.columns(splines.columns)), RIDGE) for j in judges]
+    fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
+    loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
+    if own:
+        fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
+        unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
+        against = sum(w for (_, w), j in zip(fresh, judges, strict=True) if not j.trained)
+        best = max(range(len(judges)), key=lambda i: fresh[i][0])
+    else:
+        unseen, against, best = float(gains[0].unseen[0]), judges[0].evidence.unseen_loss, 0
+    share = fall / loss
+    y, band = _curve(judges[best], splines)
+    return Remainder(
+        joint, variable, directed, share, unseen / against if against else share, None, splines.x, y, band, own
+    )
+
+
+def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float) -> float:
+    trained = [j for j in judges if j.trained]
+    null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), RIDGE).total[1:] for j in trained)
+    loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
+    return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
+
+
+def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]) -> bool:
+    """Whether a curve without physics at `joint` clearly beats the columns (one node) of a term, judged alike.
+
+    `now` and `evidence` are of the model without the term.
+    """
+    judged = [([_Judge(evidence, tuple(range(len(evidence.blocks))))], False), (_own_judges(now, evidence), True)]
+    for judges, own in judged:
+        mine = _weigh_columns(judges, term)
+        for variable, directed in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), directed)
+            if splines is not None:
+                share = _weigh(judges, splines, joint, variable, directed, own).share
+                if share > mine * (1.0 + BEATEN) + BEATEN_SHARE:
+                    return True
+    return False
+
+
+def _weigh_columns(judges: Sequence[_Judge], columns: Sequence[Columns]) -> float:
+    trained = [j for j in judges if j.trained]
+    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns))).total[0]) for j in trained)
+    return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
+
+
+def significant(one: Remainder) -> bool:
+    """Whether a remainder is certain enough to be reported as structure that nobody explains."""
+    return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and one.unseen > 0.0
+
+
+def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float) -> Float:
+    motion = one.motion
+    if variable == "t":
+        return motion.t - motion.t[0]
+    if variable == "load":
+        return own_torques(now.model, one, now.linear, shape)[f"tau_rigid{joint + 1}"]
+    stem, index = variable[:-1], int(variable[-1]) - 1
+    return {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
+
+
+def _splines(now: Present, variable: str, joint: int, directed: bool) -> _Splines | None:
+    """Return splines over the range of `variable` on the training motion; None where it does not vary."""
+    from scipy.interpolate import BSpline
+
+    prepared = now.prepared.all
+    signals = [_signal(p, now, variable, joint, s) for p, s in zip(prepared, now.shapes, strict=True)]
+    train = np.concatenate(signals[: len(now.prepared.train)])
+    low, high = np.quantile(train, (0.002, 0.998))
+    if not high - low > 1e-9:
+        return None
+    order = 3
+    inner = np.linspace(low, high, KNOTS - order + 1)
+    knots = np.concatenate([[low] * order, inner, [high] * order])
+
+    def design(x: Float) -> Float:
+        return np.asarray(BSpline.design_matrix(np.clip(x, low, high), knots, order).toarray())
+
+    out = []
+    for one, signal in zip(prepared, signals, strict=True):
+        raw = design(signal)
+        if directed:
+            raw = raw * one.motion.sign[:, [joint]]
+        out.append(Columns((joint,), one.smooth(raw)[None, None]))
+    grid = np.linspace(low, high, 121)
+    return _Splines(tuple(out), grid, design(grid))
+
+
+def _curve(judge: _Judge, splines: _Splines) -> tuple[Float, Float]:
+    """Return the learnt curve and the half-width of its 95 % band from the spread over held-out fits (jackknife)."""
+    grams = judge.evidence.plain(judge.columns(splines.columns))
+    curves = judge.evidence.leave_one_out(grams, RIDGE) @ splines.basis.T
+    y = splines.basis @ judge.evidence.gain(grams, RIDGE).coefficients[0]
+    count = len(curves)
+    spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
+    return y - y.mean(), 1.96 * spread
+
+
+def suggest(one: Remainder) -> tuple[Suggestion, ...]:
+    """Return closed forms for a learnt curve, best first: a bump, a step, a wave, powers."""
+    from scipy.optimize import least_squares
+
+    word = _word(one)
+    x, y = one.x, one.y - one.y.mean()
+    unit = VARIABLES[one.variable][1]
+    span, middle = float(np.ptp(x)), float(x.mean())
+    peak = float(x[np.argmax(np.abs(y))])
+    factor = " * sgn(dtheta)" if one.directed else ""
+    forms = (
+        (f"c * exp(-(({word} - m)/w)**2){factor}", lambda p: np.exp(-(((x - p[0]) / p[1]) ** 2)), (peak, 0.15 * span)),
+        (f"c * tanh(({word} - m)/w){factor}", lambda p: np.tanh((x - p[0]) / p[1]), (middle, 0.2 * span)),
+        (f"c * ({word} - m)**2{factor}", lambda p: (x - p[0]) ** 2 + 0.0 * p[1], (middle, 1.0)),
+        (f"c * ({word} - m)**3{factor}", lambda p: (x - p[0]) ** 3 + 0.0 * p[1], (middle, 1.0)),
+    )
+    out = []
+    total = float(np.sum(y**2)) or 1.0
+    for text, shape, start in forms:
+        low = [x.min() - 0.2 * span, 0.02 * span if "/w" in text else 0.5]
+        high = [x.max() + 0.2 * span, 1.5 * span if "/w" in text else 2.0]
+
+        def misfit(p: Float, shape: Any = shape) -> Float:
+            g = shape(p) - shape(p).mean()
+            c = float(g @ y) / max(float(g @ g), 1e-300)
+            return y - c * g
+
+        found = least_squares(misfit, np.clip(start, low, high), bounds=(low, high))
+        share = 1.0 - 2.0 * float(found.cost) / total
+        values = {"m": (unit, low[0], high[0], float(found.x[0]))}
+        if "/w" in text:
+            values["w"] = (unit, low[1], high[1], float(found.x[1]))
+        power = {"**2": "²", "**3": "³"}
+        per = f"N·m/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else "N·m"
+        out.append(Suggestion(text, share, {"c": per}, values))
+    return tuple(sorted((s for s in out if s.share > 0.3), key=lambda s: -s.share))
+
+
+def _word(one: Remainder) -> str:
+    own = str(JOINTS.index(one.joint) + 1)
+    if one.variable == "load":
+        return "tau_rigid"
+    if one.variable == "t":
+        return "t"
+    stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta"}[one.variable[:-1]]
+    return stem if one.variable[-1] == own else stem + one.variable[-1]

@@ -1,0 +1,137 @@
+"""From evidence to a sentence that a technician understands, the rule behind it, and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from diagnosis.results import Accepted
+from diagnosis.unexplained import Remainder
+from optimisation.fit import Fit
+from symbolic.catalogue import catalogue
+from symbolic.quantity import Estimate
+from symbolic.term import Term
+
+if TYPE_CHECKING:
+    from diagnosis.discover import Stage
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next."""
+
+    verdict: str
+    rule: str
+    sentence: str
+    stopped_because: str
+    next_experiment: str
+
+
+def conclude(
+    accepted: Sequence[Accepted],
+    left: Remainder | None,
+    first: Stage,
+    last: Stage,
+    verified: bool,
+    recordings: int,
+) -> Conclusion:
+    """Return the conclusion; `first` and `last` are the stages at both ends."""
+    where = "on recordings never fitted" if verified else "on held-out recordings"
+    if not verified and recordings == 1:
+        where = "on held-out blocks of the only recording"
+    stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
+    advice = _advice(verified, recordings)
+    if not accepted and left is None:
+        return Conclusion(
+            "adequate",
+            f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do",
+            "The model explains these recordings; nothing that can be told from noise is missing.",
+            stopped,
+            advice,
+        )
+    if not accepted and left is not None:
+        return Conclusion(
+            "unexplained",
+            f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
+            f"Something is missing that the catalogue does not know: {left.sentence}.",
+            stopped,
+            "repeat slow motion through that range with and without load, then write the effect as "
+            "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
+        )
+    alike = [a for a in accepted if a.look_alikes]
+    names = " and ".join(a.name for a in accepted)
+    falls = _falls(first, last)
+    text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
+    if left is not None:
+        text += f" Still unexplained: {left.sentence}."
+    rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
+    if alike:
+        texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
+        return Conclusion(
+            "ambiguous",
+            rule + f"; these data cannot tell {'; '.join(texts)}",
+            text + " Which of the look-alikes it is, these recordings cannot say.",
+            stopped,
+            _deciding(alike) or advice,
+        )
+    return Conclusion("missing", rule, text, stopped, advice)
+
+
+def _advice(verified: bool, recordings: int) -> str:
+    if recordings == 1 and not verified:
+        return "record at least two more motions: with one recording nothing is tested on a motion of its own"
+    if not verified:
+        return "keep one recording aside with --verify: it is the only judge that no step has seen"
+    return ""
+
+
+def _deciding(alike: Sequence[Accepted]) -> str:
+    """Return the experiments that tell look-alikes apart, from the catalogue; and say where none can."""
+    parts = []
+    for one in alike:
+        if one.never_separable:
+            parts.append(f"no motion tells {one.name} from {', '.join(one.never_separable)}: look at the machine")
+        known = catalogue().get(one.effect)
+        if known is not None and known.tells_apart:
+            parts.append(known.tells_apart)
+    return "; ".join(dict.fromkeys(parts))
+
+
+def _falls(first: Stage, last: Stage) -> str:
+    before = first.now.train_rms if first.now.verify_rms is None else first.now.verify_rms
+    after = last.now.train_rms if last.now.verify_rms is None else last.now.verify_rms
+    kind = "fitted" if first.now.verify_rms is None else "unseen"
+    parts = [f"{joint} {b:.3g} to {a:.3g} N·m" for joint, b, a in zip(("hip", "knee"), before, after, strict=True)]
+    return f"Error on {kind} motion: {', '.join(parts)}."
+
+
+def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
+    """Return e.g. "Stribeck friction, knee (c = 2.2 ± 0.1 N·m, v_s = 0.15 rad/s)"."""
+    title = term.effect.title or term.effect.id.replace("_", " ")
+    parts = []
+    for name, e in numbers.items():
+        half = 0.5 * (e.high - e.low)
+        spread = f" ± {half:.2g}" if np.isfinite(half) and half > 0.0 else ""
+        unit = "" if e.unit in ("1", "") else f" {e.unit}"
+        parts.append(f"{name} = {e.value:.3g}{spread}{unit}")
+    place = f", {term.joint}" if term.joint else ""
+    return f"{title}{place} ({', '.join(parts)})"
+
+
+def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
+    """Return, in words, which old parameters the missing effects had pulled off, and what became plausible."""
+    new = {e.name: e for e in after.estimates}
+    out = []
+    for old in before.estimates:
+        now = new.get(old.name)
+        if now is None or not np.isfinite([now.low, now.high]).all() or now.low <= old.value <= now.high:
+            continue
+        text = f"{old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
+        friction = old.name.startswith(("coulomb", "viscous"))
+        if friction and old.value < 0.0 <= now.value:
+            text += " (a friction that was negative, which is impossible, has become positive)"
+        out.append(text)
+    return tuple(out)
