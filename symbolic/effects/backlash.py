@@ -27,7 +27,6 @@ EFFECT = Effect(
     explains="After a reversal the joint turns through a gap before the elastic part behind it follows.",
     tells_apart="Slow reversals of different size: within the gap the torque must stay the same.",
     reference=(
-        "Nordin, Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38(10), "
-        "1633-1649, 2002"
+        "Nordin, Gutman, Controlling mechanical systems with backlash: a survey, Automatica 38(10), 1633-1649, 2002"
     ),
 )

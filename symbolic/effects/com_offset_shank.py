@@ -25,9 +25,7 @@ EFFECT = Effect(
     derive=derive,
     joints=("both",),
     coefficients={
-        "m_y": Coefficient(
-            "kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive"
-        )
+        "m_y": Coefficient("kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive")
     },
     family="gravity",
     tells_apart="Slow knee swings at several thigh angles, then fast ones: it weighs and it couples.",

@@ -24,9 +24,7 @@ EFFECT = Effect(
     derive=derive,
     joints=("both",),
     coefficients={
-        "m_y": Coefficient(
-            "kg·m", min=-5.0, max=5.0, typical=0.3, explains="mass times distance, forward positive"
-        )
+        "m_y": Coefficient("kg·m", min=-5.0, max=5.0, typical=0.3, explains="mass times distance, forward positive")
     },
     family="gravity",
     tells_apart="Slow swings of the hip far to both sides: the torque at rest follows cos θ1, not sin θ1.",

@@ -36,9 +36,7 @@ EFFECT = Effect(
         "f_x": Coefficient("N", typical=25.0, explains="k times the forward position of rest"),
         "f_z": Coefficient("N", typical=-115.0, explains="k times the upward position of rest"),
     },
-    shape={
-        "reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="cuff below the knee axis")
-    },
+    shape={"reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="cuff below the knee axis")},
     family="contact",
     tells_apart="Repeat the motion with the cuff open: what vanishes is the wearer's.",
     reference="Schiele, van der Helm, IEEE Trans. Neural Systems and Rehabilitation Engineering 14(4), 2006",

@@ -1,7 +1,7 @@
 """The knee encoder reads too little: θ2 -> θ2 + offset everywhere inside the model.
 
-Unlike the hip's, the knee's zero enters inertia, velocity and gravity terms alike, so that motion alone
-shows it.
+The knee's zero enters inertia, velocity and gravity terms alike. Turning the shank about the knee also takes its
+centre of mass off its axis, so a shank with its mass off axis gives exactly the same equations.
 """
 
 from __future__ import annotations
@@ -25,9 +25,7 @@ EFFECT = Effect(
     explains="The zero of the knee encoder is off: the knee is bent more or less than the reading says.",
     derive=derive,
     joints=("both",),
-    shape={
-        "offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")
-    },
+    shape={"offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")},
     family="sensor",
     tells_apart="Move the knee to its mechanical stop and compare the reading with the drawing.",
     reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter 6",

@@ -11,9 +11,7 @@ EFFECT = Effect(
     torque="c * exp(-t / T) * sgn(dtheta)",
     coefficients={"c": Coefficient("N·m", typical=5.0, explains="extra friction when cold; negative: it grows")},
     shape={
-        "T": Shape(
-            "s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it"
-        )
+        "T": Shape("s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it")
     },
     explains="A cold joint rubs more, and the extra friction fades while it warms up.",
     tells_apart="Repeat the same motion from cold until nothing changes any more.",

@@ -13,7 +13,5 @@ EFFECT = Effect(
     shape={"theta_m": Shape("rad", min=-2.0, max=2.0, points=11, typical=0.0, explains="angle without torque")},
     explains="Near the middle the joint moves freely, and towards both ends an elastic part stiffens.",
     tells_apart="Hold still at many angles over the full range, both ends included.",
-    reference=(
-        "Kovacic, Brennan (eds), The Duffing Equation: Nonlinear Oscillators and their Behaviour, Wiley, 2011"
-    ),
+    reference=("Kovacic, Brennan (eds), The Duffing Equation: Nonlinear Oscillators and their Behaviour, Wiley, 2011"),
 )

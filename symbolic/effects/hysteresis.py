@@ -9,9 +9,7 @@ EFFECT = Effect(
     title="Presliding hysteresis",
     family="friction",
     torque="c * (dahl(theta, sigma) - sgn(dtheta))",
-    coefficients={
-        "c": Coefficient("N·m", min=0.0, typical=10.0, explains="Coulomb friction that builds up gradually")
-    },
+    coefficients={"c": Coefficient("N·m", min=0.0, typical=10.0, explains="Coulomb friction that builds up gradually")},
     shape={
         "sigma": Shape(
             "1/rad",
@@ -27,8 +25,6 @@ EFFECT = Effect(
         "After a reversal the joint first gives way like a spring, and friction takes a small angle to "
         "reach its full size."
     ),
-    tells_apart=(
-        "Many small reversals of different size, at speeds so low that viscous friction does not matter."
-    ),
+    tells_apart=("Many small reversals of different size, at speeds so low that viscous friction does not matter."),
     reference="Dahl, A solid friction model, Aerospace Corporation, report TOR-0158(3107-18)-1, 1968",
 )

@@ -24,9 +24,7 @@ EFFECT = Effect(
         )
     },
     explains="Gear or belt give way under load, so that the motor moves before the joint does.",
-    tells_apart=(
-        "Fast small oscillations at several frequencies up to the resonance, and with the output clamped."
-    ),
+    tells_apart=("Fast small oscillations at several frequencies up to the resonance, and with the output clamped."),
     reference=(
         "Spong, Modeling and control of elastic joint robots, ASME Journal of Dynamic Systems, "
         "Measurement, and Control 109(4), 310-319, 1987"

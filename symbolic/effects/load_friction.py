@@ -12,8 +12,7 @@ EFFECT = Effect(
     coefficients={"c": Coefficient("1", min=0.0, typical=0.07, explains="friction as a share of the load")},
     explains=("The more the gear carries, the harder it rubs: friction is a share of the torque passed on."),
     tells_apart=(
-        "Slow motion with and without a known added mass; the friction must follow the load, not the "
-        "position."
+        "Slow motion with and without a known added mass; the friction must follow the load, not the position."
     ),
     reference=(
         "Hamon, Gautier, Garrec, Dynamic identification of robots with a dry friction model depending on "

@@ -15,9 +15,7 @@ EFFECT = Effect(
     torque="c * side * exp(side * k * theta)",
     coefficients={"c": Coefficient("N·m", min=0.0, typical=1.0, explains="torque at angle zero")},
     shape={
-        "k": Shape(
-            "1/rad", min=2.0, max=20.0, spacing="log", points=8, typical=2.5, explains="how steeply it rises"
-        ),
+        "k": Shape("1/rad", min=2.0, max=20.0, spacing="log", points=8, typical=2.5, explains="how steeply it rises"),
         "side": Shape(
             "1",
             min=-1.0,
@@ -27,12 +25,9 @@ EFFECT = Effect(
             explains="+1: at large angles, -1: at small angles",
         ),
     },
-    explains=(
-        "Muscles, ligaments and skin of the wearer resist more and more steeply towards one end of the range."
-    ),
+    explains=("Muscles, ligaments and skin of the wearer resist more and more steeply towards one end of the range."),
     tells_apart=(
-        "Move the relaxed wearer slowly towards the end of the range, with the other joint at two "
-        "different angles."
+        "Move the relaxed wearer slowly towards the end of the range, with the other joint at two different angles."
     ),
     reference=(
         "Riener, Edrich, Identification of passive elastic joint moments in the lower extremities, "

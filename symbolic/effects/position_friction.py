@@ -14,11 +14,8 @@ EFFECT = Effect(
         "c2": Coefficient("N·m", typical=3.0, explains="cosine part"),
     },
     explains=(
-        "The joint runs harder at some angles than at others, in both directions: an eccentric or worn "
-        "transmission."
+        "The joint runs harder at some angles than at others, in both directions: an eccentric or worn transmission."
     ),
-    tells_apart=(
-        "Slow motion at constant speed over the full range in both directions, without changing the load."
-    ),
+    tells_apart=("Slow motion at constant speed over the full range in both directions, without changing the load."),
     reference="Armstrong, Friction: experimental determination, modeling and compensation, ICRA, 1988",
 )

@@ -11,8 +11,7 @@ EFFECT = Effect(
     torque="c",
     coefficients={"c": Coefficient("N·m", typical=3.0, explains="the offset")},
     explains=(
-        "The torque sensor does not read zero at rest, or friction differs by a constant between the two "
-        "directions."
+        "The torque sensor does not read zero at rest, or friction differs by a constant between the two directions."
     ),
     tells_apart="Read the torque sensor unloaded, before and after the recording.",
     reference=(

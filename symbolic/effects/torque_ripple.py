@@ -23,10 +23,7 @@ EFFECT = Effect(
             explains="cycles per turn of the joint: pole pairs or teeth times gear ratio",
         )
     },
-    explains=(
-        "The torque pulsates at fixed angles: motor poles, gear teeth, the wave generator of a harmonic "
-        "drive."
-    ),
+    explains=("The torque pulsates at fixed angles: motor poles, gear teeth, the wave generator of a harmonic drive."),
     tells_apart=(
         "Very slow motion at constant speed: the pulsation must keep its place over the angle at every speed."
     ),

@@ -11,9 +11,7 @@ EFFECT = Effect(
     torque="c * exp(-t / T) * dtheta",
     coefficients={"c": Coefficient("N·m·s/rad", typical=3.0, explains="extra viscosity when cold; negative: it grows")},
     shape={
-        "T": Shape(
-            "s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it"
-        )
+        "T": Shape("s", min=2.0, max=120.0, spacing="log", points=5, typical=30.0, explains="time to lose 63 % of it")
     },
     explains="Cold grease is thick, and the extra resistance at speed fades while it warms up.",
     tells_apart="Repeat the same motion, slow and fast, from cold until nothing changes any more.",
