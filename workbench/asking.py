@@ -14,7 +14,7 @@ from workbench.screen import Screen
 from workbench.showing import show_diagnosis, show_steps
 
 Question = Callable[..., Any]
-"""`diagnosis.diagnose.diagnose` or `diagnosis.discover.discover`."""
+"""`diagnose` or `discover` of `diagnosis.discover`."""
 
 
 def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None) -> int:
@@ -40,16 +40,22 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple
     """Return the answer, and the Comparison of the model it started from where a report is asked for."""
     with progress("fitting the model", quiet=args.quiet) as report:
         found = question(
-            given.model, given.recordings, verify=given.verify, seed=args.seed,
-            progress=part(report, 0.0, 0.95),
+            given.model, given.recordings, verify=given.verify, seed=args.seed, cutoff=given.cutoff,
+            extra=unused_effects(given.model), progress=part(report, 0.0, 0.95),
         )  # fmt: skip
         comparison = None
         if args.out:
             from diagnosis.compare import compare
 
             report(0.95, "looking where the model fails")
-            comparison = compare(given.model, given.recordings, verify=given.verify)
+            comparison = compare(given.model, given.recordings, verify=given.verify, cutoff=given.cutoff)
     return found, comparison
+
+
+def unused_effects(model: Any) -> tuple[Any, ...]:
+    """Return the effects of the user's own that the model file declares but no term uses: suspects too."""
+    used = {term.effect.id for term in model.terms}
+    return tuple(effect for effect in model.custom if effect.id not in used)
 
 
 def material_of(

@@ -105,7 +105,10 @@ def show_steps(screen: Screen, steps: Steps) -> None:
 
 def values(parameters: Mapping[str, Mapping[str, Any]]) -> str:
     """Return ": c = 2.6 N·m, v_s = 0.15 rad/s" for the parameters of an accepted effect."""
-    parts = [f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {p['unit']}" for name, p in parameters.items()]
+    parts = [
+        f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {'' if p['unit'] == '1' else p['unit']}".rstrip()
+        for name, p in parameters.items()
+    ]
     return ": " + ", ".join(parts) if parts else ""
 
 

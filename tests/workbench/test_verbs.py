@@ -85,7 +85,7 @@ def test_an_error_that_is_not_a_number_meets_no_limit():
 
 @pytest.mark.parametrize("verb", ["diagnose", "discover"])
 def test_json_alone_on_standard_output(verb, stand_in, capsys):
-    calls = stand_in(verb, verb, FakeDiagnosis())
+    calls = stand_in("discover", verb, FakeDiagnosis())
     assert main([verb, TRAIN, "--verify", VERIFY, "--seed", "5", "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert found["schema"] == "exoid.discovery/1"
@@ -108,7 +108,7 @@ def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
 
 
 def test_quiet_says_nothing(stand_in, capsys):
-    stand_in("diagnose", "diagnose", FakeDiagnosis())
+    stand_in("discover", "diagnose", FakeDiagnosis())
     assert main(["diagnose", TRAIN, "--quiet"]) == 0
     assert capsys.readouterr().out == ""
 

@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     with progress(f"adding {args.effect}", quiet=args.quiet):
         from diagnosis.extend import add
 
-        found = add(given.model, effect, joint, given.recordings, given.verify)
+        found = add(given.model, effect, joint, given.recordings, given.verify, cutoff=given.cutoff)
     from symbolic.model_file import write_model
 
     write_model(found.model, target, found.after)

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     with progress("comparing", quiet=args.quiet):
         from diagnosis.compare import compare
 
-        found = compare(given.model, given.recordings, verify=given.verify)
+        found = compare(given.model, given.recordings, verify=given.verify, cutoff=given.cutoff)
     from workbench.report.material import Material, command_of, pictures_of, settings_of
     from workbench.showing import above, show_comparison
 

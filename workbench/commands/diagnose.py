@@ -21,6 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose and show; a missing effect is an answer, so the status is 0."""
-    from diagnosis.diagnose import diagnose
+    from diagnosis.discover import diagnose
 
     return ask(args, diagnose, "Which effect is missing")

@@ -23,17 +23,23 @@ exoid effects stribeck     formula, coefficients, look-alikes, the experiment th
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("id", metavar="ID", nargs="?", help="the entry to explain")
+    parser.add_argument("--model", metavar="FILE", help="include the effects of your own in this model file")
     add_common(parser, out="write the catalogue as effects.json and one text per entry into DIR")
 
 
 def run(args: argparse.Namespace) -> int:
     """Show the catalogue, or the entry asked for."""
     from symbolic.catalogue import catalogue, find_effect
+    from workbench.inputs import load_model
 
     check_places(args)
-    known = catalogue()
-    found = find_effect(split_joint(args.id)[0]) if args.id else None
-    chosen = dict(known) if found is None else {found.id: found}
+    own = {effect.id: effect for effect in load_model(args.model).custom} if args.model else {}
+    known = {**catalogue(), **own}
+    found = None
+    if args.id:
+        name = split_joint(args.id)[0]
+        found = own.get(name) or find_effect(name)
+    chosen = known if found is None else {found.id: found}
     screen = Screen.of(args)
     if found is not None:
         screen.say(describe(found))
@@ -78,7 +84,8 @@ def describe(effect: Effect) -> str:
         lines += ["", f"  look-alikes, and the experiment that tells: {effect.tells_apart}"]
     lines += ["", f"  reference: {effect.reference}"]
     where = "" if effect.on_both else ":knee" if "knee" in effect.joints else ":hip"
-    lines += ["", f"  try it: exoid simulate --effect {effect.id}{where} --out runs"]
+    if not effect.custom:
+        lines += ["", f"  try it: exoid simulate --effect {effect.id}{where} --out runs"]
     return "\n".join(lines)
 
 
