@@ -189,7 +189,7 @@ def agreement(model: Model) -> Check:
     from symbolic.motion import Motion
 
     rng = np.random.default_rng(SEED)
-    motion = Motion(np.arange(STATES) * 0.01, *(rng.normal(size=(STATES, 2)) for _ in range(3)))
+    motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, 2)) for _ in range(3)))
     linear = rng.normal(size=len(model.parameters))
     fast, slow = compiled(model), compiled(model, "vm")
     if fast.backend == "vm":

@@ -53,9 +53,7 @@ class Fitness:
         """Return the Huber loss (I,) of `population` (I, P) with thresholds `delta` (J,) in N·m."""
         threshold = np.ascontiguousarray(delta, dtype=float)
         if threshold.shape != (self.joints,) or not np.all(threshold > 0.0):
-            raise ValueError(
-                f"delta is {delta!r}; it must hold a positive threshold for each of {self.joints} joints"
-            )
+            raise ValueError(f"delta is {delta!r}; it must hold a positive threshold for each of {self.joints} joints")
         return self._evaluate(population, threshold)
 
     def _evaluate(self, population: Any, delta: Float | None) -> Float:
@@ -103,9 +101,7 @@ def fitness(columns: Any, tau: Any) -> Fitness:
     """
     regressor, torque = np.asarray(columns, dtype=float), np.asarray(tau, dtype=float)
     if regressor.ndim != 3 or torque.shape != regressor.shape[:2]:
-        raise ValueError(
-            f"columns have shape {regressor.shape}, tau has {torque.shape}; expected (J, N, P) and (J, N)"
-        )
+        raise ValueError(f"columns have shape {regressor.shape}, tau has {torque.shape}; expected (J, N, P) and (J, N)")
     if not (np.isfinite(regressor).all() and np.isfinite(torque).all()):
         raise ValueError("columns or tau hold values that are not finite; leave those rows out")
     joints, _, size = regressor.shape
@@ -205,15 +201,13 @@ def _scalar_body(function: Any) -> str:
     generator = casadi.CodeGenerator("unit", {"with_header": False, "main": False, "mex": False})
     generator.add(function)
     text = str(generator.dump())
-    start = text.index("static int casadi_f0")
-    body = text[text.index("{", start) + 1 : text.index("return 0;", start)]
+    found = re.search(r"static int casadi_f0\([^{]*\{(.*?)return 0;", text, re.DOTALL)
+    body = found.group(1) if found else "arg["
     for index, letter in enumerate("ypd"):
         body = re.sub(rf"arg\[{index}\]\s*\?\s*arg\[{index}\]\[(\d+)\]\s*:\s*0", rf"{letter}\1", body)
     body = re.sub(r"if \(res\[0\]!=0\) res\[0\]\[(\d+)\]=", r"s\1 += ", body)
     if "arg[" in body or "res[" in body:
-        raise CompilerError(
-            "this version of CasADi writes C that the fitness kernel does not know how to inline"
-        )
+        raise CompilerError("this version of CasADi writes C that the fitness kernel does not know how to inline")
     return "\n".join("  " + line for line in body.strip().splitlines())
 
 

@@ -12,6 +12,7 @@ import json
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,9 @@ from symbolic.files import cache_folder, sha256, sha256_file
 from symbolic.fingerprint import canonical, generator_key, processor, versions
 
 LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
+
+LEFTOVER = 86_400.0
+"""Seconds after which an unfinished entry counts as abandoned; a compilation takes at most a minute."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,7 @@ def _open(entry: Path) -> Library | None:
 
 
 def _build(entry: Path, source: Source, compiler: Compiler) -> None:
+    _sweep(entry.parent)
     folder = Path(tempfile.mkdtemp(prefix=".building-", dir=entry.parent))
     try:
         (folder / "library.c").write_text(source.text)
@@ -102,6 +107,18 @@ def _build(entry: Path, source: Source, compiler: Compiler) -> None:
                 raise
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _sweep(cache: Path) -> None:
+    """Remove what processes that were killed left behind more than a day ago."""
+    for pattern in (".building-*", ".damaged-*"):
+        for folder in cache.glob(pattern):
+            try:
+                old = time.time() - folder.stat().st_mtime > LEFTOVER
+            except OSError:
+                continue
+            if old:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _discard(entry: Path) -> None:

@@ -1,5 +1,6 @@
 """Compiled models and fitness kernels: same numbers as without, in any state of the cache."""
 
+import os
 import subprocess
 import sys
 import warnings
@@ -156,6 +157,24 @@ def test_the_cache_is_used_and_a_damaged_entry_is_rebuilt(fresh_cache, monkeypat
         assert library._open(entry) is not None
 
 
+def test_leftovers_of_killed_processes_are_swept(fresh_cache):
+    old, young = fresh_cache / ".building-old", fresh_cache / ".building-young"
+    for folder in (old, young):
+        folder.mkdir()
+    os.utime(old, (0, 0))
+    Model.standard().columns(random_motion())
+    assert not old.exists() and young.exists()
+
+
+def test_a_cache_that_cannot_be_written_is_replaced_by_a_private_one(tmp_path, monkeypatch):
+    from symbolic.files import cache_folder
+
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("EXOID_CACHE", str(blocked / "below"))
+    assert cache_folder().is_dir() and blocked not in cache_folder().parents
+
+
 def test_the_key_knows_everything_that_matters(monkeypatch):
     found = compiler.Compiler("/usr/bin/cc", "cc 12")
     key = library._key("content", found, ("-O2",))
@@ -167,6 +186,12 @@ def test_the_key_knows_everything_that_matters(monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(library, name, lambda value=value: value)
             assert key != library._key("content", found, ("-O2",))
+
+
+def test_fast_arithmetic_stays_inside_the_kernel():
+    """Linked carelessly, -ffast-math turns subnormal numbers into zero in the whole process."""
+    fitness(Model.standard().columns(random_motion()), np.zeros((2, 60))).sse(np.ones((4, 8)))
+    assert np.float64(2.0**-1060) * np.float64(0.5) > 0.0
 
 
 SCRIPT = """
