@@ -74,7 +74,11 @@ class Compiler:
             done = subprocess.run(
                 [self.path, *arguments], cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
             )
-        except (OSError, subprocess.TimeoutExpired, UnicodeDecodeError) as error:
+        except subprocess.TimeoutExpired as error:
+            # Once is enough: the next model would wait as long again.
+            _HANGING.add(self.path)
+            raise CompilerError(f"{self.path} did not finish within {PATIENCE:g} s") from error
+        except (OSError, UnicodeDecodeError) as error:
             raise CompilerError(f"{self.path}: {error}") from error
         if done.returncode:
             message = (done.stderr or done.stdout).strip().splitlines()[:5]
@@ -83,7 +87,12 @@ class Compiler:
 
 def find_compiler() -> Compiler | None:
     """Return the compiler to use, or None (one warning per process) where there is none."""
-    return _probe(os.environ.get("EXOID_COMPILER"))
+    found = _probe(os.environ.get("EXOID_COMPILER"))
+    return None if found is None or found.path in _HANGING else found
+
+
+_HANGING: set[str] = set()
+"""Compilers of this process that took too long over a file."""
 
 
 @lru_cache(maxsize=8)

@@ -11,7 +11,11 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 
 
 def pytest_configure(config):
-    """Compile into a folder of this run, shared by all its workers, unless EXOID_CACHE names one."""
+    """Compile into a folder of this run, shared by all its workers, unless EXOID_CACHE names one.
+
+    A machine without a C compiler is no failure: its one warning is not made an error.
+    """
+    config.addinivalue_line("filterwarnings", "ignore:.*same numbers, slower")
     if "EXOID_CACHE" not in os.environ:
         config.exoid_cache = os.environ["EXOID_CACHE"] = tempfile.mkdtemp(prefix="exoid-tests-")
 
