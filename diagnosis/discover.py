@@ -1,7 +1,7 @@
 """Compare, diagnose, add, and again, until nothing that helps on unseen motion is left.
 
 Forward: the best significant candidate is added, the model refitted, everything weighed anew. Backward: a term that the
-others have made superfluous goes. Then each accepted term is held against a curve with no physics in it (`unexplained`):
+others have made superfluous goes. Then each accepted term is held against a curve with no physics (`unexplained`):
 a term that such a curve clearly beats at the same joint was only the nearest thing the catalogue had; it is taken back.
 """
 

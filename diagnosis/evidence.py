@@ -134,6 +134,12 @@ class Evidence:
         return np.array([s[5] for s in self._splits[: int(self.is_train.sum())]])
 
     @property
+    def joint_losses(self) -> Float:
+        """Weighted squared residual (J,) of the training recordings, joint by joint."""
+        parts = [np.sum(b.use * b.residual**2, axis=1) / self.sigma**2 for b in self.train]
+        return np.asarray(np.sum(parts, axis=0))
+
+    @property
     def unseen_loss(self) -> float:
         """Weighted loss of the present model on the verification recordings; 0 where there are none."""
         return self._splits[-1][5] if len(self._splits) > int(self.is_train.sum()) else 0.0

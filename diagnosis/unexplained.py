@@ -26,6 +26,8 @@ RIDGE = 1e-3
 """Relative ridge on a remainder: parts of a spline that the model nearly contains must not run wild."""
 LEAST_SHARE = 0.02
 """Smallest share of the unseen loss a remainder must explain to be spoken of."""
+OWN_HANDICAP = 0.85
+"""A curve per recording is preferred to a common one only where its share is larger by this factor."""
 LEVEL = 0.005
 """p-value a remainder must reach; a few dozen are tried."""
 BEATEN = 0.25
@@ -103,11 +105,19 @@ class Suggestion:
         return "\n".join(lines) + "\n"
 
 
-def remainders(now: Present, evidence: Evidence, joints: Sequence[str] = JOINTS, placebos: int = 3) -> list[Remainder]:
+def remainders(
+    now: Present,
+    evidence: Evidence,
+    joints: Sequence[str] = JOINTS,
+    *,
+    placebos: int = 3,
+    each_joint: bool = False,
+) -> list[Remainder]:
     """Return every remainder tried at `joints`, the most telling first, the best `placebos` of them with p-values.
 
     A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
     its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
+    `each_joint` gives shares of the joint's own error instead of the error of both.
     """
     common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
     owns = _own_judges(now, evidence)
@@ -117,10 +127,11 @@ def remainders(now: Present, evidence: Evidence, joints: Sequence[str] = JOINTS,
             splines = _splines(now, variable, JOINTS.index(joint), directed)
             if splines is None:
                 continue
-            for own, judges in ((False, common), (True, owns)):
-                one = _weigh(judges, splines, joint, variable, directed, own)
+            for own, judges in _modes(variable, common, owns):
+                one = _weigh(judges, splines, joint, variable, directed, own, each_joint)
                 found.append((judges, splines, one))
-    found.sort(key=lambda entry: -entry[2].share)
+    # A curve of its own for each recording must earn that freedom.
+    found.sort(key=lambda entry: -entry[2].share * (OWN_HANDICAP if entry[2].own else 1.0))
     out = []
     for rank, (judges, splines, one) in enumerate(found):
         if rank < placebos and one.share >= LEAST_SHARE:
@@ -130,6 +141,11 @@ def remainders(now: Present, evidence: Evidence, joints: Sequence[str] = JOINTS,
 
 
 _TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and v.startswith(("dq", "ddq", "t"))))
+
+
+def _modes(variable: str, common: list[_Judge], owns: list[_Judge]) -> tuple[tuple[bool, list[_Judge]], ...]:
+    """Return the ways to judge a curve: only a place on the path can differ between recordings."""
+    return ((False, common), (True, owns)) if variable in ("q1", "q2") else ((False, common),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,11 +180,20 @@ def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
 
 
 def _weigh(
-    judges: Sequence[_Judge], splines: _Splines, joint: str, variable: str, directed: bool, own: bool
+    judges: Sequence[_Judge],
+    splines: _Splines,
+    joint: str,
+    variable: str,
+    directed: bool,
+    own: bool,
+    each_joint: bool = False,
 ) -> Remainder:
     gains = [j.evidence.gain(j.evidence.plain(j.columns(splines.columns)), RIDGE) for j in judges]
     fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
+    if each_joint:
+        both = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
+        loss *= float(both[JOINTS.index(joint)] / both.sum())
     if own:
         fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
         unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
@@ -200,7 +225,7 @@ def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]
         mine = _weigh_columns(judges, term)
         for variable, directed in _TRIED:
             splines = _splines(now, variable, JOINTS.index(joint), directed)
-            if splines is not None:
+            if splines is not None and (not own or variable in ("q1", "q2")):
                 share = _weigh(judges, splines, joint, variable, directed, own).share
                 if share > mine * (1.0 + BEATEN) + BEATEN_SHARE:
                     return True

@@ -174,18 +174,33 @@ def _solve_shape(
         if not began.size:
             began = search_shape(loss, shapes, None).best
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
-        found = descend(
-            lambda v: loss(v if own else v[0]),
-            lambda v: solved(v if own else v[0]).linear,
-            model,
-            prepared,
-            rows,
-            delta,
-        )
+        found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
         best = found if own else found[0]
         return best, solved(best), best
     search = search_shape(loss, shapes, starts)
     return search.best, solved(search.best), search.leaders(6)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """A fit as a descent over shapes sees it: always (R, S), though a model without own shapes takes one row."""
+
+    assembly: Assembly
+    at: Callable[[Float], float]
+    solved: Callable[[Float], Settled]
+    own: bool
+
+    def _form(self, shapes: Float) -> Float:
+        return shapes if self.own else shapes[0]
+
+    def loss(self, shapes: Float) -> float:
+        return self.at(self._form(shapes))
+
+    def linear(self, shapes: Float) -> Float:
+        return self.solved(self._form(shapes)).linear
+
+    def data(self, shapes: Float, linear: Float) -> LinearData:
+        return self.assembly.data(self._form(shapes), linear if self.assembly.model.needs_reference else None)
 
 
 def _stage(

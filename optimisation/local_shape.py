@@ -8,7 +8,7 @@ never are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -20,12 +20,17 @@ if TYPE_CHECKING:
     from optimisation.assemble import FittableModel
     from optimisation.assemble import Prepared as Working
     from optimisation.fit import Fit
+    from optimisation.problem import LinearData
     from optimisation.prepare import Prepared, PreparedRecording
 
-SWEEPS = 6
-"""Rounds of coordinate descent at most."""
+SWEEPS = 10
+"""Rounds of a descent at most."""
+HALVINGS = 5
+"""Times a step is halved before it is given up."""
+DIFFERENCE = 1e-4
+"""Step of a derivative, as a share of the range of the shape."""
 SETTLED = 1e-6
-"""Relative fall of the loss below which coordinate descent stops."""
+"""Relative fall of the loss below which a descent stops."""
 
 
 def own_shapes(model: FittableModel) -> tuple[int, ...]:
@@ -86,35 +91,92 @@ def _minimum(function: Callable[[float], float], low: float, high: float) -> flo
     return float(found.x)
 
 
-Loss = Callable[[Float], float]
-Settle = Callable[[Float], Float]
+class ShapeProblem(Protocol):
+    """What a descent needs of the fit it is part of; shape values are (R, S), one row per recording."""
+
+    def loss(self, shapes: Float) -> float:
+        """Return the loss with the linear parameters solved anew."""
+
+    def linear(self, shapes: Float) -> Float:
+        """Return the linear parameters (P,) there."""
+
+    def data(self, shapes: Float, linear: Float) -> LinearData:
+        """Return the linear data there, fed-back torques computed from `linear`."""
 
 
 def descend(
-    loss: Loss, settled: Settle, model: FittableModel, prepared: Sequence[Working], start: Float, delta: Float
+    problem: ShapeProblem, model: FittableModel, prepared: Sequence[Working], start: Float, delta: Float
 ) -> Float:
-    """Return shape values (R, S) near `start` with a smaller loss ((R, S) -> float): coordinate descent.
+    """Return shape values (R, S) near `start` with a smaller loss.
 
-    `settled` ((R, S) -> (P,)) gives the linear parameters there. What a recording has to itself is fitted to that
-    recording with the linear parameters held; everything else with the linear parameters solved anew at every trial.
+    What a recording has to itself is fitted to that recording with the linear parameters held; the others by
+    Gauss-Newton steps taken together with the linear parameters (variable projection).
     """
     far = reach(model, prepared)
     own = own_shapes(model)
-    best, value = np.array(start, dtype=float), loss(start)
+    shared = [i for i, s in enumerate(model.shapes) if not s.shape.choices and i not in own]
+    best, value = np.array(start, dtype=float), problem.loss(start)
     for _ in range(SWEEPS):
         before = value
         if own:
-            linear = settled(best)
-            rows = [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
-            if (reached := loss(np.array(rows))) < value:
-                best, value = np.array(rows), reached
-        for index, entry in enumerate(model.shapes):
-            if not entry.shape.choices and index not in own:
-                every = list(range(len(best)))
-                best, value = _move(loss, best, value, index, every, far[index], entry.shape.min, entry.shape.max)
+            linear = problem.linear(best)
+            moved = np.array(
+                [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
+            )
+            if (reached := problem.loss(moved)) < value:
+                best, value = moved, reached
+        if shared:
+            best, value = _step(problem, model, best, value, shared, far, delta)
         if before - value <= SETTLED * max(before, 1e-300):
             break
     return best
+
+
+def _step(
+    problem: ShapeProblem,
+    model: FittableModel,
+    shapes: Float,
+    value: float,
+    shared: Sequence[int],
+    far: Float,
+    delta: Float,
+) -> tuple[Float, float]:
+    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does."""
+    linear = problem.linear(shapes)
+    here = problem.data(shapes, linear)
+    residual = here.residual(linear)
+    slopes = []
+    for index in shared:
+        entry = model.shapes[index].shape
+        h = DIFFERENCE * (entry.max - entry.min)
+        up, down = _all(shapes, index, min, entry.max, h), _all(shapes, index, max, entry.min, -h)
+        rise = problem.data(up, linear).columns @ linear - problem.data(down, linear).columns @ linear
+        slopes.append(rise / (up[0, index] - down[0, index]))
+    jacobian = np.concatenate([here.columns, np.stack(slopes, axis=2)], axis=2)
+    weight = np.sqrt(np.minimum(1.0, delta[:, None] / np.maximum(np.abs(residual), 1e-300)))
+    scale = np.sqrt(np.sum(jacobian**2, axis=(0, 1)))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    matrix = (jacobian / scale * weight[:, :, None]).reshape(-1, jacobian.shape[2])
+    gram, right = matrix.T @ matrix, matrix.T @ (weight * residual).ravel()
+    step = (np.linalg.lstsq(gram, right, rcond=1e-10)[0] / scale)[here.columns.shape[2] :]
+    step = np.clip(step, -2.0 * far[shared], 2.0 * far[shared])
+    for _ in range(HALVINGS):
+        trial = shapes.copy()
+        for index, change in zip(shared, step, strict=True):
+            entry = model.shapes[index].shape
+            trial[:, index] = np.clip(shapes[:, index] + change, entry.min, entry.max)
+        reached = problem.loss(trial)
+        if reached < value:
+            return trial, reached
+        step = 0.5 * step
+    return shapes, value
+
+
+def _all(shapes: Float, index: int, bound: Callable[[float, float], float], edge: float, change: float) -> Float:
+    """Return `shapes` with value `index` of every row changed, not beyond `edge`."""
+    out = shapes.copy()
+    out[:, index] = bound(float(shapes[0, index]) + change, edge)
+    return out
 
 
 def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
@@ -134,28 +196,6 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
         found = _minimum(loss, max(entry.min, at - far[index]), min(entry.max, at + far[index]))
         best = _with(best, index, found) if loss(found) < loss(at) else best
     return best
-
-
-def _move(
-    loss: Callable[[Float], float],
-    best: Float,
-    value: float,
-    index: int,
-    rows: list[int],
-    reach: float,
-    least: float,
-    most: float,
-) -> tuple[Float, float]:
-    at = float(best[rows[0], index])
-
-    def moved(v: float) -> Float:
-        out = best.copy()
-        out[rows, index] = v
-        return out
-
-    found = _minimum(lambda v: loss(moved(v)), max(least, at - reach), min(most, at + reach))
-    reached = loss(moved(found))
-    return (moved(found), reached) if reached < value else (best, value)
 
 
 def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:

@@ -1,0 +1,218 @@
+"""Model against measurement: how large the error is, and where it is.
+
+The share of a joint's error that follows a variable is what a smooth curve in it predicts on blocks the curve has not
+seen, so that chance explains nothing (and may come out negative, which is reported as zero). What a variable says
+beyond one curve, near which values and at reversals, is measured on the residual itself.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from diagnosis.present import Present, present
+from diagnosis.unexplained import VARIABLES, Remainder, remainders
+from measurement.finding import Finding
+from measurement.recording import Recording
+from optimisation.fit import Fit
+from optimisation.identify import identify
+from optimisation.prepare import Prepared, prepare
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+LEAST_SHARE = 0.01
+"""Smallest share worth a line."""
+SLOW = 0.1
+"""Velocity in rad/s below which a joint counts as slow."""
+AT_LIMIT = 0.05
+"""Share of the joint's range at either end that counts as near the end."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """One place the error sits at: `share` of the joint's squared error, said in `sentence`; `caution` if any."""
+
+    joint: str
+    variable: str
+    share: float
+    sentence: str
+    caution: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields."""
+        return {
+            "joint": self.joint,
+            "variable": self.variable,
+            "share": self.share,
+            "sentence": self.sentence,
+            "caution": self.caution,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A fitted model held against recordings; all RMS (J,) in N·m after the common filter.
+
+    `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
+    `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.
+    """
+
+    fit: Fit
+    rms: Float
+    verify_rms: Float | None
+    signal_rms: Float
+    noise_floor: Float
+    sse_verify_rms: Float | None
+    where: tuple[Where, ...]
+    per_recording: tuple[tuple[str, Float], ...]
+    cutoff: str
+    audit: tuple[Finding, ...]
+    now: Present = field(repr=False)
+    curves: tuple[Remainder, ...] = field(repr=False)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the comparison in plain types."""
+        return {
+            "rms": self.rms.tolist(),
+            "verify_rms": None if self.verify_rms is None else self.verify_rms.tolist(),
+            "signal_rms": self.signal_rms.tolist(),
+            "noise_floor": self.noise_floor.tolist(),
+            "sse_verify_rms": None if self.sse_verify_rms is None else self.sse_verify_rms.tolist(),
+            "where": [w.to_json() for w in self.where],
+            "per_recording": {name: rms.tolist() for name, rms in self.per_recording},
+            "filter": self.cutoff,
+            "parameters": {e.name: e.to_json() for e in self.fit.estimates},
+            "audit": [f.to_json() for f in self.audit],
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return where the error is, one row each."""
+        import pandas as pd
+
+        return pd.DataFrame([w.to_json() for w in self.where], columns=["joint", "variable", "share", "sentence"])
+
+    def plot(self) -> Figure:
+        """Draw measured and modelled torque over time, with what is left."""
+        from diagnosis.plots import over_time
+
+        return over_time(self.now)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure) of everything there is to see."""
+        from diagnosis.plots import comparison_figures
+
+        return comparison_figures(self)
+
+    def __repr__(self) -> str:
+        shown = self.rms if self.verify_rms is None else self.verify_rms
+        kind = "fitted" if self.verify_rms is None else "unseen"
+        numbers = ", ".join(
+            f"{joint} {e:.3g} of {s:.3g} N·m (noise floor {n:.2g})"
+            for joint, e, s, n in zip(JOINTS, shown, self.signal_rms, self.noise_floor, strict=True)
+        )
+        return "\n".join([f"error on {kind} motion: {numbers}", *(f"  {w.sentence}" for w in self.where[:6])])
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
+
+
+def compare(
+    model: Model | Fit,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    cutoff: float | None = None,
+) -> Comparison:
+    """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
+
+    Refuses recordings that are too short or do not determine the model.
+    """
+    leg: Model = model.model if isinstance(model, Fit) else model  # type: ignore[assignment]
+    prepared = prepare(leg, recordings, verify, cutoff=cutoff)
+    fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())
+    return compare_prepared(fit, prepared)
+
+
+def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
+    """Hold a Fit against recordings that are prepared already."""
+    now = present(fit, prepared)
+    curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
+    shown = prepared.verify or prepared.train
+    square = sum(np.sum(p.tau**2, axis=0) for p in shown)
+    count = sum(len(p.tau) for p in shown)
+    return Comparison(
+        fit=fit,
+        rms=now.train_rms,
+        verify_rms=now.verify_rms,
+        signal_rms=np.sqrt(square / count),
+        noise_floor=prepared.noise_floor,
+        sse_verify_rms=_sse_verify(fit, prepared),
+        where=_where(now, curves),
+        per_recording=tuple(now.per_recording),
+        cutoff=prepared.choice.reason,
+        audit=prepared.findings,
+        now=now,
+        curves=tuple(curves),
+    )
+
+
+def _sse_verify(fit: Fit, prepared: Prepared) -> Float | None:
+    """Return the unseen RMS of the SSE fit, the paper's check of Huber against SSE."""
+    if not prepared.verify or len(fit.model.shapes):
+        return None
+    from dataclasses import replace
+
+    return present(replace(fit, linear=fit.sse.linear), prepared).verify_rms
+
+
+def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:
+    """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
+    found = []
+    for joint in JOINTS:
+        mine = [c for c in curves if c.joint == joint and c.share >= LEAST_SHARE]
+        seen: set[str] = set()
+        for one in mine:
+            if one.variable in seen:
+                continue
+            seen.add(one.variable)
+            words, _ = VARIABLES[one.variable]
+            direction = " and the direction of motion" if one.directed else ""
+            moved = ", at a place that differs between recordings" if one.own else ""
+            text = f"{joint}: {100 * one.share:.0f} % of the squared error follows the {words}{direction}{moved}"
+            caution = "" if one.unseen > 0.0 else "not so on the verification recordings"
+            found.append(Where(joint, one.variable, one.share, text, caution))
+        found += _regions(now, joint)
+    return tuple(sorted(found, key=lambda w: -w.share))
+
+
+def _regions(now: Present, joint: str) -> list[Where]:
+    """Return the regions (slow motion, the ends of the range) that hold much more error than time."""
+    j = JOINTS.index(joint)
+    train = now.prepared.train
+    error = np.concatenate([r[j] ** 2 for r in now.residuals[: len(train)]])
+    q = np.concatenate([p.motion.q[p.kept, j] for p in train])
+    dq = np.concatenate([p.motion.dq[p.kept, j] for p in train])
+    span = float(np.ptp(q))
+    total = float(error.sum()) or 1.0
+    high, low = q.max() - AT_LIMIT * span, q.min() + AT_LIMIT * span
+    regions = (
+        (f"dq{j + 1}", np.abs(dq) < SLOW, f"within ±{SLOW:g} rad/s, where it creeps or reverses"),
+        (f"q{j + 1}", q > high, f"above {high:.2f} rad, at the upper end"),
+        (f"q{j + 1}", q < low, f"below {low:.2f} rad, at the lower end"),
+    )
+    out = []
+    for variable, mask, words in regions:
+        share, time = float(error[mask].sum()) / total, float(mask.mean())
+        if share > 2.0 * time and share > 0.15:
+            text = f"{joint}: {100 * share:.0f} % of the squared error sits {words}, in {100 * time:.0f} % of the time"
+            out.append(Where(joint, variable, share, text))
+    return out

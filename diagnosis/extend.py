@@ -1,0 +1,209 @@
+"""Add an effect and watch the error: the same samples, the same filter, one model after the other."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from diagnosis.present import Present, present
+from diagnosis.results import Step
+from diagnosis.verdict import biased_parameters, sentence_of
+from measurement.recording import Recording
+from optimisation.fit import Fit
+from optimisation.identify import identify
+from optimisation.prepare import Prepared, prepare
+from symbolic.effect import Effect
+from symbolic.kernel import compiled
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WORTH = 0.002
+"""Relative fall of the unseen error, of the joint that gains most, from which on an effect counts as helping."""
+
+
+@dataclass(frozen=True, eq=False)
+class Waterfall:
+    """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
+
+    steps: tuple[Step, ...]
+    noise_floor: Float
+    stopped_because: str
+    fits: tuple[Fit, ...] = field(repr=False, default=())
+
+    @property
+    def fit(self) -> Fit:
+        """The fit of the last model."""
+        return self.fits[-1]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the steps in plain types."""
+        return {
+            "steps": [s.to_json() for s in self.steps],
+            "noise_floor": self.noise_floor.tolist(),
+            "stopped_because": self.stopped_because,
+        }
+
+    def to_frame(self) -> Any:
+        """Return one row per step."""
+        import pandas as pd
+
+        rows = [s.to_json() for s in self.steps]
+        return pd.DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        from diagnosis.plots import falling_error
+
+        return falling_error(self.steps, self.noise_floor)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return [("The error falling", falling_text(self.steps), self.plot())]
+
+    def __repr__(self) -> str:
+        return falling_text(self.steps)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
+
+
+@dataclass(frozen=True, eq=False)
+class Addition:
+    """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
+
+    model: Model
+    before: Fit
+    after: Fit
+    waterfall: Waterfall
+    sentence: str
+    helped: bool
+    backend: str
+    biased: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the addition in plain types."""
+        return {
+            "helped": self.helped,
+            "sentence": self.sentence,
+            "backend": self.backend,
+            "biased": list(self.biased),
+            "parameters": {e.name: e.to_json() for e in self.after.estimates},
+            **self.waterfall.to_json(),
+        }
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return self.waterfall.figures()
+
+    def __repr__(self) -> str:
+        return f"{self.sentence}\n{self.waterfall!r}"
+
+
+def falling_text(steps: Sequence[Step]) -> str:
+    """Return the steps as lines of text."""
+    lines = []
+    for step in steps:
+        rms = step.train_rms if step.verify_rms is None else step.verify_rms
+        kind = "fitted" if step.verify_rms is None else "unseen"
+        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, rms, strict=True))
+        lines.append(f"{step.label}: {kind} error [N·m] {numbers}")
+    return "\n".join(lines)
+
+
+def watch(
+    models: Sequence[Model],
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    cutoff: float | None = None,
+) -> Waterfall:
+    """Fit one model after the other to the same samples and return how the error falls."""
+    if not models:
+        raise ValueError("watch needs at least one model")
+    prepared = prepare(models[0], recordings, verify, cutoff=cutoff)
+    fits = [identify(model, prepared.train, optimisers=()) for model in models]
+    return _waterfall(fits, prepared)
+
+
+def add(
+    model: Model,
+    effect: Effect | str,
+    joint: str | None,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    cutoff: float | None = None,
+) -> Addition:
+    """Extend `model` by `effect` at `joint` (None: both), generate and compile its code, refit, and compare.
+
+    Refuses effects that do not exist there or that the model has already.
+    """
+    extended = model.with_effect(effect, joint)
+    code = compiled(extended)
+    prepared = prepare(model, recordings, verify, cutoff=cutoff)
+    before = identify(model, prepared.train, optimisers=())
+    after = identify(extended, prepared.train, optimisers=())
+    waterfall = _waterfall([before, after], prepared)
+    term = extended.terms[-1]
+    prefix = f"{term.name}."
+    numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}
+    fall = _fall(waterfall.steps)
+    inside = _admissible(extended, after, prefix)
+    helped = fall > WORTH and not inside
+    kind = "unseen" if verify else "fitted"
+    text = f"{sentence_of(term, numbers)}: the {kind} error falls by {100 * fall:.1f} % at the joint that gains most."
+    if fall <= WORTH:
+        text = f"{sentence_of(term, numbers)} does not lower the {kind} error; the model is better without it."
+    elif inside:
+        text += f" But {inside}: it is not this effect that is missing."
+    if not verify:
+        text += " No recording was kept aside, so nothing says that it holds on other motion (--verify)."
+    return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
+
+
+def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
+    steps = []
+    known: set[str] = set()
+    for fit in fits:
+        now: Present = present(fit, prepared)
+        new = [t for t in now.model.terms if t.name not in known]
+        known |= {t.name for t in now.model.terms}
+        if steps and new:
+            label = " ".join(f"+ {t.name}" for t in new)
+        else:
+            label = "base" if not now.model.terms else now.model.name
+        steps.append(Step(label, now.train_rms, now.verify_rms))
+    return Waterfall(tuple(steps), prepared.noise_floor, "these were the models given", tuple(fits))
+
+
+def _fall(steps: Sequence[Step]) -> float:
+    """Return the relative fall of the error from the first to the last step, at the joint that gains most.
+
+    Negative where the other joint loses more than this one gains.
+    """
+    first, last = steps[0], steps[-1]
+    old = first.train_rms if first.verify_rms is None else first.verify_rms
+    new = last.train_rms if last.verify_rms is None else last.verify_rms
+    change = (old - new) / np.maximum(old, 1e-300)
+    return float(change.max() if change.sum() > 0.0 else change.min())
+
+
+def _admissible(model: Model, fit: Fit, prefix: str) -> str:
+    """Return "" or, in words, which coefficient of the new term has a value it physically cannot have."""
+    for parameter in model.parameters:
+        if not parameter.name.startswith(prefix):
+            continue
+        value = fit.estimate(parameter.name).value
+        if parameter.min is not None and value < parameter.min:
+            return f"{parameter.name} = {value:.3g} {parameter.unit}, which cannot be below {parameter.min:g}"
+        if parameter.max is not None and value > parameter.max:
+            return f"{parameter.name} = {value:.3g} {parameter.unit}, which cannot be above {parameter.max:g}"
+    return ""
