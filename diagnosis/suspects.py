@@ -18,8 +18,9 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 FALSE_DISCOVERY_RATE = 0.05
-LEAST_SHARE = 0.006
-"""Smallest share of the weighted unseen loss worth a term: below, modelling errors of the filter take part."""
+LEAST_SHARE = 0.02
+"""Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below it, errors of
+the filter and of reversals take part in every significant-looking column."""
 LEAST_NOVELTY = 1e-6
 """Share of a column that must be new to the model; less is absorbed by its parameters."""
 LEAST_ACTIVE = 0.003

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from optimisation.assemble import FittableModel
     from optimisation.assemble import Prepared as Working
     from optimisation.fit import Fit
-    from optimisation.problem import LinearData
     from optimisation.prepare import Prepared, PreparedRecording
+    from optimisation.problem import LinearData
 
 SWEEPS = 10
 """Rounds of a descent at most."""

@@ -50,6 +50,11 @@ OUTLIER = 4.0
 """Robust deviations from the local median beyond which a torque sample is an outlier."""
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
+STICK = 0.02
+"""Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
+function of the motion can tell, so these samples of that joint are not fitted."""
+STICK_REACH = 0.3
+"""Periods of the cut-off by which the filter carries such samples into their neighbours."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -166,7 +171,9 @@ def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta:
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    use = np.repeat(~gap[kept, None], 2, axis=1)
+    reach = int(np.ceil(STICK_REACH * rate / cutoff))
+    stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
+    use = ~gap[kept, None] & ~stuck[kept]
     return PreparedRecording(
         name, motion, low_pass(tau, cutoff, rate)[kept], use, kept, cutoff, rate, bad.mean(axis=0), tau
     )
