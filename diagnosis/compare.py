@@ -147,8 +147,8 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     now = present(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
     shown = prepared.verify or prepared.train
-    square = sum(np.sum(p.tau**2, axis=0) for p in shown)
-    count = sum(len(p.tau) for p in shown)
+    square = np.sum([np.sum(np.where(p.use, p.tau, 0.0) ** 2, axis=0) for p in shown], axis=0)
+    count = np.maximum(np.sum([p.use.sum(axis=0) for p in shown], axis=0), 1)
     return Comparison(
         fit=fit,
         rms=now.train_rms,
@@ -198,9 +198,12 @@ def _regions(now: Present, joint: str) -> list[Where]:
     """Return the regions (slow motion, the ends of the range) that hold much more error than time."""
     j = JOINTS.index(joint)
     train = now.prepared.train
-    error = np.concatenate([r[j] ** 2 for r in now.residuals[: len(train)]])
-    q = np.concatenate([p.motion.q[p.kept, j] for p in train])
-    dq = np.concatenate([p.motion.dq[p.kept, j] for p in train])
+    used = [p.use[:, j] for p in train]
+    error = np.concatenate([r[j][u] ** 2 for r, u in zip(now.residuals[: len(train)], used, strict=True)])
+    q = np.concatenate([p.motion.q[p.kept, j][u] for p, u in zip(train, used, strict=True)])
+    dq = np.concatenate([p.motion.dq[p.kept, j][u] for p, u in zip(train, used, strict=True)])
+    if error.size == 0:
+        return []
     span = float(np.ptp(q))
     total = float(error.sum()) or 1.0
     high, low = q.max() - AT_LIMIT * span, q.min() + AT_LIMIT * span

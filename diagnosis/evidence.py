@@ -112,6 +112,11 @@ class Evidence:
         gram = np.einsum("jkp,jkq->pq", weighted, block.columns, optimize=True)
         return gram, np.einsum("jkp,jk->p", weighted, block.residual), float(np.sum(weight * block.residual**2))
 
+    def _sum(self, units: Sequence[int]) -> tuple[Float, Float, float]:
+        """Return G, b and c of several units together."""
+        parts = [self._base[u] for u in units]
+        return np.sum([p[0] for p in parts], axis=0), np.sum([p[1] for p in parts], axis=0), sum(p[2] for p in parts)
+
     def _make_splits(self) -> list[tuple[list[int], list[int], Float, Float, tuple[Float, Float, float], float]]:
         """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
         training = [u for u in range(len(self._units)) if self.is_train[u]]
@@ -121,9 +126,10 @@ class Evidence:
             splits.append((training, judged))
         out = []
         for fit, held in splits:
-            inverse = _inverse(sum(self._base[u][0] for u in fit))
-            step = inverse @ sum(self._base[u][1] for u in fit)
-            g, b, c = (sum(self._base[u][k] for u in held) for k in range(3))
+            g, b, c = self._sum(fit)
+            inverse = _inverse(g)
+            step = inverse @ b
+            g, b, c = self._sum(held)
             loss = float(c - 2.0 * step @ b + step @ g @ step)
             out.append((fit, held, inverse, step, (g, b, c), loss))
         return out
@@ -229,8 +235,9 @@ class Evidence:
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
         """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
         units = [u for u in range(len(self._units)) if self._units[u][0] == index]
-        inverse = _inverse(sum(self._base[u][0] for u in units))
-        step = inverse @ sum(self._base[u][1] for u in units)
+        gram, slope, _ = self._sum(units)
+        inverse = _inverse(gram)
+        step = inverse @ slope
         return _fit_candidate(inverse, step, [grams[u] for u in units])[::2]
 
     def pick(self, grams_by_node: Sequence[Sequence[Gram]], nodes: np.ndarray) -> list[Gram]:
@@ -245,7 +252,7 @@ class Evidence:
     def novelty(self, grams: Sequence[Gram]) -> Float:
         """Return the share (D,) of the candidate that the present model cannot imitate, its weakest direction."""
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse = _inverse(sum(self._base[u][0] for u in fit))
+        inverse = _inverse(self._sum(fit)[0])
         g, h = sum(grams[u].g for u in fit), sum(grams[u].h for u in fit)
         scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
         norm = scale[:, :, None] * scale[:, None, :]
@@ -256,8 +263,9 @@ class Evidence:
 
     def _fit_all(self, grams: Sequence[Gram], ridge: float) -> Float:
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse = _inverse(sum(self._base[u][0] for u in fit))
-        step = inverse @ sum(self._base[u][1] for u in fit)
+        gram, slope, _ = self._sum(fit)
+        inverse = _inverse(gram)
+        step = inverse @ slope
         return _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)[0]
 
 

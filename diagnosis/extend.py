@@ -170,7 +170,7 @@ def add(
 
 
 def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
-    steps = []
+    steps: list[Step] = []
     known: set[str] = set()
     for fit in fits:
         now: Present = present(fit, prepared)

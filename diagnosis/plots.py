@@ -30,7 +30,7 @@ def falling_error(steps: Sequence[Step], noise_floor: Float) -> Figure:
     with figure_style():
         figure = new_figure(8.0, 3.8)
         panels = figure.subplots(1, 2)
-        place = np.arange(len(steps))
+        place = np.arange(len(steps), dtype=float)
         unseen = steps[0].verify_rms is not None
         for j, (joint, axes) in enumerate(zip(JOINTS, panels, strict=True)):
             train = [s.train_rms[j] for s in steps]
@@ -38,10 +38,10 @@ def falling_error(steps: Sequence[Step], noise_floor: Float) -> Figure:
                 verify = [s.verify_rms[j] for s in steps if s.verify_rms is not None]
                 axes.bar(place - 0.2, train, 0.36, color=ROLE_COLOURS["train"], label="fitted motion")
                 axes.bar(place + 0.2, verify, 0.36, color=ROLE_COLOURS["verify"], label="unseen motion")
-                _numbers(axes, place + 0.2, verify)
+                _numbers(axes, list(place + 0.2), verify)
             else:
                 axes.bar(place, train, 0.5, color=ROLE_COLOURS["train"], label="fitted motion")
-                _numbers(axes, place, train)
+                _numbers(axes, list(place), train)
             axes.axhline(noise_floor[j], color=ROLE_COLOURS["floor"], linestyle="--", label="noise floor")
             axes.set_xticks(place, [_wrapped(s.label) for s in steps], fontsize=8)
             axes.set(title=joint, ylabel=label("RMS error", "N·m"))
@@ -52,7 +52,7 @@ def falling_error(steps: Sequence[Step], noise_floor: Float) -> Figure:
     return figure
 
 
-def _numbers(axes: Any, place: Float, values: Sequence[float]) -> None:
+def _numbers(axes: Any, place: Sequence[float], values: Sequence[float]) -> None:
     for x, y in zip(place, values, strict=True):
         axes.annotate(f"{y:.2g}", (x, y), (0, 2), textcoords="offset points", ha="center", fontsize=8, color=INK)
 
@@ -76,7 +76,8 @@ def over_time(now: Present) -> Figure:
             upper, lower = panels[2 * j], panels[2 * j + 1]
             upper.plot(t[shown], one.tau[shown, j], color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
             upper.plot(t[shown], model[j][shown], color=ROLE_COLOURS["model"], label="model")
-            lower.plot(t[shown], now.residuals[index][j][shown], color=ROLE_COLOURS["residual"], label="left over")
+            left = np.where(one.use[:, j], now.residuals[index][j], np.nan)
+            lower.plot(t[shown], left[shown], color=ROLE_COLOURS["residual"], label="left over")
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
             upper.set(title=f"{joint}, {one.name}", ylabel=label("torque", "N·m"))
             lower.set(ylabel=label("error", "N·m"))
@@ -89,12 +90,12 @@ def over_time(now: Present) -> Figure:
 def against(now: Present, joint: str, variable: str) -> Figure:
     """Draw the residual of `joint` against `variable` with binned means and an honest band, per recording set."""
     j = JOINTS.index(joint)
-    stem, index = variable[:-1], variable[-1]
     with figure_style():
         figure = new_figure(5.6, 3.6)
         axes = figure.subplots()
-        x = np.concatenate([_signal(p, variable) for p in now.prepared.all])
-        y = np.concatenate([r[j] for r in now.residuals])
+        every = list(zip(now.prepared.all, now.residuals, strict=True))
+        x = np.concatenate([_signal(p, variable)[p.use[:, j]] for p, _ in every])
+        y = np.concatenate([r[j][p.use[:, j]] for p, r in every])
         step = max(1, len(x) // 4000)
         axes.plot(x[::step], y[::step], ".", color=JOINT_COLOURS[joint], markersize=2, alpha=0.25, rasterized=True)
         centre, mean, half = _binned(now, j, variable)
@@ -107,7 +108,6 @@ def against(now: Present, joint: str, variable: str) -> Figure:
         words, unit = VARIABLES[variable]
         axes.set(title=f"{joint}: error against {words}", xlabel=label(words, unit), ylabel=label("error", "N·m"))
         axes.legend(loc="best", fontsize=8)
-        del stem, index
     return figure
 
 
@@ -123,9 +123,10 @@ def _binned(now: Present, j: int, variable: str) -> tuple[Float, Float, Float]:
     """Return centres, means and half-widths; the width comes from the scatter of block means, not of samples."""
     xs, ys, blocks = [], [], []
     for number, (one, residual) in enumerate(zip(now.prepared.all, now.residuals, strict=True)):
-        xs.append(_signal(one, variable))
-        ys.append(residual[j])
-        blocks.append(1000 * number + np.arange(len(one.t)) // max(1, int(2.0 * one.kept_rate)))
+        used = one.use[:, j]
+        xs.append(_signal(one, variable)[used])
+        ys.append(residual[j][used])
+        blocks.append((1000 * number + np.arange(len(one.t)) // max(1, int(2.0 * one.kept_rate)))[used])
     x, y, block = np.concatenate(xs), np.concatenate(ys), np.concatenate(blocks)
     edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)))
     which = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)

@@ -14,12 +14,13 @@ import numpy as np
 
 from diagnosis.candidates import Candidate, Columns, Library
 from diagnosis.evidence import Evidence, Gain, Gram
+from symbolic.effect import Coefficient, Shape
 from symbolic.model import Model
 from symbolic.motion import Float
 
 FALSE_DISCOVERY_RATE = 0.05
 LEAST_SHARE = 0.02
-"""Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below it, errors of
+"""Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below, errors of
 the filter and of reversals take part in every significant-looking column."""
 LEAST_NOVELTY = 1e-6
 """Share of a column that must be new to the model; less is absorbed by its parameters."""
@@ -113,7 +114,8 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
 
 def admissible(candidate: Candidate, coefficients: Float) -> np.ndarray:
     """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds."""
-    entries = list(candidate.term.effect.coefficients.values()) or list(candidate.term.effect.shape.values())[:1]
+    effect = candidate.term.effect
+    entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*effect.shape.values()][:1]
     ok = np.ones(len(coefficients), dtype=bool)
     for value, entry in zip(coefficients.T, entries, strict=True):
         ok &= (value >= entry.min) if entry.min is not None else True

@@ -264,7 +264,10 @@ def _splines(now: Present, variable: str, joint: int, directed: bool) -> _Spline
     if not high - low > 1e-9:
         return None
     order = 3
-    inner = np.linspace(low, high, KNOTS - order + 1)
+    levels = np.linspace(0.0, 1.0, KNOTS - order + 1)
+    # Half even, half where the motion is: what happens near standstill is narrow, and much time is spent there.
+    inner = 0.5 * (low + levels * (high - low)) + 0.5 * np.quantile(np.clip(train, low, high), levels)
+    inner[[0, -1]] = low, high  # exactly, or rounding leaves samples outside
     knots = np.concatenate([[low] * order, inner, [high] * order])
 
     def design(x: Float) -> Float:

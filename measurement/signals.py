@@ -89,6 +89,16 @@ def noise_density(x: Float, rate: float) -> Float:
     return np.median(power[frequency > 0.4 * rate], axis=0)
 
 
+def quiet_noise(x: Float, rate: float, cutoff: float) -> Float:
+    """Return the RMS (J,) that the steady noise of `x` (N, J) leaves below `cutoff` Hz, if it is white.
+
+    Taken from the upper half of the spectrum by the median absolute deviation, so that bursts and jumps do not count.
+    """
+    fast = x - low_pass(x, 0.25 * rate, rate)
+    scale = np.median(np.abs(fast - np.median(fast, axis=0)), axis=0) / 0.6745
+    return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
+
+
 def acceleration_quality(q: Float, rate: float, cutoff: float) -> Float:
     """Return the share (J,) of noise in the variance of the second derivative below `cutoff` Hz.
 

@@ -22,7 +22,7 @@ from measurement.signals import (
     derivatives,
     even_clock,
     low_pass,
-    noise_density,
+    quiet_noise,
     spikes,
     velocity_noise,
     widen,
@@ -247,8 +247,7 @@ def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
 
     Estimated without a model. A torque sensor whose noise is not white has a floor of its own; this one is then low.
     """
-    density = np.mean([noise_density(p.wide_tau, p.rate) for p in prepared], axis=0)
-    return np.sqrt(density * cutoff)
+    return np.sqrt(np.mean([quiet_noise(p.wide_tau, p.rate, cutoff) ** 2 for p in prepared], axis=0))
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ class Motion:
     q: Float
     dq: Float
     ddq: Float
-    sign: Float = field(default=None)  # type: ignore[assignment]
+    sign: Float = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         sign = np.sign(self.dq) if self.sign is None else self.sign
