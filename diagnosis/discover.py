@@ -242,9 +242,9 @@ def _span(step: int) -> tuple[float, float]:
 def _simplest(
     best: tuple[Score, list[Columns]], refined: Sequence[tuple[Score, list[Columns]]], alike: Sequence[str]
 ) -> tuple[Score, list[Columns]]:
-    """Return the candidate with the fewest numbers among those that predict practically as well as the best."""
+    """Return the candidate with the fewest numbers (linear ones first) among those as good as the best in practice."""
     same = [p for p in refined if p[0].name in alike and p[0].share >= best[0].share - 0.1 * LEAST_SHARE]
-    return min([best, *same], key=lambda pair: pair[0].candidate.numbers)
+    return min([best, *same], key=lambda pair: (pair[0].candidate.numbers, pair[0].candidate.tangent))
 
 
 def _same(one: Score, other: Score) -> bool:

@@ -76,7 +76,8 @@ class Gain:
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
 
-    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording are drawn from `seed`.
+    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording
+    (`shifts`, in samples) are drawn from `seed`.
     """
 
     def __init__(
@@ -99,7 +100,7 @@ class Evidence:
                 self._units.append((index, np.where(block.fold == fold, weight, 0.0)))
         self.blocks = blocks
         self.is_train = np.array([index < len(self.train) for index, _ in self._units])
-        self._shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed))
+        self.shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed))
         self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self._base = [self._unit_base(index, weight) for index, weight in self._units]
         self._splits = self._make_splits()
@@ -171,7 +172,7 @@ class Evidence:
 
     def _shifted_unit(self, unit: int, columns: Columns, node: int) -> Gram:
         index, _ = self._units[unit]
-        take = np.concatenate([[0], self._shifts[index]])
+        take = np.concatenate([[0], self.shifts[index]])
         _, _, samples, width = columns.values.shape
         g = np.zeros((take.size, self.blocks[index].columns.shape[2], width))
         h, a = np.zeros((take.size, width, width)), np.zeros((take.size, width))

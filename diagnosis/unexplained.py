@@ -127,7 +127,7 @@ def remainders(
             splines = _splines(now, variable, JOINTS.index(joint), directed)
             if splines is None:
                 continue
-            for own, judges in _modes(variable, common, owns):
+            for own, judges in _modes(variable, directed, common, owns):
                 one = _weigh(judges, splines, joint, variable, directed, own, each_joint)
                 found.append((judges, splines, one))
     # A curve of its own for each recording must earn that freedom.
@@ -143,9 +143,16 @@ def remainders(
 _TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and v.startswith(("dq", "ddq", "t"))))
 
 
-def _modes(variable: str, common: list[_Judge], owns: list[_Judge]) -> tuple[tuple[bool, list[_Judge]], ...]:
-    """Return the ways to judge a curve: only a place on the path can differ between recordings."""
-    return ((False, common), (True, owns)) if variable in ("q1", "q2") else ((False, common),)
+def _may_move(variable: str, directed: bool) -> bool:
+    """Whether strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
+    return variable in ("q1", "q2") and not directed
+
+
+def _modes(
+    variable: str, directed: bool, common: list[_Judge], owns: list[_Judge]
+) -> tuple[tuple[bool, list[_Judge]], ...]:
+    """Return the ways to judge a curve."""
+    return ((False, common), (True, owns)) if _may_move(variable, directed) else ((False, common),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +232,7 @@ def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]
         mine = _weigh_columns(judges, term)
         for variable, directed in _TRIED:
             splines = _splines(now, variable, JOINTS.index(joint), directed)
-            if splines is not None and (not own or variable in ("q1", "q2")):
+            if splines is not None and (not own or _may_move(variable, directed)):
                 share = _weigh(judges, splines, joint, variable, directed, own).share
                 if share > mine * (1.0 + BEATEN) + BEATEN_SHARE:
                     return True

@@ -108,8 +108,12 @@ def acceleration_quality(q: Float, rate: float, cutoff: float) -> Float:
     frequency, power = welch(q, rate, nperseg=min(len(q), int(10.0 * rate)), detrend="linear", axis=0)
     inside = frequency <= cutoff
     total = np.sum(power[inside] * (2 * np.pi * frequency[inside, None]) ** 4, axis=0) * frequency[1]
-    noise = noise_density(q, rate) * (2 * np.pi) ** 4 * cutoff**5 / 5.0
-    return noise / np.maximum(total, 1e-300)
+    return np.asarray(acceleration_noise(q, rate, cutoff) ** 2 / np.maximum(total, 1e-300))
+
+
+def acceleration_noise(q: Float, rate: float, cutoff: float) -> Float:
+    """Return the standard deviation (J,) of the acceleration noise left below `cutoff` Hz, rad/s²."""
+    return np.sqrt(noise_density(q, rate) * (2 * np.pi) ** 4 * cutoff**5 / 5.0)
 
 
 def velocity_noise(q: Float, rate: float, cutoff: float) -> Float:

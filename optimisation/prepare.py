@@ -17,6 +17,7 @@ from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals import (
     EvenSignals,
+    acceleration_noise,
     acceleration_quality,
     decimate,
     derivatives,
@@ -42,6 +43,9 @@ COMMON_BAND = 3.0
 """Every cut-off is judged on the unseen torque below this frequency, Hz."""
 BIAS_LIMIT = 0.005
 """Largest share of noise in the accelerations: about the relative bias of an inertia."""
+NOISE_LIMIT = 0.05
+"""Largest noise power that accelerations may carry into the model's torque, relative to the torque sensor's own: more,
+and effects that happen to smooth the model (a flexible drive) look real."""
 TOLERANCE = 0.03
 """A cut-off may predict this much worse than the best one; then the faster one is preferred (more information)."""
 WORKING_RATE = 100.0
@@ -210,36 +214,52 @@ def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta
     judge = assemble(
         base, [_prepare_one(base, n, e, min(COMMON_BAND, tried[0]), beta) for n, e in zip(names, even, strict=True)]
     )
-    errors, shares = [], []
+    errors, shares, carried = [], [], []
     for cutoff in tried:
-        data = assemble(base, [_prepare_one(base, n, e, cutoff, beta) for n, e in zip(names, even, strict=True)])
+        prepared = [_prepare_one(base, n, e, cutoff, beta) for n, e in zip(names, even, strict=True)]
+        data = assemble(base, prepared)
         square = np.zeros(2)
         for held, out in zip(_folds(data.groups), _folds(judge.groups), strict=True):
             square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
         errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
         # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
         shares.append(float(np.max(np.min([acceleration_quality(e.q, e.rate, cutoff) for e in even], axis=0))))
+        carried.append(_carried_noise(beta, even, cutoff, _noise_floor(prepared, cutoff)))
     relative = np.max(np.array(errors) / np.min(errors, axis=0), axis=1)
     predicts = relative <= 1.0 + TOLERANCE
-    clean = np.array(shares) <= BIAS_LIMIT
+    clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
     good = [i for i in range(len(tried)) if predicts[i] and clean[i]]
     index = good[-1] if good else int(np.argmin(relative + np.array(shares)))
     table = tuple((c, float(r), s) for c, r, s in zip(tried, relative, shares, strict=True))
-    return CutoffChoice(tried[index], _reason(tried, index, relative, shares), table=table)
+    return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried), table=table)
 
 
-def _reason(tried: Sequence[float], index: int, relative: Float, shares: Sequence[float]) -> str:
+def _carried_noise(beta: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
+    """Return the noise power that accelerations carry into the model's torque, relative to the torque's own."""
+    first, second, coupling = abs(beta[0]), abs(beta[1]), abs(beta[2])
+    hip, knee = np.median([acceleration_noise(e.q, e.rate, cutoff) for e in even], axis=0) ** 2
+    power = np.array(
+        [
+            (first + 2.0 * coupling) ** 2 * hip + (second + coupling) ** 2 * knee,
+            (second + coupling) ** 2 * hip + second**2 * knee,
+        ]
+    )
+    return float(np.max(power / np.maximum(floor**2, 1e-300)))
+
+
+def _reason(
+    tried: Sequence[float], index: int, relative: Float, shares: Sequence[float], carried: Sequence[float]
+) -> str:
     text = f"{tried[index]:g} Hz: noise makes up {100 * shares[index]:.2g} % of the accelerations"
     if index + 1 == len(tried):
         return text + ", and no faster cut-off was tried"
     after = index + 1
+    beyond = f"{text}; at {tried[after]:g} Hz"
     if relative[after] > 1.0 + TOLERANCE:
-        worse = 100 * (relative[after] - 1)
-        return text + f"; at {tried[after]:g} Hz unseen torque is predicted {worse:.0f} % worse than at best"
-    return (
-        text
-        + f"; at {tried[after]:g} Hz it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
-    )
+        return f"{beyond} unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
+    if shares[after] > BIAS_LIMIT:
+        return f"{beyond} it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
+    return f"{beyond} they would carry {100 * carried[after]:.0f} % of the torque sensor's noise power into the model"
 
 
 def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:

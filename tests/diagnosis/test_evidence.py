@@ -1,0 +1,124 @@
+"""The Gram algebra of the evidence against the obvious computation: refit with lstsq, predict, count."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis.candidates import Columns
+from diagnosis.evidence import Block, Evidence
+
+
+def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> Block:
+    columns = rng.normal(size=(2, samples, width))
+    columns[1, :, 0] = 0.0
+    residual = rng.normal(size=(2, samples))
+    use = rng.uniform(size=(2, samples)) > 0.1
+    motion = np.cumsum(rng.normal(size=(samples, 2)), axis=0)
+    return Block(columns, residual, use, motion, 50.0, np.zeros(samples, int) if fold is None else fold)
+
+
+def refit(blocks, extra, fit, held, sigma):
+    """Return the fall of the weighted loss on `held` when `extra` (J, K, m) columns join, refitted on `fit`."""
+
+    def stack(which, with_extra):
+        rows, right = [], []
+        for i, mask in which:
+            b = blocks[i]
+            for j in (0, 1):
+                keep = mask & b.use[j]
+                parts = [b.columns[j][keep]] + ([extra[i][j][keep]] if with_extra else [])
+                rows.append(np.concatenate(parts, axis=1) / sigma[j])
+                right.append(b.residual[j][keep] / sigma[j])
+        return np.concatenate(rows), np.concatenate(right)
+
+    losses = []
+    for with_extra in (False, True):
+        a, y = stack(fit, with_extra)
+        x = np.linalg.lstsq(a, y, rcond=None)[0]
+        a, y = stack(held, with_extra)
+        losses.append(np.sum((y - a @ x) ** 2))
+    return losses[0] - losses[1], x
+
+
+@pytest.mark.parametrize("width", [1, 2])
+def test_gain_is_what_a_refit_gains_on_held_out_recordings(width):
+    rng = np.random.default_rng(1)
+    train = [block(rng, n, 3) for n in (200, 151, 180)]
+    verify = [block(rng, 170, 3)]
+    blocks = train + verify
+    extra = [rng.normal(size=(2, b.residual.shape[1], width)) for b in blocks]
+    evidence = Evidence(train, verify, seed=0, draws=5)
+    columns = [Columns((0, 1), e[None]) for e in extra]
+    gain = evidence.gain(evidence.plain(columns), ridge=0.0)
+    whole = [(i, np.ones(b.residual.shape[1], bool)) for i, b in enumerate(blocks)]
+    for held in range(3):
+        fall, _ = refit(blocks, extra, [whole[i] for i in range(3) if i != held], [whole[held]], evidence.sigma)
+        assert gain.folds[held, 0] == pytest.approx(fall, rel=1e-8, abs=1e-8)
+    fall, fitted = refit(blocks, extra, whole[:3], [whole[3]], evidence.sigma)
+    assert gain.unseen[0] == pytest.approx(fall, rel=1e-8, abs=1e-8)
+    assert gain.coefficients[0] == pytest.approx(fitted[3:], rel=1e-8)
+
+
+def test_one_recording_is_judged_on_blocks_of_itself():
+    rng = np.random.default_rng(2)
+    fold = np.arange(240) * 4 // 240
+    only = block(rng, 240, 2, fold)
+    extra = [rng.normal(size=(2, 240, 1))]
+    evidence = Evidence([only], [], seed=0, draws=3)
+    gain = evidence.gain(evidence.plain([Columns((0, 1), extra[0][None])]), ridge=0.0)
+    for held in range(4):
+        fall, _ = refit([only], extra, [(0, fold != held)], [(0, fold == held)], evidence.sigma)
+        assert gain.folds[held, 0] == pytest.approx(fall, rel=1e-8, abs=1e-8)
+
+
+def test_a_placebo_is_the_candidate_rolled_in_time():
+    rng = np.random.default_rng(3)
+    train = [block(rng, n, 3) for n in (160, 140)]
+    extra = [rng.normal(size=(1, b.residual.shape[1], 2)) for b in train]
+    evidence = Evidence(train, [], seed=4, draws=6)
+    columns = [Columns((1,), e[None]) for e in extra]
+    shifted = evidence.gain(evidence.shifted(columns, 0), ridge=0.0)
+    for draw in range(6):
+        rolled = [Columns((1,), np.roll(e, evidence.shifts[i][draw], axis=1)[None]) for i, e in enumerate(extra)]
+        plain = evidence.gain(evidence.plain(rolled), ridge=0.0)
+        np.testing.assert_allclose(shifted.folds[:, 1 + draw], plain.folds[:, 0], rtol=1e-7, atol=1e-7)
+
+
+def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
+    t = np.arange(1500) / 50.0
+    motion = np.column_stack([np.sin(2 * np.pi * t / 10), np.cos(2 * np.pi * t / 10)])
+    rng = np.random.default_rng(0)
+    one = Block(
+        rng.normal(size=(2, 1500, 2)),
+        rng.normal(size=(2, 1500)),
+        np.ones((2, 1500), bool),
+        motion,
+        50.0,
+        np.zeros(1500, int),
+    )
+    shifts = Evidence([one, one], [], seed=1, draws=400).shifts[0] / 50.0
+    distance = np.abs(shifts[:, None] - np.array([0.0, 10.0, 20.0, 30.0])).min()
+    assert distance > 1.0
+
+
+def test_noise_is_called_significant_as_often_as_it_should_be():
+    """Pure noise against placebos of itself: the p-value is uniform."""
+    from diagnosis.candidates import Candidate
+    from diagnosis.suspects import Score, placebo
+    from symbolic.catalogue import find_effect
+    from symbolic.term import Term
+
+    candidate = Candidate(Term(find_effect("viscous_asymmetry"), "hip"), np.zeros((2, 1, 0)), False)
+    values = []
+    for seed in range(60):
+        rng = np.random.default_rng(100 + seed)
+        train = [block(rng, n, 3) for n in (300, 260)]
+        columns = [Columns((0,), rng.normal(size=(1, 1, b.residual.shape[1], 1))) for b in train]
+        evidence = Evidence(train, [], seed=seed, draws=99)
+        gain = evidence.gain(evidence.plain(columns))
+        share = float(gain.total[0] / evidence.fold_losses.sum())
+        score = Score(candidate, np.zeros(2, int), share, gain.folds[:, 0], 0.0, gain.coefficients[0], 1.0)
+        values.append(placebo(evidence, score, columns).p_value)
+    low = np.mean(np.array(values) <= 0.2)
+    assert 0.05 <= low <= 0.37

@@ -1,0 +1,71 @@
+"""The whole loop on recordings from elsewhere: six simulated legs by another plant, and a real two-link rig."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from diagnosis.discover import discover
+from diagnosis.extend import add
+from measurement.read import read_recording
+from symbolic.model import Model
+
+
+def leg(shared_data: Path, name: str):
+    folder = shared_data / "practice" / f"leg_{name}"
+    runs = [read_recording(folder / f"run_{k}.csv") for k in range(4)]
+    return runs[:3], runs[3:]
+
+
+def rig(shared_data: Path):
+    runs = [read_recording(shared_data / "two_link_rig" / f"run_0{k}.csv") for k in range(5)]
+    return [runs[k] for k in (0, 2, 4)], [runs[k] for k in (1, 3)]
+
+
+CASES = {
+    "a": ("adequate", []),
+    "b": ("missing", ["stribeck:hip"]),
+    "c": ("missing or ambiguous", ["com_offset_shank"]),
+    "d": ("missing", ["torque_ripple:knee"]),
+    "e": ("missing", ["end_stop:hip", "load_friction:knee"]),
+    "f": ("unexplained", []),
+}
+
+
+@pytest.mark.parametrize("name", ["b", *(pytest.param(n, marks=pytest.mark.slow) for n in CASES if n != "b")])
+def test_practice_leg(shared_data, name):
+    train, verify = leg(shared_data, name)
+    found = discover(Model.standard(), train, verify)
+    verdict, accepted = CASES[name]
+    assert found.verdict in verdict.split(" or "), found
+    assert sorted(a.name for a in found.accepted) == accepted
+    if name == "f":
+        left = found.to_json()["unexplained"]
+        assert left["significant"] and left["joint"] == "hip" and left["variables"] == ["q1"]
+    if accepted:
+        first, last = found.steps[0], found.steps[-1]
+        assert np.min(last.verify_rms / first.verify_rms) < 0.6
+
+
+def test_real_rig_rotor_inertia(shared_data):
+    """The one effect that its builders documented: rotor inertia of the second joint, 0.0024 to 0.0042 kg·m²."""
+    train, verify = rig(shared_data)
+    found = discover(Model.standard(thigh_length=0.30), train, verify)
+    rotor = {a.name: a for a in found.accepted}["rotor_inertia:knee"]
+    assert 0.0024 <= rotor.parameters["c"].value <= 0.0042
+    assert 0.9 * 0.1346 <= found.fit.estimate("Phi1").value <= 1.1 * 0.1346
+    first, last = found.steps[0], found.steps[-1]
+    assert last.verify_rms[1] <= 0.85 * first.verify_rms[1]
+    for before, after in zip(found.steps[:-1], found.steps[1:], strict=True):
+        assert np.sum(after.verify_rms**2 / before.verify_rms**2) < 2.0, "a step that does not help unseen runs"
+
+
+def test_adding_what_is_not_missing_is_told(shared_data):
+    train, verify = leg(shared_data, "b")
+    wrong = add(Model.standard(), "joint_spring", "knee", train, verify)
+    assert (not wrong.helped and "does not lower" in wrong.sentence) or "not this effect" in wrong.sentence
+    right = add(Model.standard(), "stribeck", "hip", train, verify)
+    assert right.helped
+    assert right.after.estimate("stribeck:hip.c").low < 2.65 < right.after.estimate("stribeck:hip.c").high + 0.1
