@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,6 +145,7 @@ def compare(
 def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = present(fit, prepared)
+    unseen = verification(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
     shown = prepared.verify or prepared.train
     square = np.sum([np.sum(np.where(p.use, p.tau, 0.0) ** 2, axis=0) for p in shown], axis=0)
@@ -155,7 +156,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         verify_rms=now.verify_rms,
         signal_rms=np.sqrt(square / count),
         noise_floor=prepared.noise_floor,
-        sse_verify_rms=_sse_verify(fit, prepared),
+        sse_verify_rms=None if unseen is None else unseen.sse,
         where=_where(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
@@ -165,13 +166,26 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     )
 
 
-def _sse_verify(fit: Fit, prepared: Prepared) -> Float | None:
-    """Return the unseen RMS of the SSE fit, the paper's check of Huber against SSE."""
-    if not prepared.verify or len(fit.model.shapes):
-        return None
-    from dataclasses import replace
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """RMS error (J,) in N·m on unseen recordings of the Huber and of the SSE parameters: the paper's check."""
 
-    return present(replace(fit, linear=fit.sse.linear), prepared).verify_rms
+    huber: Float
+    sse: Float
+
+    def to_json(self) -> dict[str, Any]:
+        """Return both in plain types."""
+        return {"verify_rms": self.huber.tolist(), "sse_verify_rms": self.sse.tolist()}
+
+
+def verification(fit: Fit, prepared: Prepared) -> Verification | None:
+    """Return the errors on the verification recordings; None without any."""
+    if not prepared.verify:
+        return None
+    shapes = np.broadcast_to(fit.sse.shape, np.shape(fit.shapes))
+    first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
+    pair = [present(one, prepared).verify_rms for one in (fit, first)]
+    return Verification(np.asarray(pair[0]), np.asarray(pair[1]))
 
 
 def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:

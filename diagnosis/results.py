@@ -161,7 +161,7 @@ class Diagnosis:
             "share": one.share,
             "p_value": one.p_value,
             "suggested_terms": [s.text for s in one.suggestions],
-            "suggested_toml": [s.to_toml(one.joint) for s in one.suggestions[:1]],
+            "suggested_toml": [s.to_toml(one.joint, one.own) for s in one.suggestions[:1]],
         }
 
     def to_frame(self) -> pd.DataFrame:

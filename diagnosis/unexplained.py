@@ -85,8 +85,9 @@ class Suggestion:
     coefficients: Mapping[str, str]
     shape: Mapping[str, tuple[str, float, float, float]]
 
-    def to_toml(self, joint: str, identifier: str = "my_effect") -> str:
-        """Return a `[[custom_effects]]` block that can be pasted into a model file."""
+    def to_toml(self, joint: str, own: bool = False, identifier: str = "my_effect") -> str:
+        """Return a `[[custom_effects]]` block for a model file; `own`: its place differs between recordings."""
+        moves = ", per_recording = true" if own else ""
         numbers = ", ".join(f'{k} = {{ unit = "{unit}" }}' for k, unit in self.coefficients.items())
         lines = [
             "[[custom_effects]]",
@@ -97,7 +98,7 @@ class Suggestion:
         ]
         if self.shape:
             shapes = ", ".join(
-                f'{k} = {{ unit = "{unit}", min = {low:.4g}, max = {high:.4g} }}'
+                f'{k} = {{ unit = "{unit}", min = {low:.4g}, max = {high:.4g}{moves if k == "m" else ""} }}'
                 for k, (unit, low, high, _) in self.shape.items()
             )
             lines.append(f"shape = {{ {shapes} }}")

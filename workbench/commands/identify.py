@@ -11,15 +11,15 @@ from workbench.screen import Screen
 
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
-exoid identify run1.csv run2.csv --model leg.toml --write leg_identified.toml"""
+exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_identified.toml"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_recordings(parser, verify=False)
+    add_recordings(parser)
     add_model(parser)
     parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
-    add_limit(parser, "the error of the fit")
+    add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
 
 
@@ -35,30 +35,37 @@ def run(args: argparse.Namespace) -> int:
         from optimisation.identify import identify
         from optimisation.prepare import prepare
 
-        prepared = prepare(given.model, given.recordings, cutoff=given.cutoff)
+        prepared = prepare(given.model, given.recordings, given.verify, cutoff=given.cutoff)
         steps = iter(range(1, 100))
         fit = identify(
             given.model, prepared.train, seed=args.seed,
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
+        from diagnosis.compare import verification
+
+        unseen = verification(fit, prepared)
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.screen import per_joint
     from workbench.showing import above, show_fit
 
     screen = Screen.of(args)
     show_fit(screen, fit)
+    if unseen is not None:
+        screen.say(f"error (RMS) on unseen motion: {per_joint(unseen.huber)} by Huber, {per_joint(unseen.sse)} by SSE")
     if args.write:
         from symbolic.model_file import write_model
 
         write_model(given.model, args.write, fit)
         screen.say(f"model: {args.write}")
-    over = above(args.limit, fit.rms)
+    over = above(args.limit, fit.rms if unseen is None else unseen.huber)
     if over:
         screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
-    deliver(args, screen, {"schema": "exoid.fit/1", **fit.to_json()}, lambda: Material(
+    checked = {} if unseen is None else unseen.to_json()
+    payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked}
+    deliver(args, screen, payload, lambda: Material(
         title="Identified parameters",
         answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS).",
-        recordings=given.recordings, model=given.model, fit=fit,
+        recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
         seconds=fit.seconds,
     ))  # fmt: skip
