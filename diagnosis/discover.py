@@ -8,7 +8,7 @@ a term that such a curve clearly beats at the same joint was only the nearest th
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,10 +16,10 @@ import numpy as np
 
 from diagnosis.candidates import Columns, Library, build_library
 from diagnosis.evidence import Evidence
-from diagnosis.look_alikes import CLOSE, look_alikes, refine
+from diagnosis.look_alikes import CLOSE, TIED, look_alikes, refine
 from diagnosis.present import Present, present
 from diagnosis.results import Accepted, Diagnosis, Step, Suspect
-from diagnosis.suspects import LEAST_SHARE, Score, placebo, rank, weigh
+from diagnosis.suspects import Score, placebo, rank, weigh
 from diagnosis.unexplained import Remainder, beaten, remainders, significant, suggest
 from diagnosis.verdict import biased_parameters, conclude, sentence_of
 from measurement.recording import Recording
@@ -240,11 +240,11 @@ def _span(step: int) -> tuple[float, float]:
 
 
 def _simplest(
-    best: tuple[Score, list[Columns]], refined: Sequence[tuple[Score, list[Columns]]], alike: Sequence[str]
+    best: tuple[Score, list[Columns]], refined: Sequence[tuple[Score, list[Columns]]], lag: Mapping[str, float]
 ) -> tuple[Score, list[Columns]]:
-    """Return the candidate with the fewest numbers (linear ones first) among those as good as the best in practice."""
-    same = [p for p in refined if p[0].name in alike and p[0].share >= best[0].share - 0.1 * LEAST_SHARE]
-    return min([best, *same], key=lambda pair: (pair[0].candidate.numbers, pair[0].candidate.tangent))
+    """Return the candidate with the fewest numbers (linear ones first) among those as good as the best."""
+    tied = [p for p in refined if lag.get(p[0].name, np.inf) < TIED]
+    return min([best, *tied], key=lambda pair: (pair[0].candidate.numbers, pair[0].candidate.tangent))
 
 
 def _same(one: Score, other: Score) -> bool:

@@ -22,6 +22,8 @@ from symbolic.motion import Float
 BLOCK_SECONDS = 2.0
 CLEAR = 2.5
 """Standard errors by which the better candidate must lead to be told apart."""
+TIED = 1.0
+"""Standard errors within which two candidates are as good as each other; then the simpler one is taken."""
 CLOSE = 0.5
 """Only candidates with at least this part of the best one's gain are compared."""
 REFINEMENTS = 3
@@ -78,15 +80,18 @@ def look_alikes(
     evidence: Evidence,
     best: tuple[Score, list[Columns]],
     rivals: Sequence[tuple[Score, list[Columns]]],
-) -> list[str]:
-    """Return the names of rivals whose held-out loss is not clearly larger than that of the best."""
+) -> dict[str, float]:
+    """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
+
+    The lag is in standard errors of the difference; 0 is a tie.
+    """
     reference = _losses(evidence, evidence.plain(best[1]), best[1])
-    out = []
+    out: dict[str, float] = {}
     for score, columns in rivals:
         difference = _losses(evidence, evidence.plain(columns), columns) - reference
-        spread = np.sqrt(np.sum((difference - difference.mean()) ** 2))
+        spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
         if difference.sum() < CLEAR * spread:
-            out.append(score.name)
+            out[score.name] = float(difference.sum() / spread)
     return out
 
 

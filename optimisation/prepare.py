@@ -57,7 +57,7 @@ SIGN_WIDTH = (1e-4, 5e-2)
 STICK = 0.02
 """Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
 function of the motion can tell, so these samples of that joint are not fitted."""
-STICK_REACH = 0.3
+STICK_REACH = 0.5
 """Periods of the cut-off by which the filter carries such samples into their neighbours."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
