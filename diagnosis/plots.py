@@ -58,7 +58,7 @@ def _numbers(axes: Any, place: Sequence[float], values: Sequence[float]) -> None
 
 
 def _wrapped(text: str) -> str:
-    return text.replace(":", ":\n").replace("_", "_\n") if len(text) > 12 else text
+    return text.replace(":", "\n")
 
 
 def over_time(now: Present) -> Figure:
