@@ -15,7 +15,8 @@ from workbench.screen import Screen
 HELP = """derive the equations of a model, generate its C code and compile it
 
 exoid generate leg.toml --out generated
-exoid generate --check --out generated   exit status 1 when the files there are out of date"""
+exoid generate --check --out generated   check the equations; exit status 1 when a property does not hold or the
+                                         files there are out of date"""
 
 DEFAULT_FOLDER = "generated"
 
@@ -23,7 +24,11 @@ DEFAULT_FOLDER = "generated"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("model", metavar="MODEL", nargs="?", help="model file (TOML); without it, the standard leg")
-    parser.add_argument("--check", action="store_true", help="write nothing; compare with what is there, byte by byte")
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing; check the equations (symmetry, energy, the paper's C and Y) and the files, byte by byte",
+    )
     add_common(parser, out=f"write C, header and manifest into DIR (default: {DEFAULT_FOLDER})")
 
 
@@ -42,9 +47,12 @@ def run(args: argparse.Namespace) -> int:
             report(0.5, "compiling")
             _write(folder, {name: fresh[name] for name, state in states.items() if state != "unchanged"})
         backend = _backend(model)
+        properties = _properties(model, report) if args.check else ()
     for name, state in states.items():
         screen.say(f"  {state:<9}  {folder / name}")
     screen.say(f"compiled: {'as C' if backend == 'c' else 'no C compiler, CasADi computes instead (slower)'}")
+    for one in properties:
+        screen.say(f"  {one}", "good" if one.holds else "bad")
     stale = args.check and any(state != "unchanged" for state in states.values())
     if stale:
         screen.say("the files are not what this model generates; run exoid generate", "bad")
@@ -52,8 +60,9 @@ def run(args: argparse.Namespace) -> int:
         write_json(args.json, {
             "schema": "exoid.generated/1", "model": model.name, "key": model.key(), "folder": str(folder),
             "files": states, "checked_only": bool(args.check), "backend": backend,
+            "checks": [{"name": c.name, "holds": c.holds, "how": c.how, "detail": c.detail} for c in properties],
         })  # fmt: skip
-    return 1 if stale else 0
+    return 1 if stale or not all(one.holds for one in properties) else 0
 
 
 def _generated(model: Any) -> dict[str, bytes]:
@@ -61,6 +70,14 @@ def _generated(model: Any) -> dict[str, bytes]:
     from symbolic.code import generate
 
     return {name: text.encode() for name, text in generate(model).files.items()}
+
+
+def _properties(model: Any, report: Any) -> tuple[Any, ...]:
+    """Return the checks of the model's equations."""
+    from symbolic.check import check
+
+    report(0.6, "checking the equations")
+    return check(model)
 
 
 def _state(path: Path, content: bytes) -> str:
