@@ -16,6 +16,32 @@ signals = arrays(float, st.integers(1, 40), elements=st.floats(-3.0, 3.0))
 
 @settings(deadline=None)
 @given(signals, st.floats(0.0, 1.0))
+def test_play_is_the_last_position_held_inside_the_gap(x, h):
+    w, held = x[0], []
+    for value in x:
+        w = min(max(w, value - h), value + h)
+        held.append(w)
+    assert play(np.arange(len(x)), x, h).tolist() == held
+
+
+@settings(max_examples=30, deadline=None)
+@given(arrays(float, st.integers(2, 8), elements=st.floats(-0.1, 0.1)), st.floats(0.0, 60.0))
+def test_dahl_is_the_solution_of_its_differential_equation(x, sigma):
+    z, states, parts = 0.0, [0.0], 100
+    for dx in np.diff(x) / parts:
+        s = np.sign(dx)
+        for _ in range(parts):  # Runge-Kutta, which knows nothing of exponentials
+            k1 = sigma * (1.0 - z * s)
+            k2 = sigma * (1.0 - (z + dx * k1 / 2) * s)
+            k3 = sigma * (1.0 - (z + dx * k2 / 2) * s)
+            k4 = sigma * (1.0 - (z + dx * k3) * s)
+            z += dx * (k1 + 2 * k2 + 2 * k3 + k4) / 6
+        states.append(z)
+    np.testing.assert_allclose(dahl(np.arange(len(x)), x, sigma), states, atol=1e-6)
+
+
+@settings(deadline=None)
+@given(signals, st.floats(0.0, 1.0))
 def test_play_stays_within_its_gap_and_moves_only_when_pushed(x, h):
     w = play(np.arange(len(x)), x, h)
     assert np.all(np.abs(w - x) <= h * (1 + 1e-12) + 1e-12)
@@ -70,6 +96,27 @@ def test_delay_moves_a_signal_and_holds_its_edges():
     assert delay(t, x, 0.05)[0] == x[0]
     assert delay(t, x, -0.05)[-1] == x[-1]
     assert delay(t, x, 0.0).tolist() == x.tolist()
+
+
+def test_delay_is_the_straight_line_between_two_samples():
+    t = uneven(50)
+    x = np.random.default_rng(6).normal(size=50)
+    expected = []
+    for at in t - 0.033:
+        k = max(sum(t <= at) - 1, 0)
+        share = max((at - t[k]) / (t[k + 1] - t[k]), 0.0)
+        expected.append((1.0 - share) * x[k] + share * x[k + 1])
+    np.testing.assert_allclose(delay(t, x, 0.033), expected, atol=1e-12)
+
+
+def test_ddt_is_the_slope_of_the_parabola_through_three_samples():
+    t = uneven(50)
+    x = np.random.default_rng(7).normal(size=50)
+    slopes = []
+    for k in range(50):
+        three = slice(min(max(k - 1, 0), 47), min(max(k - 1, 0), 47) + 3)
+        slopes.append(np.polyfit(t[three] - t[k], x[three], 2)[1])
+    np.testing.assert_allclose(ddt(t, x), slopes, rtol=1e-9, atol=1e-9)
 
 
 def test_ddt_is_exact_for_a_parabola_on_an_uneven_clock():
