@@ -1,1 +1,26 @@
-"""What is missing: comparison, suspects, look-alikes, verdict, extension."""
+"""What is missing: comparison, suspects, look-alikes, verdict, extension.
+
+In a notebook: `from diagnosis import compare, discover, watch`; `found = discover(leg, train, verify)`.
+"""
+
+from typing import TYPE_CHECKING
+
+from symbolic.lazy import lend
+
+if TYPE_CHECKING:
+    from diagnosis.compare import compare
+    from diagnosis.discover import diagnose, discover
+    from diagnosis.extend import add, watch
+
+__all__ = ["add", "compare", "diagnose", "discover", "watch"]
+
+lend(
+    __name__,
+    {
+        "add": "diagnosis.extend",
+        "compare": "diagnosis.compare",
+        "diagnose": "diagnosis.discover",
+        "discover": "diagnosis.discover",
+        "watch": "diagnosis.extend",
+    },
+)

@@ -1,7 +1,30 @@
-"""What the leg is: mechanism, effects, model, and the code generated from them."""
+"""What the leg is: mechanism, effects, model, and the code generated from them.
 
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.model import Limits, Model
-from symbolic.motion import Motion
+In a notebook: `from symbolic import Model`; `leg = Model.standard(thigh_length=0.40).with_effect("stribeck", joint="knee")`.
+"""
 
-__all__ = ["Coefficient", "Effect", "Limits", "Model", "Motion", "Shape"]
+from typing import TYPE_CHECKING
+
+from symbolic.lazy import lend
+
+if TYPE_CHECKING:
+    from symbolic.effect import Coefficient, Effect, Shape
+    from symbolic.model import Limits, Model
+    from symbolic.model_file import read_model, write_model
+    from symbolic.motion import Motion
+
+__all__ = ["Coefficient", "Effect", "Limits", "Model", "Motion", "Shape", "read_model", "write_model"]
+
+lend(
+    __name__,
+    {
+        "Coefficient": "symbolic.effect",
+        "Effect": "symbolic.effect",
+        "Limits": "symbolic.model",
+        "Model": "symbolic.model",
+        "Motion": "symbolic.motion",
+        "Shape": "symbolic.effect",
+        "read_model": "symbolic.model_file",
+        "write_model": "symbolic.model_file",
+    },
+)

@@ -1,1 +1,20 @@
-"""What a person touches: command line, figures, report."""
+"""What a person touches: command line, figures, report.
+
+In a notebook: `from workbench import main`; `main(["demo", "--out", "report"])`.
+"""
+
+from typing import TYPE_CHECKING
+
+from symbolic.lazy import lend
+
+if TYPE_CHECKING:
+    from workbench.command import main
+
+__all__ = ["main"]
+
+lend(
+    __name__,
+    {
+        "main": "workbench.command",
+    },
+)
