@@ -1,6 +1,6 @@
 """What the leg is: mechanism, effects, model, and the code generated from them.
 
-In a notebook: `from symbolic import Model`; `leg = Model.standard(thigh_length=0.40).with_effect("stribeck", joint="knee")`.
+In a notebook: `from symbolic import Model`; `leg = Model.standard().with_effect("stribeck", joint="knee")`.
 """
 
 from typing import TYPE_CHECKING
