@@ -139,7 +139,9 @@ class _Search:
         evidence: Evidence = stage.now._evidence  # type: ignore[attr-defined]
         good = [s for s in scores if s.significant and s.name not in banned]
         while good:
-            close = [s for s in good if s.share >= CLOSE * good[0].share]
+            # A rival need not beat its own placebos: that something is missing is certain, the question is what.
+            rivals = [s for s in scores if s.helps and not s.caution and s.name not in banned and s is not good[0]]
+            close = [good[0], *(s for s in rivals if s.share >= CLOSE * good[0].share)]
             refined = [self._refine(evidence, stage, s) for s in close]
             refined.sort(key=lambda pair: -pair[0].share)
             best = refined[0]

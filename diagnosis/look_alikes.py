@@ -24,6 +24,9 @@ CLEAR = 2.5
 """Standard errors by which the better candidate must lead to be told apart."""
 TIED = 1.0
 """Standard errors within which two candidates are as good as each other; then the simpler one is taken."""
+PRACTICALLY = 0.98
+"""A rival with fewer numbers that gains this part of the best one's gain ties with it: the rest is what a linearised
+candidate loses before it is refitted."""
 CLOSE = 0.5
 """Only candidates with at least this part of the best one's gain are compared."""
 REFINEMENTS = 3
@@ -90,7 +93,10 @@ def look_alikes(
     for score, columns in rivals:
         difference = _losses(evidence, evidence.plain(columns), columns) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
-        if difference.sum() < CLEAR * spread:
+        practically = score.share >= PRACTICALLY * best[0].share
+        if practically and score.candidate.numbers < best[0].candidate.numbers:
+            out[score.name] = 0.0
+        elif difference.sum() < CLEAR * spread:
             out[score.name] = float(difference.sum() / spread)
     return out
 

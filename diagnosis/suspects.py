@@ -22,6 +22,8 @@ FALSE_DISCOVERY_RATE = 0.05
 LEAST_SHARE = 0.02
 """Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below, errors of
 the filter and of reversals take part in every significant-looking column."""
+HARMLESS = 0.25
+"""A recording may lose at most this part of the average gain; an effect it does not show costs it nearly nothing."""
 LEAST_NOVELTY = 1e-6
 """Share of a column that must be new to the model; less is absorbed by its parameters."""
 LEAST_ACTIVE = 0.003
@@ -39,7 +41,8 @@ class Score:
     """What the evidence says about one candidate.
 
     `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
-    present model: `share` on held-out training units, `folds` (F,) on each, `unseen` on verification recordings.
+    present model: `share` on held-out training units, `folds` (F,) on each, `unseen` on verification
+    recordings (None without).
     `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
     """
 
@@ -47,7 +50,7 @@ class Score:
     nodes: np.ndarray
     share: float
     folds: Float
-    unseen: float
+    unseen: float | None
     coefficients: Float
     novelty: float
     p_value: float | None = None
@@ -61,9 +64,10 @@ class Score:
 
     @property
     def helps(self) -> bool:
-        """Whether it lowers the error where it was not fitted: in total, in most recordings, on verification."""
-        most = np.count_nonzero(self.folds > 0.0) * 3 >= 2 * len(self.folds)
-        return self.share >= LEAST_SHARE and bool(most) and (self.unseen is None or self.unseen > 0.0)
+        """Whether it lowers the error where it was not fitted: in total, on verification, and hurts no recording."""
+        harmless = np.all(self.folds > -HARMLESS * self.share)
+        fresh = self.unseen is None or self.unseen >= 0.5 * LEAST_SHARE
+        return self.share >= LEAST_SHARE and bool(harmless) and fresh
 
     @property
     def shape(self) -> Float:
@@ -98,7 +102,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         text = "fits best with a sign that this effect cannot have" if wrong > LEAST_SHARE * whole else ""
     else:
         (nodes, gain), text = best, ""
-    unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else 0.0
+    unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     return Score(
         candidate,

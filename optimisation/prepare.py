@@ -54,7 +54,7 @@ OUTLIER = 4.0
 """Robust deviations from the local median beyond which a torque sample is an outlier."""
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
-STICK = 0.02
+STICK = 0.03
 """Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
 function of the motion can tell, so these samples of that joint are not fitted."""
 STICK_REACH = 0.5

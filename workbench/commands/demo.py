@@ -31,7 +31,6 @@ def run(args: argparse.Namespace) -> int:
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
     from diagnosis.discover import discover
-
     from workbench.asking import answer, material_of
     from workbench.deliver import deliver
     from workbench.inputs import Inputs, load_model, read
