@@ -18,6 +18,7 @@ from optimisation.shape_search import from_unit
 from symbolic.catalogue import catalogue
 from symbolic.columns import environment, evaluate
 from symbolic.effect import Effect, Shape
+from symbolic.errors import ExpressionError
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -177,7 +178,10 @@ def _texts(
             for m, key in enumerate(keys):
                 if key in torque.names:
                     unit = {other: float(other == key) for other in keys}
-                    out[v, place, :, m] = evaluate(torque, {**words, **shaped, **unit}, motion)
+                    try:
+                        out[v, place, :, m] = evaluate(torque, {**words, **shaped, **unit}, motion)
+                    except ExpressionError:  # not finite at this node: a zero column is never chosen
+                        out[v] = 0.0
     return out
 
 

@@ -29,7 +29,7 @@ from optimisation.problem import LinearData, huber_problem, sse_problem
 from optimisation.reference import Reference, solve_reference
 from optimisation.shape_search import search_shape, to_unit
 from optimisation.uncertainty import Covariance, covariance
-from symbolic.errors import NotEnoughDataError
+from symbolic.errors import ExpressionError, NotEnoughDataError
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -160,7 +160,10 @@ def _solve_shape(
         return settle(assembly, shape, solve, reference)
 
     def loss(shape: Float) -> float:
-        found = solved(shape)
+        try:
+            found = solved(shape)
+        except ExpressionError:  # the torque is not finite there: no place to look for the optimum
+            return float("inf")
         return huber(found.data.residual(found.linear), delta)
 
     shapes = [s.shape for s in assembly.model.shapes]

@@ -24,7 +24,7 @@ def check(recording: Recording) -> list[Finding]:
     found = []
     if max(reach) < STILL:
         what = f"no motion: the angles move by {reach[0]:.2g} and {reach[1]:.2g} rad"
-        remedy = "record a motion of both joints, as `exoid design` proposes"
+        remedy = "record a motion of both joints through a good part of their range"
         return [Finding("motion", "refused", what, where, max(reach), STILL, remedy)]
     for channel, moved in zip(angles, reach, strict=True):
         if moved < LITTLE:

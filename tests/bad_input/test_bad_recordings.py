@@ -69,7 +69,7 @@ CASES = {
         "right column",
     ),
     "all infinite": (table(tau1=NONE + np.inf), {}, "infinite", "right column"),
-    "no motion": (table(q1=NONE, q2=NONE), {}, "no motion: the angles move by 0 and 0 rad", "exoid design"),
+    "no motion": (table(q1=NONE, q2=NONE), {}, "no motion: the angles move by 0 and 0 rad", "both joints"),
     "no torque": (table(tau1=NONE, tau2=NONE), {}, "both torques are constant (0 and 0 N·m)", "--map tau1=COLUMN"),
     "time stands still": (table(t=NONE), {}, "the time is the same in every row", "--map t=COLUMN"),
     "two recordings": (table() + table().split("\n", 1)[1], {}, "the clock starts again", "one file per recording"),
