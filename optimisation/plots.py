@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from measurement.figures import ROLE_COLOURS, figure_style, label, new_figure
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
@@ -17,25 +18,24 @@ if TYPE_CHECKING:
 
 def plot_fit(fit: Fit) -> Figure:
     """Draw residuals per joint, relative intervals, and convergence where optimisers ran."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11, 7), layout="constrained")
-    hip, knee, intervals, convergence = figure.subplots(2, 2).ravel()
-    for joint, axes in enumerate((hip, knee)):
-        plot_residual(fit, joint, axes)
-    plot_intervals(fit, intervals)
-    plot_convergence(fit, convergence)
+    with figure_style():
+        figure = new_figure(11.0, 7.0)
+        hip, knee, intervals, convergence = figure.subplots(2, 2).ravel()
+        for joint, axes in enumerate((hip, knee)):
+            plot_residual(fit, joint, axes)
+        plot_intervals(fit, intervals)
+        plot_convergence(fit, convergence)
     return figure
 
 
 def plot_residual(fit: Fit, joint: int, axes: Axes) -> None:
     """Draw torque and residual of one joint over the samples used, with δ as the border of the Huber loss."""
     use = fit.data.use[joint]
-    axes.plot(fit.data.tau[joint][use], color="0.75", linewidth=0.8, label="torque")
-    axes.plot(fit.residual[joint][use], color="tab:red", linewidth=0.8, label="residual")
+    axes.plot(fit.data.tau[joint][use], color=ROLE_COLOURS["measured"], linewidth=0.8, label="torque")
+    axes.plot(fit.residual[joint][use], color=ROLE_COLOURS["residual"], linewidth=0.8, label="residual")
     for border in (-fit.delta[joint], fit.delta[joint]):
         axes.axhline(border, color="0.3", linewidth=0.6, linestyle=":")
-    axes.set(title=f"{JOINTS[joint]}: rms {fit.rms[joint]:.3g} N·m", xlabel="sample", ylabel="N·m")
+    axes.set(title=f"{JOINTS[joint]}: rms {fit.rms[joint]:.3g} N·m", xlabel="sample", ylabel=label("torque", "N·m"))
     axes.legend(loc="upper right", fontsize="small")
 
 
