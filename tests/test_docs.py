@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import os
 import re
+import runpy
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -43,3 +48,69 @@ def test_readme_has_two_commands_of_set_up():
     assert len(blocks) == 2
     assert all(len(block.strip().splitlines()) == 1 for block in blocks)
     assert "exoid demo" in blocks[0] and "pytest" in blocks[1]
+
+
+@pytest.fixture
+def four_runs(tmp_path, monkeypatch, capsys):
+    """An empty folder with the recordings that the README speaks of; Stribeck friction is hidden in the hip."""
+    monkeypatch.chdir(tmp_path)
+    making = "simulate --effect stribeck:hip=2.6 --runs 4 --duration 20 --seed 3 --out . --quiet"
+    assert main(making.split()) == 0, capsys.readouterr().err
+    for k in range(4):
+        Path(f"run_{k}.csv").rename(f"run{k + 1}.csv")
+
+
+def blocks_of_readme(language):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.S | re.M)
+
+
+def test_the_loop_of_the_readme_runs(four_runs, capsys):
+    lines = [line.removeprefix("$ ") for block in blocks_of_readme("console") for line in block.splitlines()]
+    assert len(lines) == 4
+    for line in lines:
+        status = main(shlex.split(line, comments=True)[1:])
+        assert status == 0, f"{line}: {capsys.readouterr().err}"
+
+
+def test_the_python_of_the_readme_runs(four_runs):
+    (script,) = blocks_of_readme("python")
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, env=environment(), timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(("missing:", "ambiguous:"))
+
+
+def environment():
+    return {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
+
+
+def test_the_catalogue_page_is_what_the_catalogue_says():
+    script = runpy.run_path(str(ROOT / "benchmarks" / "make_effects_page.py"))
+    fresh, shown = script["page"](), (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")
+    assert shown == fresh, "run python benchmarks/make_effects_page.py"
+
+
+def test_the_numbers_on_the_statistics_page_are_those_of_the_code():
+    text = (ROOT / "docs" / "statistics.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([a-z_.]+)\.([A-Z_]+)` \| ([^ ]+) \|", text, flags=re.M)
+    assert len(rows) > 10
+    for module, name, value in rows:
+        assert getattr(importlib.import_module(module), name) == float(value), f"docs/statistics.md: {module}.{name}"
+
+
+def test_the_page_on_the_paper_says_what_the_check_says():
+    from symbolic.check import check
+    from symbolic.model import Model
+
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    printed = " ".join(str(line) for line in check(Model.standard()))
+    assert "(1, 3)" in page and ("(1, 3)" in printed or "(1,3)" in printed)
+
+
+def test_pages_say_how_many_effects_there_are():
+    from symbolic.catalogue import catalogue
+
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"{len(catalogue())} effects" in text

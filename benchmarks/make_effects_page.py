@@ -1,0 +1,100 @@
+"""Write docs/effects.md from the catalogue, or check that it is what the catalogue says today.
+
+python benchmarks/make_effects_page.py            write docs/effects.md
+python benchmarks/make_effects_page.py --check    exit status 1 where the page is out of date
+"""
+
+from __future__ import annotations
+
+import sys
+from itertools import groupby
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from symbolic.catalogue import catalogue  # noqa: E402 - the repository must be on the path first
+from symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
+from workbench.commands.effects import joints  # noqa: E402
+from workbench.formula import formula  # noqa: E402
+
+PAGE = ROOT / "docs" / "effects.md"
+HEAD = """\
+# The catalogue of physical effects
+
+Written from the catalogue by `python benchmarks/make_effects_page.py`; do not edit. `exoid effects ID` shows one entry.
+
+The torque of an effect stands on the left side of the equation of motion: it is torque that the drive has to supply.
+θ, θ′, θ″ are angle, velocity and acceleration of the effect's own joint. Letters and signs: [notation](notation.md).
+"""
+
+
+def page() -> str:
+    effects = list(catalogue().values())
+    lines = [HEAD, *overview(effects)]
+    for family, members in groupby(effects, key=lambda effect: effect.family):
+        lines += ["", f"## {family.capitalize()}"]
+        for effect in members:
+            lines += ["", *entry(effect)]
+    return "\n".join(lines) + "\n"
+
+
+def overview(effects: list[Effect]) -> list[str]:
+    lines = [f"{len(effects)} effects.", "", "| effect | joint | what it means |", "|---|---|---|"]
+    return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.explains)} |" for e in effects]
+
+
+def entry(effect: Effect) -> list[str]:
+    # The heading is the id alone, so that its anchor is the id.
+    lines = [f"### {effect.id}", "", f"**{effect.title or effect.id}** ({joints(effect)}). {effect.explains}", ""]
+    for joint, text in formula(effect).items():
+        where = f" on the {joint}" if joint else ""
+        lines.append(f"* Torque added{where}: " + (text if effect.derive else f"`{text}`"))
+    lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
+    if effect.coefficients or effect.shape:
+        lines += ["", "| number | unit | range | typical | meaning |", "|---|---|---|---|---|"]
+        lines += [row(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
+    if effect.tells_apart:
+        lines += ["", f"Look-alikes, and the experiment that tells: {effect.tells_apart}"]
+    return [*lines, "", f"Reference: {effect.reference}"]
+
+
+def row(name: str, number: Coefficient | Shape) -> str:
+    typical = "" if number.typical is None else f"{number.typical:g}"
+    meaning = number.explains
+    if isinstance(number, Shape):
+        meaning = "; ".join(
+            part
+            for part in (meaning, "shape", "each recording its own" if number.per_recording else "")
+            if part
+        )  # fmt: skip
+    return f"| {name} | {number.unit} | {span(number)} | {typical} | {cell(meaning)} |"
+
+
+def span(number: Coefficient | Shape) -> str:
+    if isinstance(number, Shape) and number.choices:
+        return " or ".join(f"{choice:g}" for choice in number.choices)
+    if number.min is None and number.max is None:
+        return "any"
+    if number.max is None:
+        return f"≥ {number.min:g}"
+    return f"≤ {number.max:g}" if number.min is None else f"{number.min:g} to {number.max:g}"
+
+
+def cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def main() -> int:
+    fresh = page()
+    if "--check" in sys.argv[1:]:
+        current = PAGE.exists() and PAGE.read_text(encoding="utf-8") == fresh
+        sys.stdout.write("docs/effects.md is current\n" if current else "docs/effects.md is out of date\n")
+        return 0 if current else 1
+    PAGE.write_text(fresh, encoding="utf-8")
+    sys.stdout.write(f"{PAGE.relative_to(ROOT)}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
