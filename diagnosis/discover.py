@@ -80,8 +80,10 @@ def discover(
         stages.append(found)
     stages = search.prune(stages)
     stages, left = search.refute(stages, banned)
+    if len(stages) > most:  # there may be more that the catalogue explains; nothing is called unexplained yet
+        left = None
     tick(0.97, "writing it down")
-    return _write_up(search, stages, first, left, recordings, verify, began)
+    return _write_up(search, stages, first, left, recordings, verify, began, most)
 
 
 def diagnose(
@@ -277,6 +279,7 @@ def _write_up(
     recordings: Sequence[Recording],
     verify: Sequence[Recording],
     began: float,
+    most: int,
 ) -> Diagnosis:
     last = stages[-1]
     accepted = []
@@ -308,7 +311,7 @@ def _write_up(
         )
         for i, s in enumerate(stages)
     )
-    conclusion = conclude(accepted, left, stages[0], last, bool(verify), len(recordings))
+    conclusion = conclude(accepted, left, stages[0], last, bool(verify), len(recordings), most)
     alike = {a.name: a.look_alikes for a in accepted}
     return Diagnosis(
         verdict=conclusion.verdict,

@@ -37,12 +37,15 @@ def conclude(
     last: Stage,
     verified: bool,
     recordings: int,
+    most: int,
 ) -> Conclusion:
-    """Return the conclusion; `first` and `last` are the stages at both ends."""
+    """Return the conclusion; `first` and `last` are the stages at both ends, `most` the steps that were allowed."""
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
         where = "on held-out blocks of the only recording"
-    stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
+    stopped = "one step was asked for; `exoid discover` goes on" if most == 1 else f"{most} effects are the limit"
+    if len(accepted) < most:
+        stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
     advice = _advice(verified, recordings)
     if not accepted and left is None:
         return Conclusion(
