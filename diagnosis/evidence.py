@@ -26,6 +26,8 @@ REPEATS = 0.5
 """Shifts at which the motion resembles itself more than this (periodic excitation) are no placebos."""
 MIN_SHIFT = 1.0
 """Shortest shift in s."""
+LEAST_SCALE = 0.3
+"""Scale of a column for the ridge, at least this part of the largest column of the same candidate."""
 RIDGE = 1e-9
 """Relative ridge on a candidate's own Gram matrix: keeps a column that the model already contains harmless."""
 
@@ -313,6 +315,8 @@ def _fit_candidate(
     projected = inverse @ g
     schur = h - np.swapaxes(g, 1, 2) @ projected
     scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
+    # A column that the fitted units hardly show must not escape the ridge by being small.
+    scale = np.maximum(scale, LEAST_SCALE * scale.max(axis=1, keepdims=True))
     normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge * np.eye(schur.shape[1])
     right = a - np.einsum("dpm,p->dm", g, step)
     coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale

@@ -153,7 +153,7 @@ class Diagnosis:
         one = self.unexplained
         if one is None or not self.unexplained_significant:
             return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
-        variables = [one.variable] + ([f"d{_own_angle(one)}"] if one.directed else [])
+        variables = list(dict.fromkeys([one.variable, *([f"d{_own_angle(one)}"] if one.directed else [])]))
         return {
             "significant": True,
             "joint": one.joint,

@@ -15,6 +15,7 @@ import numpy as np
 
 from diagnosis.candidates import Columns, own_torques
 from diagnosis.evidence import BLOCKS, Evidence
+from diagnosis.evidence import RIDGE as LEAST_RIDGE
 from diagnosis.present import Present
 from optimisation.prepare import PreparedRecording
 from symbolic.motion import Float
@@ -22,7 +23,7 @@ from symbolic.quantity import JOINTS
 
 KNOTS = 12
 """Number of spline functions of a remainder."""
-RIDGE = 1e-3
+RIDGE = 3e-2
 """Relative ridge on a remainder: parts of a spline that the model nearly contains must not run wild."""
 LEAST_SHARE = 0.02
 """Smallest share of the unseen loss a remainder must explain to be spoken of."""
@@ -33,7 +34,9 @@ LEVEL = 0.005
 BEATEN = 0.25
 """A term is only a stand-in if a curve without physics gains this much more (relative) at the same joint ..."""
 BEATEN_SHARE = 0.03
-"""... and this much of the present loss."""
+"""... and this much of the present loss, ..."""
+SUPERSEDED = 0.5
+"""... and the term adds less than this part of its own gain to the curve."""
 VARIABLES: Mapping[str, tuple[str, str]] = {
     "q1": ("hip angle", "rad"),
     "q2": ("knee angle", "rad"),
@@ -141,7 +144,8 @@ def remainders(
     return out
 
 
-_TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and v.startswith(("dq", "ddq", "t"))))
+_TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and (v == "t" or v.startswith("ddq"))))
+"""(variable, directed). A velocity with direction is |θ'| with the sign of θ': a curve that may jump at standstill."""
 
 
 def _may_move(variable: str, directed: bool) -> bool:
@@ -226,23 +230,36 @@ def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float)
 def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]) -> bool:
     """Whether a curve without physics at `joint` clearly beats the columns (one node) of a term, judged alike.
 
-    `now` and `evidence` are of the model without the term.
+    Beaten is a term that a curve gains much more than, and that adds little to that curve: it was a stand-in. A term
+    beside which something else is left adds nearly as much to a curve as it gains alone. `now` and `evidence` are of
+    the model without the term.
     """
     judged = [([_Judge(evidence, tuple(range(len(evidence.blocks))))], False), (_own_judges(now, evidence), True)]
     for judges, own in judged:
-        mine = _weigh_columns(judges, term)
+        mine = _share(judges, term)
         for variable, directed in _TRIED:
             splines = _splines(now, variable, JOINTS.index(joint), directed)
-            if splines is not None and (not own or _may_move(variable, directed)):
-                share = _weigh(judges, splines, joint, variable, directed, own).share
-                if share > mine * (1.0 + BEATEN) + BEATEN_SHARE:
-                    return True
+            if splines is None or (own and not _may_move(variable, directed)):
+                continue
+            curve = _share(judges, splines.columns, RIDGE)
+            if curve <= mine * (1.0 + BEATEN) + BEATEN_SHARE:
+                continue
+            both = _share(judges, [_beside(c, t) for c, t in zip(splines.columns, term, strict=True)], RIDGE)
+            if both - curve < SUPERSEDED * mine:
+                return True
     return False
 
 
-def _weigh_columns(judges: Sequence[_Judge], columns: Sequence[Columns]) -> float:
+def _beside(curve: Columns, term: Columns) -> Columns:
+    """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
+    size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
+    return Columns(curve.joints, np.concatenate([curve.values, size * term.values], axis=3))
+
+
+def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> float:
+    """Return the share of the loss on held-out units that columns (one node) explain."""
     trained = [j for j in judges if j.trained]
-    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns))).total[0]) for j in trained)
+    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
     return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
 
 
@@ -251,22 +268,25 @@ def significant(one: Remainder) -> bool:
     return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and one.unseen > 0.0
 
 
-def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float) -> Float:
+def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float, directed: bool) -> Float:
     motion = one.motion
     if variable == "t":
         return motion.t - motion.t[0]
     if variable == "load":
         return own_torques(now.model, one, now.linear, shape)[f"tau_rigid{joint + 1}"]
     stem, index = variable[:-1], int(variable[-1]) - 1
-    return {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
+    signal = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
+    return np.abs(signal) if directed and stem == "dq" else signal
 
 
 def _splines(now: Present, variable: str, joint: int, directed: bool) -> _Splines | None:
-    """Return splines over the range of `variable` on the training motion; None where it does not vary."""
+    """Return splines over the range of `variable` on the training motion; None where it does not vary or apply."""
     from scipy.interpolate import BSpline
 
+    if directed and variable.startswith("dq") and variable != f"dq{joint + 1}":
+        return None  # the direction is that of the joint itself
     prepared = now.prepared.all
-    signals = [_signal(p, now, variable, joint, s) for p, s in zip(prepared, now.shapes, strict=True)]
+    signals = [_signal(p, now, variable, joint, s, directed) for p, s in zip(prepared, now.shapes, strict=True)]
     train = np.concatenate(signals[: len(now.prepared.train)])
     low, high = np.quantile(train, (0.002, 0.998))
     if not high - low > 1e-9:
@@ -346,4 +366,5 @@ def _word(one: Remainder) -> str:
     if one.variable == "t":
         return "t"
     stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta"}[one.variable[:-1]]
-    return stem if one.variable[-1] == own else stem + one.variable[-1]
+    word = stem if one.variable[-1] == own else stem + one.variable[-1]
+    return f"abs({word})" if one.directed and stem == "dtheta" else word
