@@ -72,9 +72,9 @@ def discover(
     first: list[Score] = []
     banned: set[str] = set()
     while len(stages) <= most:
-        scores = search.rank(stages[-1], len(stages))
+        evidence, scores = search.rank(stages[-1], len(stages))
         first = first or scores
-        found = search.next_stage(stages[-1], scores, banned)
+        found = search.next_stage(stages[-1], evidence, scores, banned)
         if found is None:
             break
         stages.append(found)
@@ -119,10 +119,12 @@ class _Search:
     tick: Progress
 
     def fit(self, model: Model, start: Float | None = None) -> Stage:
+        """Return `model` fitted to the training recordings, and where it then stands on all."""
         fitted = identify(model, self.prepared.train, optimisers=(), start=start)
         return Stage(fitted, present(fitted, self.prepared))
 
-    def rank(self, stage: Stage, step: int) -> list[Score]:
+    def rank(self, stage: Stage, step: int) -> tuple[Evidence, list[Score]]:
+        """Return the evidence against the model of `stage`, and all candidates weighed by it, best first."""
         low, high = _span(step)
         evidence = stage.now.evidence(seed=self.seed)
         scores = rank(
@@ -133,12 +135,10 @@ class _Search:
             stage.fit.shape,
             lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}"),
         )
-        object.__setattr__(stage.now, "_evidence", evidence)
-        return scores
+        return evidence, scores
 
-    def next_stage(self, stage: Stage, scores: Sequence[Score], banned: set[str]) -> Stage | None:
+    def next_stage(self, stage: Stage, evidence: Evidence, scores: Sequence[Score], banned: set[str]) -> Stage | None:
         """Return the model with the best candidate that really helps after a full refit, or None."""
-        evidence: Evidence = stage.now._evidence  # type: ignore[attr-defined]
         good = [s for s in scores if s.significant and s.name not in banned]
         while good:
             # A rival need not beat its own placebos: that something is missing is certain, the question is what.
