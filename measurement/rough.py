@@ -19,7 +19,7 @@ from measurement.recording import Recording
 from symbolic.motion import Float
 
 CUTOFF = 5.0
-"""Hz. Low on purpose: physics.md section 8, noise of the second derivative pulls inertias to zero."""
+"""Hz. Low on purpose: noise of the second derivative pulls inertias to zero."""
 MOST_SECONDS, ROWS = 120.0, 1500
 
 

@@ -22,7 +22,7 @@ class Motion:
     """Time stamps `t` (N,) in s and, per joint, `q`, `dq`, `ddq` (N, J) in rad, rad/s, rad/s².
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
-    prepares a measurement knows how much of the sign can be believed (physics.md, section 8).
+    prepares a measurement knows how much of the sign can be believed.
     """
 
     t: Float

@@ -3,7 +3,6 @@
 import contextlib
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -116,11 +115,9 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE.keys())
-def test_a_hostile_text_is_refused_at_once(text):
-    start = time.perf_counter()
+def test_a_hostile_text_is_refused(text):
     with pytest.raises(ExpressionError) as caught:
         parse(text, ["c", "theta", "dtheta"])
-    assert time.perf_counter() - start < 1.0  # a few milliseconds on an idle machine
     assert caught.value.remedy
     assert caught.value.where.splitlines()[-1].strip(" ^") == ""
     assert len(str(caught.value)) < 1500
