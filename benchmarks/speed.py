@@ -1,4 +1,4 @@
-"""How long things take, as ratios in one run: `python benchmarks/speed.py`. Nothing is asserted; use an idle machine."""
+"""How long things take, as ratios in one run (`python benchmarks/speed.py`); nothing is asserted."""
 
 from __future__ import annotations
 
