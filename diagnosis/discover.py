@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import cast
 
 import numpy as np
 
@@ -47,7 +48,7 @@ class Stage:
 
 
 def discover(
-    model: Model,
+    model: Model | Fit,
     recordings: Sequence[Recording],
     verify: Sequence[Recording] = (),
     *,
@@ -57,12 +58,13 @@ def discover(
     progress: Progress | None = None,
     most: int = MOST_TERMS,
 ) -> Diagnosis:
-    """Find which effects `model` is missing and add them, at most `most` of them.
+    """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them.
 
     `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue. Every
     random number comes from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
     """
     began = time.perf_counter()
+    model = cast("Model", model.model) if isinstance(model, Fit) else model
     tick = progress or _silent
     tick(0.02, "preparing the recordings")
     prepared = prepare(model, recordings, verify, cutoff=cutoff)
@@ -87,7 +89,7 @@ def discover(
 
 
 def diagnose(
-    model: Model,
+    model: Model | Fit,
     recordings: Sequence[Recording],
     verify: Sequence[Recording] = (),
     *,

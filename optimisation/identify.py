@@ -11,10 +11,12 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from measurement.finding import Finding
+from measurement.recording import Recording
 from optimisation.assemble import Assembly, FittableModel, Prepared, Settled, settle
 from optimisation.certificate import certify
 from optimisation.fit import Fit, Stage
@@ -32,6 +34,9 @@ from optimisation.uncertainty import Covariance, covariance
 from symbolic.errors import ExpressionError, NotEnoughDataError
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,7 @@ Progress = Callable[[str], None]
 
 def identify(
     model: FittableModel,
-    data: Sequence[Prepared],
+    data: Sequence[Prepared] | Sequence[Recording],
     *,
     optimisers: Mapping[str, Search] | tuple[()] = SEARCHES,
     shape: Float | None = None,
@@ -61,7 +66,7 @@ def identify(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Fit:
-    """Fit `model` to prepared recordings and return the Fit.
+    """Fit `model` to recordings, prepared or as they were read (they are then prepared), and return the Fit.
 
     `optimisers=()` is the light mode: no NFO and no IPOPT, the exact solution only. `shape` (S,) fixes the
     shape parameters instead of searching them, `start` ((S,) or (R, S)) searches them only from there,
@@ -71,6 +76,7 @@ def identify(
     began = time.perf_counter()
     if not data:
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
+    data = _prepared(model, data)
     say = progress or _silent
     searches = dict(optimisers)
     infinite = np.full(2, np.inf)
@@ -123,6 +129,16 @@ def identify(
         seconds=time.perf_counter() - began,
         recordings=tuple(one.name for one in data),
     )
+
+
+def _prepared(model: FittableModel, data: Sequence[Prepared] | Sequence[Recording]) -> Sequence[Prepared]:
+    """Return prepared recordings; those just read are prepared for `model`, with the cut-off chosen."""
+    raw = [one for one in data if isinstance(one, Recording)]
+    if not raw:
+        return cast("Sequence[Prepared]", data)
+    from optimisation.prepare import prepare
+
+    return prepare(cast("Model", model), raw).train
 
 
 def _scope(model: FittableModel, given: bool) -> str:
