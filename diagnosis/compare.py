@@ -201,9 +201,11 @@ def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:
             words, _ = VARIABLES[one.variable]
             direction = " and the direction of motion" if one.directed else ""
             moved = ", at a place that differs between recordings" if one.own else ""
-            text = f"{joint}: {100 * one.share:.0f} % of the squared error follows the {words}{direction}{moved}"
+            # A curve helps the other joint a little too, through the parameters both share: never say above 100 %.
+            share = min(1.0, one.share)
+            text = f"{joint}: {100 * share:.0f} % of the squared error follows the {words}{direction}{moved}"
             caution = "" if one.unseen > 0.0 else "not so on the verification recordings"
-            found.append(Where(joint, one.variable, one.share, text, caution))
+            found.append(Where(joint, one.variable, share, text, caution))
         found += _regions(now, joint)
     return tuple(sorted(found, key=lambda w: -w.share))
 

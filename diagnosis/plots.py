@@ -187,9 +187,8 @@ def comparison_figures(found: Comparison) -> list[Named]:
         if (one.joint, one.variable) in seen or one.variable == "load" or len(seen) == 4:
             continue
         seen.add((one.joint, one.variable))
-        out.append(
-            (f"Where it fails: {one.joint}, {one.variable}", one.sentence, against(found.now, one.joint, one.variable))
-        )
+        title = f"{one.joint}: error against {VARIABLES[one.variable][0]}"
+        out.append((title, one.sentence, against(found.now, one.joint, one.variable)))
     return out
 
 

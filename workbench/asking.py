@@ -71,7 +71,7 @@ def material_of(
         comparison=comparison,
         diagnosis=found,
         steps=Steps.of(found),
-        pictures=pictures_of(found, comparison),
+        pictures=pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
         truth=truth,
         command=command_of(args),
         settings=settings_of(args) | ({"filter": found.cutoff} if found.cutoff else {}),

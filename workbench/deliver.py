@@ -34,7 +34,9 @@ def deliver(
     if material is None:
         screen.say(f"wrote {folder}")
         return
+    from dataclasses import replace
+
     from workbench.report.page import write_report
 
-    page = write_report(material(), folder)
+    page = write_report(replace(material(), payload=payload), folder)
     screen.say(f"report: {page}")

@@ -70,5 +70,5 @@ def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
     return Material(
         title=f"Adding {args.effect}", answer=str(found.sentence), recordings=given.recordings,
         verify=given.verify, model=found.model, fit=found.after, steps=Steps.of(found.waterfall),
-        pictures=pictures_of(found, found.waterfall), command=command_of(args), settings=settings_of(args),
+        pictures=pictures_of(found), command=command_of(args), settings=settings_of(args),
     )  # fmt: skip

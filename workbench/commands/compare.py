@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     deliver(args, screen, payload, lambda: Material(
         title="Model against measurement", answer=_sentence(rms, found.verify_rms is not None),
         recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
-        pictures=pictures_of(found), command=command_of(args), settings=settings_of(args),
+        pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),
     ))  # fmt: skip
     return 1 if over else 0
 

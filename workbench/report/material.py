@@ -11,16 +11,29 @@ from typing import Any
 
 from measurement.recording import Recording
 
+FALLING = "The error falling"
+"""Title of the figure that every result with steps draws."""
 NOTHING: Mapping[str, str] = MappingProxyType({})
+WIDE = 6.5
+"""Inches from which on a figure does not share its row with another."""
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure with its `title` and `alt`, the sentence that stands for it where it cannot be seen."""
+    """A figure with its `title` and `alt`, the sentence that stands for it where it cannot be seen.
+
+    `section` names the section it belongs to ("" for the section of figures).
+    """
 
     title: str
     alt: str
     figure: Any
+    section: str = ""
+
+    @property
+    def wide(self) -> bool:
+        """Whether it needs the whole width of the page."""
+        return float(self.figure.get_figwidth()) > WIDE
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +55,7 @@ class Steps:
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The results of one command. `answer` is the sentence at the top where there is no diagnosis."""
+    """The results of one command. `answer` stands at the top where there is no diagnosis, `payload` is the JSON."""
 
     title: str
     answer: str = ""
@@ -58,14 +71,23 @@ class Material:
     command: str = ""
     settings: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     seconds: float | None = None
+    payload: Any = None
+
+    def pictures_in(self, section: str) -> tuple[Picture, ...]:
+        """Return the pictures that belong to `section`."""
+        return tuple(picture for picture in self.pictures if picture.section == section)
 
 
-def pictures_of(*results: Any) -> tuple[Picture, ...]:
-    """Return the pictures of every result that draws some, in their order."""
+def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
+    """Return the pictures of every result that draws some, in their order, for one `section` of the page.
+
+    The falling error goes to its own section, which shows it as bars that fit a phone.
+    """
     found = []
     for result in results:
         if result is not None and hasattr(result, "figures"):
-            found += [Picture(title, alt, figure) for title, alt, figure in result.figures()]
+            for title, alt, figure in result.figures():
+                found.append(Picture(title, alt, figure, "falling" if title == FALLING else section))
     return tuple(found)
 
 

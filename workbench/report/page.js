@@ -1,8 +1,9 @@
 "use strict";
-// Click on a head sorts the table: numbers by value, text by alphabet; a second click turns the order round.
+// Click on a head sorts a table of some length: numbers by value, text by alphabet; a second click turns the order round.
 for (const table of document.querySelectorAll("table.sortable")) {
   const body = table.tBodies[0];
-  if (body.rows.length < 2) continue;
+  if (body.rows.length < 3) continue;
+  table.classList.add("sorts");
   Array.from(table.tHead.rows[0].cells).forEach((cell, column) => {
     const button = document.createElement("button");
     button.type = "button";

@@ -12,5 +12,6 @@ ORDER = 50
 
 
 def context(material: Material) -> Mapping[str, Any] | None:
-    """Return the pictures, if there are any."""
-    return {"pictures": material.pictures} if material.pictures else None
+    """Return the pictures that no other section shows, if there are any."""
+    pictures = material.pictures_in("")
+    return {"pictures": pictures} if pictures else None

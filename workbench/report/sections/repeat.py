@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.files import to_json
 from workbench.report.material import Material
 
 TITLE = "To repeat this"
@@ -16,6 +18,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     from workbench.command import versions
 
     model = material.model
+    data = "" if material.payload is None else base64.b64encode(to_json(material.payload).encode()).decode("ascii")
     terms = [term.name for term in getattr(model, "terms", ())]
     return {
         "command": material.command,
@@ -23,4 +26,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "model": "" if model is None else f"{model.name}" + (f" with {', '.join(terms)}" if terms else ""),
         "versions": versions(),
         "seconds": material.seconds,
+        "data": data,
     }

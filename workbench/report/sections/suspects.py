@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.cells import share
+from workbench.report.cells import share, without_empty
+from workbench.report.effects import meaning
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
 
 TITLE = "Suspects"
 ORDER = 40
-MOST = 15
+MOST = 10
 
 
 def context(material: Material) -> Mapping[str, Any] | None:
@@ -24,6 +25,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         (
             place,
             term(one),
+            meaning(term(one), material.model) or "–",
             share(one["explained_share"]),
             one["p_value"],
             ", ".join(one["look_alikes"]) or "–",
@@ -31,16 +33,12 @@ def context(material: Material) -> Mapping[str, Any] | None:
         )
         for place, one in enumerate(found["suspects"][:MOST], start=1)
     ]
+    names = ("rank", "effect", "what it means", "explains", "p-value", "look-alikes in these data", "caution")
+    head, rows = without_empty(names, rows)
     return {
-        "head": (
-            "rank",
-            "effect",
-            "explains",
-            "p-value",
-            "look-alikes in these data",
-            "caution",
-        ),
+        "head": head,
         "rows": rows,
+        "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
         "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},
     }

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from symbolic.quantity import JOINTS
+from workbench.report.effects import meaning, torque
 from workbench.report.material import Material
 
 TITLE = "Answer"
@@ -26,16 +28,50 @@ def context(material: Material) -> Mapping[str, Any] | None:
         return None
     accepted = [] if found is None else found.to_json().get("accepted", [])
     return {
+        "tiles": tiles(material),
         "verdict": "" if found is None else found.verdict,
         "words": "" if found is None else WORDS.get(found.verdict, found.verdict),
         "sentence": material.answer or ("" if found is None else found.sentence),
         "rule": "" if found is None else found.rule,
-        "accepted": [{"sentence": "", "never_separable": (), **one, "term": term(one)} for one in accepted],
+        "accepted": [accepted_entry(one, material.model) for one in accepted],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
         "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
     }
+
+
+def tiles(material: Material) -> list[Mapping[str, Any]]:
+    """Return per joint the error before and after the steps (unseen motion where there is some), and the floor, N·m."""
+    if material.steps is None or not material.steps.rows:
+        return []
+    steps = material.steps
+    kind = "verify_rms" if steps.rows[0]["verify_rms"] is not None else "train_rms"
+    return [
+        {
+            "joint": joint,
+            "before": steps.rows[0][kind][j],
+            "after": steps.rows[-1][kind][j] if len(steps.rows) > 1 else None,
+            "floor": None if steps.noise_floor is None else steps.noise_floor[j],
+            "kind": "on unseen motion" if kind == "verify_rms" else "on the fitted motion",
+        }
+        for j, joint in enumerate(JOINTS)
+    ]
+
+
+def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
+    """Return an accepted effect of the JSON with what the catalogue says about it."""
+    name = term(one)
+    return {"look_alikes": (), "never_separable": (), **one, "term": name, "meaning": meaning(name, model),
+            "torque": torque(name, model), "numbers": numbers(one.get("parameters") or {})}  # fmt: skip
+
+
+def numbers(parameters: Mapping[str, Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return name, value, unit and interval of each parameter of an effect, the name without the effect's."""
+    return [
+        {**p, "name": name.rsplit(".", 1)[-1], "unit": "" if p["unit"] == "1" else p["unit"]}
+        for name, p in parameters.items()
+    ]
 
 
 def term(entry: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbolic.quantity import JOINTS
-from workbench.report.cells import share
+from workbench.report.cells import EMPTY, share, without_empty
 from workbench.report.material import Material
 
 TITLE = "Where the model fails"
@@ -19,6 +19,13 @@ def context(material: Material) -> Mapping[str, Any] | None:
     if found is None:
         return None
     unseen = found.verify_rms
+    head, rows = without_empty(
+        ("joint", "depends on", "share of the error", "what that means", "caution"),
+        [
+            (w.joint, words(w.variable), share(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution or EMPTY)
+            for w in found.where
+        ],
+    )
     return {
         "size_head": (
             "joint",
@@ -37,6 +44,14 @@ def context(material: Material) -> Mapping[str, Any] | None:
             )
             for j, joint in enumerate(JOINTS)
         ],
-        "head": ("joint", "depends on", "share of the error", "what that means", "caution"),
-        "rows": [(w.joint, w.variable, share(w.share), w.sentence, w.caution) for w in found.where],
+        "head": head,
+        "rows": rows,
+        "pictures": material.pictures_in("where"),
     }
+
+
+def words(variable: str) -> str:
+    """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
+    from diagnosis.unexplained import VARIABLES
+
+    return VARIABLES[variable][0] if variable in VARIABLES else variable

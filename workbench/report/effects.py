@@ -1,0 +1,39 @@
+"""What a report says about an effect: its name in words, its torque, what it means and what tells it apart."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from symbolic.effect import Effect
+
+
+def effect_of(name: str, model: Any = None) -> Effect | None:
+    """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
+    from symbolic.catalogue import catalogue
+
+    id = name.partition(":")[0]
+    own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
+    found = next((one for one in own if isinstance(one, Effect) and one.id == id), None)
+    return found or catalogue().get(id)
+
+
+def meaning(name: str, model: Any = None) -> str:
+    """Return the sentence of the catalogue for a technician, or ""."""
+    effect = effect_of(name, model)
+    return "" if effect is None else effect.explains
+
+
+def torque(name: str, model: Any = None) -> str:
+    """Return the torque the effect adds, as a person would write it, or ""."""
+    from workbench.formula import formula
+
+    effect = effect_of(name, model)
+    if effect is None:
+        return ""
+    return "; ".join(f"{joint}: {text}" if joint else text for joint, text in formula(effect).items())
+
+
+def tells_apart(name: str, model: Any = None) -> str:
+    """Return the look-alikes and the experiment that tells, as the catalogue has them, or ""."""
+    effect = effect_of(name, model)
+    return "" if effect is None else effect.tells_apart
