@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+os.environ["COLUMNS"] = "200"  # what commands say is not folded in the middle of what a test looks for
 
 
 def pytest_configure(config):

@@ -17,6 +17,7 @@ from types import ModuleType
 
 from symbolic.errors import ExoidError
 from workbench import commands
+from workbench.encoding import install
 from workbench.parser import Parser, UsageError
 from workbench.suggest import did_you_mean
 
@@ -29,13 +30,19 @@ New here? This runs the whole loop on shipped recordings in less than half a min
 
     exoid demo
 
-Then with your own recordings (tables with t, q1, q2, tau1, tau2 in s, rad, N·m; other names and units work):
+Then with your own recordings: tables with t, q1, q2, tau1, tau2 in s, rad, N·m
+(other names and units work). Keep one of them aside with --verify.
 
-    exoid compare  run1.csv run2.csv --verify run3.csv      how large is the error of the model, and where
-    exoid diagnose run1.csv run2.csv --verify run3.csv      which effect is missing, and what looks like it
+  how large is the error of the model, and where is it?
+    exoid compare run1.csv run2.csv --verify run3.csv
+
+  which effect is missing, and what looks like it?
+    exoid diagnose run1.csv run2.csv --verify run3.csv
+
+  the same to the end, with a report to read
     exoid discover run1.csv run2.csv --verify run3.csv --out report
-                                                            the same to the end, with a report to read
 
+No recordings yet? exoid simulate --blind --out runs makes some and seals the truth.
 exoid --help lists every command, exoid COMMAND --help its options.
 """
 
@@ -81,9 +88,7 @@ def overview() -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `exoid` with `argv` (default: the arguments of the process) and return the exit status."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")  # a terminal without θ shows "?" instead of a traceback
+    install()
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _note

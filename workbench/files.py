@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from symbolic.errors import ExoidError
+from workbench.encoding import spells
 
 
 class OutputError(ExoidError):
@@ -96,7 +97,8 @@ def write_json(target: str, payload: Any) -> None:
     """Write `payload` as JSON to the file `target`, or to standard output for "-"."""
     text = to_json(payload)
     if target == "-":
-        sys.stdout.write(text)
+        # A stream without θ gets \u03b8, which is the same JSON.
+        sys.stdout.write(text if spells(sys.stdout, text) else json.dumps(json.loads(text), indent=2) + "\n")
     else:
         write_text(target, text)
 

@@ -54,7 +54,10 @@ def show_comparison(screen: Screen, found: Any) -> None:
     if not found.where:
         screen.say("The error depends on nothing that was looked at.")
         return
-    places = [(w.joint, w.variable, percent(w.share), w.sentence, w.caution) for w in found.where[:MOST_PLACES]]
+    places = [
+        (w.joint, w.variable, percent(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution)
+        for w in found.where[:MOST_PLACES]
+    ]
     screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
 
 

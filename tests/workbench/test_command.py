@@ -21,6 +21,14 @@ def in_a_process(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
 
 
+@pytest.mark.parametrize("arguments", [[], ["--help"], ["discover", "-h"], ["discovr"]])
+def test_help_does_not_even_load_numpy(arguments):
+    code = (
+        f"import sys; from workbench.command import main; main({arguments!r}); print('numpy', 'numpy' in sys.modules)"
+    )
+    assert "numpy False" in in_a_process(code).stdout
+
+
 @pytest.mark.parametrize(
     "arguments", [[], ["--help"], ["effects", "--json", os.devnull, "--quiet"], ["discover", "-h"]]
 )
@@ -146,10 +154,33 @@ def test_options_may_stand_between_recordings():
     assert (args.recordings, args.verify, args.seed, args.map) == (["a.csv", "b.csv"], ["c.csv"], 3, [{"q1": "x,y"}])
 
 
-def test_a_terminal_without_greek_gets_question_marks():
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii"}
-    out = subprocess.run(
-        [sys.executable, "-m", "workbench.command", "effects", "stribeck"],
-        capture_output=True, text=True, env=environment, check=False,
-    )  # fmt: skip
-    assert out.returncode == 0, out.stderr
+def without_greek(*arguments, **environment):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii", **environment}
+    command = [sys.executable, "-m", "workbench.command", *arguments]
+    out = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert (out.returncode, out.stderr) == (0, "")
+    assert out.stdout.isascii()
+    return out.stdout
+
+
+def test_a_terminal_without_greek_gets_words():
+    text = without_greek("effects", "stribeck")
+    assert "c*sgn(theta')*exp(-(theta' / v_s)^2)" in text
+    assert "c: N*m" in text
+
+
+def test_tables_are_straight_without_greek():
+    lines = without_greek("effects", COLUMNS="120").splitlines()[:-1]
+    assert {len(line) for line in lines} == {len(lines[0])}
+    assert len(lines[0]) <= 120
+    assert "?" not in "".join(lines)
+
+
+def test_json_says_the_same_without_greek(capsys):
+    assert main(["effects", "stribeck", "--json", "-"]) == 0
+    assert json.loads(without_greek("effects", "stribeck", "--json", "-")) == json.loads(capsys.readouterr().out)
+
+
+def test_everything_a_pipe_gets_fits_80_columns():
+    for arguments in ([], ["effects"], ["effects", "stribeck"]):
+        assert max(len(line) for line in without_greek(*arguments, COLUMNS="").splitlines()) <= 80

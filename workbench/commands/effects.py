@@ -12,7 +12,10 @@ from workbench.files import make_folder, write_json, write_text
 from workbench.formula import formula
 from workbench.inputs import split_joint
 from workbench.options import add_common
-from workbench.screen import Screen
+from workbench.screen import Screen, width
+
+WIDE = 110
+"""Columns of a terminal from which on the list shows formulas too."""
 
 HELP = """list the physical effects exoid knows, or explain one
 
@@ -44,8 +47,12 @@ def run(args: argparse.Namespace) -> int:
     if found is not None:
         screen.say(describe(found))
     else:
-        rows = [(e.id, joints(e), next(iter(formula(e).values())), e.explains) for e in chosen.values()]
-        screen.table("", ("effect", "joint", "torque added", "what it means"), rows)
+        head, rows = ["effect", "joint", "what it means"], [[e.id, joints(e), e.explains] for e in chosen.values()]
+        if width() >= WIDE:
+            head.insert(2, "torque added")
+            for row, effect in zip(rows, chosen.values(), strict=True):
+                row.insert(2, next(iter(formula(effect).values())))
+        screen.table("", head, rows)
         screen.say(f"{len(rows)} effects; exoid effects ID explains one of them")
     payload = {"schema": "exoid.effects/1", "effects": [to_json(e) for e in chosen.values()]}
     if args.json:

@@ -7,9 +7,10 @@ import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from measurement.recording import Recording
+if TYPE_CHECKING:
+    from measurement.recording import Recording
 
 FALLING = "The error falling"
 """Title of the figure that every result with steps draws."""

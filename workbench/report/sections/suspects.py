@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.cells import share, without_empty
+from workbench.report.cells import share
 from workbench.report.effects import meaning
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
+from workbench.screen import without_empty
 
 TITLE = "Suspects"
 ORDER = 40
@@ -34,10 +35,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
         for place, one in enumerate(found["suspects"][:MOST], start=1)
     ]
     names = ("rank", "effect", "what it means", "explains", "p-value", "look-alikes in these data", "caution")
-    head, rows = without_empty(names, rows)
+    head, shown = without_empty(names, rows)
     return {
         "head": head,
-        "rows": rows,
+        "rows": shown,
         "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
         "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},

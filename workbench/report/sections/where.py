@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbolic.quantity import JOINTS
-from workbench.report.cells import EMPTY, share, without_empty
+from workbench.report.cells import share
 from workbench.report.material import Material
+from workbench.screen import without_empty
 
 TITLE = "Where the model fails"
 ORDER = 30
@@ -22,7 +23,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     head, rows = without_empty(
         ("joint", "depends on", "share of the error", "what that means", "caution"),
         [
-            (w.joint, words(w.variable), share(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution or EMPTY)
+            (w.joint, words(w.variable), share(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution or "–")
             for w in found.where
         ],
     )
