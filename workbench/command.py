@@ -24,7 +24,8 @@ from workbench.suggest import did_you_mean
 DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED = 0, 1, 2, 70, 130
 
 WELCOME = """\
-exoid finds out which physical effect the model of a 2-DOF exoskeleton leg is missing.
+exoid finds out which physical effect the model of a 2-DOF exoskeleton leg
+is missing.
 
 New here? This runs the whole loop on shipped recordings in less than half a minute:
 
