@@ -27,7 +27,7 @@ WELCOME = """\
 exoid finds out which physical effect the model of a 2-DOF exoskeleton leg
 is missing.
 
-New here? This runs the whole loop on shipped recordings in less than half a minute:
+New here? The whole loop on shipped recordings, in less than half a minute:
 
     exoid demo
 
@@ -43,7 +43,9 @@ Then with your own recordings: tables with t, q1, q2, tau1, tau2 in s, rad, N·m
   the same to the end, with a report to read
     exoid discover run1.csv run2.csv --verify run3.csv --out report
 
-No recordings yet? exoid simulate --blind --out runs makes some and seals the truth.
+No recordings yet?
+    exoid simulate --blind --out runs      makes some and seals the truth
+
 exoid --help lists every command, exoid COMMAND --help its options.
 """
 
