@@ -128,7 +128,8 @@ def paper_trajectory(period: float = 10.0) -> Fourier:
     """Return the published optimal motion. Its coefficients are printed in degrees and its period is not
     printed.
 
-    From 9 s upwards every limit of Table 1 holds; the knee touches its lower limit whatever the period.
+    From 9.6 s upwards every limit of Table 1 holds (the knee's velocity last); the knee comes within 4 mrad of its
+    lower limit whatever the period.
     """
     sine = [[0.99, -0.68, -16.40, 11.49, -11.03], [-4.53, 3.53, -0.73, 6.46, -7.94]]
     cosine = [[1.28, -9.73, -15.52, -6.58, -4.06], [7.80, -2.91, -15.50, 10.30, -8.75]]

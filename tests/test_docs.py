@@ -114,3 +114,13 @@ def test_pages_say_how_many_effects_there_are():
 
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"{len(catalogue())} effects" in text
+
+
+def test_the_page_on_the_paper_was_written_by_its_script(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    script = runpy.run_path(str(ROOT / "benchmarks" / "paper.py"))
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    assert script["limits"]() in page and script["periods"]() in page, "run python benchmarks/paper.py"
+    template = (ROOT / "benchmarks" / "paper_page.md").read_text(encoding="utf-8")
+    for words in re.split(r"\{\w+\}", template):
+        assert words in page, "run python benchmarks/paper.py"
