@@ -18,6 +18,7 @@ import paper_experiments as paper  # noqa: E402
 import paper_figures as figures  # noqa: E402
 
 from measurement.figures import to_png  # noqa: E402
+from measurement.plots import plot_trajectory  # noqa: E402
 from measurement.trajectory import paper_trajectory  # noqa: E402
 from symbolic.model import TABLE_1  # noqa: E402
 
@@ -39,7 +40,7 @@ def main() -> None:
     searches = {name: paper.search_motion(*how, SEARCH_SEEDS) for name, how in SEARCHES.items()}
     published = paper.condition(paper_trajectory())
     drawn = {
-        "trajectory": figures.trajectory(paper_trajectory()), "search": figures.search(searches, published),
+        "trajectory": plot_trajectory(paper_trajectory()), "search": figures.search(searches, published),
         "fit": figures.fit(fits[ROUGH][0]), "ratio": figures.ratios(fits, paper.PAPER_RATIO),
         "convergence": figures.convergence(curves),
     }  # fmt: skip
@@ -65,7 +66,8 @@ def numbers(fits, curves, searches, published) -> dict[str, str]:
         "derived_hip": f"{wrong['derived'][0]:.2f}", "printed_hip": f"{wrong['printed'][0]:.2f}",
         "derived_knee": f"{wrong['derived'][1]:.2f}", "printed_knee": f"{wrong['printed'][1]:.2f}",
         "seeds": str(paper.SEEDS), "search_seeds": str(SEARCH_SEEDS),
-        "radian": radian(), "shortest": f"{np.ceil(100 * shortest()) / 100:.2f}", "gap": f"{fits[ROUGH][0].proof.gap:.0e}",
+        "radian": radian(), "shortest": f"{np.ceil(100 * shortest()) / 100:.2f}",
+        "gap": f"{fits[ROUGH][0].proof.gap:.0e}",
     }  # fmt: skip
 
 

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from paper_experiments import ERRORS, Curves, Fits, Search
 
-from measurement.figures import FAINT, INK, JOINT_COLOURS, OKABE_ITO, figure_style, label, new_figure
-from measurement.trajectory import Fourier
-from symbolic.model import TABLE_1
+from measurement.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
@@ -18,26 +16,6 @@ if TYPE_CHECKING:
 
 COLOURS = (OKABE_ITO["blue"], OKABE_ITO["vermilion"], OKABE_ITO["green"], OKABE_ITO["purple"], OKABE_ITO["orange"])
 DASHES = ("-", "--", "-.", ":", (0, (3, 1, 1, 1)))
-
-
-def trajectory(path: Fourier) -> Figure:
-    """Draw angle, velocity and acceleration of one period, each between the limits of Table 1."""
-    motion = path.at(np.linspace(0.0, path.period, 600))
-    rows = (("angle", "rad", motion.q), ("velocity", "rad/s", motion.dq), ("acceleration", "rad/s²", motion.ddq))
-    with figure_style():
-        figure = new_figure(7.4, 5.4)
-        for axes, (name, unit, values) in zip(figure.subplots(3, 1, sharex=True), rows, strict=True):
-            for j, joint in enumerate(JOINTS):
-                limit, colour = TABLE_1[joint], JOINT_COLOURS[joint]
-                size = getattr(limit, name)
-                for border in size if name == "angle" else (-size, size):
-                    axes.axhline(border, color=colour, linewidth=0.9, linestyle=":" if j else "--")
-                axes.plot(motion.t, values[:, j], color=colour, label=joint)
-            axes.set(ylabel=label(name, unit))
-        axes.set(xlabel=label("time", "s"))
-        handles, names = axes.get_legend_handles_labels()
-        figure.legend(handles, [f"{n}, with its limits" for n in names], loc="outside lower center", ncols=2)
-    return figure
 
 
 def search(found: Mapping[str, Search], published: float) -> Figure:

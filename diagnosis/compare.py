@@ -7,7 +7,6 @@ beyond one curve, near which values and at reversals, is measured on the residua
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -21,6 +20,7 @@ from measurement.recording import Recording
 from optimisation.fit import Fit
 from optimisation.identify import identify
 from optimisation.prepare import Prepared, prepare
+from symbolic.html import table
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -122,7 +122,15 @@ class Comparison:
         return "\n".join([f"error on {kind} motion: {numbers}", *(f"  {w.sentence}" for w in self.where[:6])])
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        unseen = [None, None] if self.verify_rms is None else self.verify_rms.tolist()
+        size = [
+            (joint, float(self.signal_rms[j]), float(self.rms[j]), unseen[j], float(self.noise_floor[j]))
+            for j, joint in enumerate(JOINTS)
+        ]
+        where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
+        return table(("RMS [N·m]", "torque", "error, fitted", "error, unseen", "noise floor"), size) + (
+            table(("share", "where the error sits", "caution"), where) if where else ""
+        )
 
 
 def compare(

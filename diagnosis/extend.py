@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.present import Present, present
-from diagnosis.results import Step
+from diagnosis.results import Step, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
 from measurement.recording import Recording
 from optimisation.fit import Fit
 from optimisation.identify import identify
 from optimisation.prepare import Prepared, prepare
 from symbolic.effect import Effect
+from symbolic.html import bullets, lines
 from symbolic.kernel import compiled
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -72,7 +72,7 @@ class Waterfall:
         return falling_text(self.steps)
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        return steps_table(self.steps, self.noise_floor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +103,19 @@ class Addition:
         """Return (title, alternative text, figure)."""
         return self.waterfall.figures()
 
+    def to_frame(self) -> Any:
+        """Return one row per step."""
+        return self.waterfall.to_frame()
+
+    def plot(self) -> Figure:
+        """Draw the falling error."""
+        return self.waterfall.plot()
+
     def __repr__(self) -> str:
         return f"{self.sentence}\n{self.waterfall!r}"
+
+    def _repr_html_(self) -> str:
+        return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
 
 def falling_text(steps: Sequence[Step]) -> str:

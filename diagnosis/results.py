@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import html
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.unexplained import Remainder
 from measurement.finding import Finding
 from optimisation.fit import Fit
+from symbolic.html import lines, table
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate
@@ -193,8 +193,29 @@ class Diagnosis:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        body = html.escape(repr(self))
-        return f"<pre>{body}</pre>" + self.to_frame().head(8).to_html(index=False)
+        rows = [
+            (s.name, f"{100 * s.explained_share:.0f} %", s.p_value, ", ".join(s.look_alikes), s.caution)
+            for s in self.suspects[:8]
+        ]
+        suspects = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
+        return (
+            lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
+            + steps_table(self.steps, self.noise_floor)
+            + (suspects if rows else "")
+            + lines(self.next_experiment and f"measure next: {self.next_experiment}")
+        )
+
+
+def steps_table(steps: Sequence[Step], noise_floor: Float) -> str:
+    """Return the falling error as an HTML table, the noise floor as its last row."""
+    rows = []
+    for step in steps:
+        unseen = (None, None) if step.verify_rms is None else step.verify_rms.tolist()
+        rows.append((step.label, *(x for j in range(len(JOINTS)) for x in (float(step.train_rms[j]), unseen[j]))))
+    floor = noise_floor.tolist()
+    rows.append(("noise floor", floor[0], floor[0], floor[1], floor[1]))
+    head = ("RMS error [N·m]", *(f"{joint}, {kind}" for joint in JOINTS for kind in ("fitted", "unseen")))
+    return table(head, rows)
 
 
 Discovery = Diagnosis

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from measurement.finding import Finding
 from symbolic.errors import RecordingError
 from symbolic.files import write_whole
+from symbolic.html import bullets, lines, table
 from symbolic.motion import Float, read_only
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,17 @@ class Recording:
         import pandas as pd
 
         return pd.DataFrame(self.columns())
+
+    def plot(self) -> Figure:
+        """Draw angles and torques over time."""
+        from measurement.plots import plot_recording
+
+        return plot_recording(self)
+
+    def _repr_html_(self) -> str:
+        facts = (len(self), self.duration, self.rate, len(self) - int(self.valid.sum()), self.source.sha256[:12] or "–")
+        head = ("samples", "seconds", "Hz", "masked rows", "SHA-256")
+        return lines(strong=self.name) + table(head, [facts]) + bullets(self.findings)
 
     def __repr__(self) -> str:
         masked = len(self) - int(self.valid.sum())

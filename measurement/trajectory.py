@@ -12,15 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbolic.errors import ExoidError
+from symbolic.html import table
 from symbolic.model import TABLE_1, Limits
 from symbolic.motion import Float, Motion, read_only
 from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CENTRE = (0.61, -0.925)
 """θ_0 of the paper, rad."""
@@ -63,6 +67,18 @@ class Fourier:
         dq = (c * k) @ self.sine.T - (s * k) @ self.cosine.T
         ddq = -(s * k**2) @ self.sine.T - (c * k**2) @ self.cosine.T
         return Motion(np.asarray(t, dtype=float), q, dq, ddq)
+
+    def plot(self, limits: Mapping[str, Limits] = TABLE_1) -> Figure:
+        """Draw angle, velocity and acceleration of one period between `limits`."""
+        from measurement.plots import plot_trajectory
+
+        return plot_trajectory(self, limits)
+
+    def _repr_html_(self) -> str:
+        head = ("joint", "centre [rad]", *(f"{w} {k + 1}" for k in range(self.sine.shape[1]) for w in ("sin", "cos")))
+        pairs = np.stack([self.sine, self.cosine], axis=2).reshape(2, -1)
+        rows = [(joint, *map(float, (self.offset[j], *pairs[j]))) for j, joint in enumerate(JOINTS)]
+        return table(head, rows, f"periodic motion, {self.period:g} s; coefficients in rad")
 
     def scaled(self, factor: NDArray[np.float64]) -> Fourier:
         """Return the motion with each joint's swing about its offset multiplied by `factor` (J,)."""

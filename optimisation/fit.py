@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from optimisation.certificate import Certificate
 from optimisation.optimiser import Run
 from optimisation.problem import LinearData
 from optimisation.reference import Reference
+from symbolic.html import bullets, lines, table
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate
 
@@ -108,16 +108,19 @@ class Fit:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{h}</th>" for h in ("parameter", "value", "unit", "95 % low", "95 % high", "SSE"))
-        first = [*self.sse.linear, *self.sse.shape]
-        rows = "".join(
-            f"<tr><td>{html.escape(e.name)}</td><td>{e.value:.5g}</td><td>{html.escape(e.unit)}</td>"
-            f"<td>{e.low:.4g}</td><td>{e.high:.4g}</td><td>{s:.5g}</td></tr>"
-            for e, s in zip(self.estimates, first, strict=True)
+        first = map(float, (*self.sse.linear, *self.sse.shape))
+        rows = [(e.name, e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
+        gaps = [(name, run.gap, run.evaluations, run.seconds) for name, run in self.runs.items()]
+        if self.reference is not None:
+            gaps.append(("IPOPT", self.reference.gap, self.reference.iterations, self.reference.seconds))
+        head = ("optimiser", "relative gap", "evaluations or iterations", "seconds")
+        return (
+            table(("parameter", "value", "unit", "95 % low", "95 % high", "SSE"), rows)
+            + lines(f"RMS residual [N·m]: {rms}", str(self.certificate))
+            + (table(head, gaps) if gaps else "")
+            + bullets(self.plausibility)
         )
-        notes = "".join(f"<li>{html.escape(str(c))}</li>" for c in self.plausibility)
-        proof = html.escape(str(self.certificate))
-        return f"<table><tr>{head}</tr>{rows}</table><p>{proof}</p>" + (f"<ul>{notes}</ul>" if notes else "")
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per parameter: value, unit, 95 % interval, value of the SSE stage."""

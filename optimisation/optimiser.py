@@ -17,12 +17,17 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from optimisation.problem import Problem
+from symbolic.html import table
 from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
 
 INDIVIDUALS, GENERATIONS = 40, 400
 """The paper's population and number of generations."""
@@ -84,6 +89,22 @@ class Run:
     counts: Float = field(repr=False)
     optimiser: Any = None
     gap: float | None = None
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the best fitness after so many evaluations, one row per generation."""
+        import pandas as pd
+
+        return pd.DataFrame({"evaluations": self.counts.astype(int), "loss": self.history})
+
+    def plot(self, optimum: float | None = None) -> Figure:
+        """Draw the best fitness against evaluations; above `optimum` where one is known."""
+        from optimisation.plots import plot_run
+
+        return plot_run(self, optimum)
+
+    def _repr_html_(self) -> str:
+        head = ("optimiser", "loss", "relative gap", "evaluations", "seconds", "seed")
+        return table(head, [(self.name, self.fitness, self.gap, self.evaluations, self.seconds, self.seed)])
 
     def to_json(self) -> dict[str, Any]:
         """Return everything but the history in plain types."""

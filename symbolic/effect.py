@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from symbolic.html import code, lines, table
+
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -78,6 +80,19 @@ class Effect:
     tells_apart: str = ""
     reference: str = "no reference given"
     custom: bool = False
+
+    def _repr_html_(self) -> str:
+        """Show what the catalogue says, in a notebook."""
+        texts = {"": self.torque} if isinstance(self.torque, str) else dict(self.torque or {})
+        torque = "\n".join(f"{joint}: {text}" if joint else text for joint, text in texts.items())
+        numbers = [(n, c.unit, c.min, c.max, c.explains) for n, c in self.coefficients.items()]
+        numbers += [(n, s.unit, s.min, s.max, s.explains) for n, s in self.shape.items()]
+        return (
+            lines(self.explains, strong=f"{self.id}: {self.title or self.family}")
+            + (code(torque) if torque else lines("derived by Lagrange from the changed leg"))
+            + table(("number", "unit", "at least", "at most", "meaning"), numbers)
+            + lines(self.tells_apart and f"What tells it apart: {self.tells_apart}", f"Reference: {self.reference}")
+        )
 
     @property
     def on_both(self) -> bool:

@@ -20,6 +20,7 @@ import numpy as np
 from symbolic.effect import Effect
 from symbolic.errors import EffectError
 from symbolic.friction import friction_parameters
+from symbolic.html import lines, table
 from symbolic.motion import Float, Motion
 from symbolic.term import Parameter, ShapeParameter, Term
 
@@ -177,6 +178,13 @@ class Model:
         from symbolic.fingerprint import model_key
 
         return model_key(self)
+
+    def _repr_html_(self) -> str:
+        size = f"thigh {self.thigh_length:g} m, gravity {self.gravity:g} m/s²"
+        linear = [(p.name, p.label, p.unit, p.min, p.max) for p in self.parameters]
+        shape = [(s.name, s.shape.explains or "shape", s.shape.unit, s.shape.min, s.shape.max) for s in self.shapes]
+        rows = table(("number", "meaning", "unit", "at least", "at most"), [*linear, *shape])
+        return lines(size, strong=self.name) + rows
 
     def __repr__(self) -> str:
         terms = "".join(f" + {term.name}" for term in self.terms)

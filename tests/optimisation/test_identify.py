@@ -50,7 +50,8 @@ def test_a_fit_shows_and_writes_itself(fit):
     assert "viscous:knee" in text
     assert "certified optimum" in text
     assert "relative gap" in text
-    assert fit._repr_html_().count("<tr>") == 9
+    shown = fit._repr_html_()
+    assert all(e.name in shown for e in fit.estimates) and "IPOPT" in shown
     assert list(fit.to_frame().columns) == ["value", "unit", "low", "high", "sse"]
     written = json.loads(json.dumps(fit.to_json(), allow_nan=False))
     assert written["parameters"]["Phi1"]["unit"] == "kg·m²"

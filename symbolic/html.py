@@ -1,0 +1,43 @@
+"""How results show themselves in a notebook: small tables and lines of HTML, everything escaped.
+
+No style of its own beyond alignment, so that light and dark notebooks both look right.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> str:
+    """Return a table; numbers get four significant digits and stand to the right, None is a dash."""
+    title = f"<caption style='text-align:left'>{html.escape(caption)}</caption>" if caption else ""
+    names = "".join(f"<th style='text-align:left'>{html.escape(name)}</th>" for name in head)
+    body = "".join(f"<tr>{''.join(_cell(value) for value in row)}</tr>" for row in rows)
+    return f"<table>{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def lines(*texts: str, strong: str = "") -> str:
+    """Return paragraphs, `strong` first in bold; empty texts are left out."""
+    first = f"<p><strong>{html.escape(strong)}</strong></p>" if strong else ""
+    return first + "".join(f"<p>{html.escape(text)}</p>" for text in texts if text)
+
+
+def bullets(texts: Iterable[Any]) -> str:
+    """Return a list, or nothing for no entries."""
+    items = "".join(f"<li>{html.escape(str(text))}</li>" for text in texts)
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def code(text: str) -> str:
+    """Return a line of code."""
+    return f"<pre>{html.escape(text)}</pre>"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return f"<td style='text-align:left'>{html.escape('–' if value is None else str(value))}</td>"
+    text = str(value) if isinstance(value, int) else f"{value:.4g}" if math.isfinite(value) else "–"
+    return f"<td style='text-align:right'>{text}</td>"
