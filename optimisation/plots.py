@@ -56,12 +56,15 @@ def plot_intervals(fit: Fit, axes: Axes) -> None:
 
 def plot_convergence(fit: Fit, axes: Axes) -> None:
     """Draw how far above the certified optimum each optimiser was after how many evaluations."""
+    from matplotlib.ticker import MaxNLocator
+
     optimum = fit.certificate.primal
     for name, run in fit.runs.items():
         above = np.maximum((run.history - optimum) / max(optimum, np.finfo(float).tiny), 1e-17)
         axes.semilogy(run.counts, above, label=name)
     axes.axhline(fit.certificate.tolerance, color=FAINT, linewidth=0.6, linestyle=":")
     axes.set(title="above the certified optimum", xlabel="evaluations", ylabel="relative gap")
+    axes.xaxis.set_major_locator(MaxNLocator(5))
     if fit.runs:
         axes.legend(fontsize="small")
 
