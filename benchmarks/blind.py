@@ -7,7 +7,8 @@
 
 Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, the bench's usual instruments. Kinds:
 
-    single    one effect of the catalogue at one joint, 6-15 % of the torque of the leg it is hidden in
+    single    one effect of the catalogue at one joint. Its size is set by what a refitted base model cannot imitate:
+              0.25-1.2 N·m RMS at the joint that shows it most, where the torque sensor leaves 0.15-0.25 N·m of noise
     small     the same case at 0.4 times its size
     pair      two different effects, each as in `single`
     none      nothing
@@ -47,17 +48,28 @@ from diagnosis.present import present  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
 from measurement.bench import Run, simulate_runs  # noqa: E402
 from measurement.blind import draw, relative_size  # noqa: E402
-from measurement.hidden import Hidden  # noqa: E402
+from measurement.hidden import Hidden, true_model  # noqa: E402
 from measurement.leg import Leg, random_leg  # noqa: E402
+from measurement.signals import low_pass  # noqa: E402
+from measurement.trajectory import random_trajectory  # noqa: E402
 from optimisation.identify import identify  # noqa: E402
 from optimisation.prepare import prepare  # noqa: E402
 from symbolic.catalogue import catalogue  # noqa: E402
 from symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
 from symbolic.model import Model  # noqa: E402
+from symbolic.motion import Motion  # noqa: E402
+from symbolic.quantity import JOINTS  # noqa: E402
 
 KINDS = ("single", "small", "pair", "none", "outside")
-SHARE = (0.06, 0.15)
-"""Size of a hidden effect against the torque of the leg, as standard deviations."""
+VISIBLE = (0.25, 1.2)
+"""RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
+RATE, BAND = 200.0, 5.0
+"""Sampling and band in Hz in which that is judged."""
+FASTEST_RIPPLE = 120.0
+"""Largest order of a hidden ripple; a faster one is outside the band at all but creeping speed."""
+MOST_SHARE = 0.6
+"""Largest effect against the torque of the leg, as standard deviations: an effect that the base model nearly contains
+(a spring at the hip) would have to be absurd to be visible."""
 SMALL = 0.4
 LEGS_WITH_NOTHING = 6
 """Legs of kind `none` per seed, so that false alarms are counted on enough of them."""
@@ -158,10 +170,48 @@ def hide(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[Hidden, ...]:
         identifier, _, joint = name.partition(":")
         effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue()[identifier]
         alone = effect if effect.on_both else replace(effect, joints=(joint,))
-        (drawn,) = draw(rng, [alone], leg=leg, share=SHARE, nothing=0.0)
-        hidden = Hidden(effect, joint or None, drawn.values)
-        out.append(_scaled(_into_band(hidden, leg, rng), SMALL if case.kind == "small" else 1.0))
+        (drawn,) = draw(rng, [alone], leg=leg, nothing=0.0)
+        hidden = _placed(Hidden(effect, joint or None, drawn.values), rng)
+        wanted = math.exp(float(rng.uniform(*np.log(VISIBLE))))
+        hidden = _scaled(hidden, min(wanted / visible(hidden, leg), MOST_SHARE / relative_size(hidden, leg)))
+        out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), leg))
     return tuple(out)
+
+
+def motions() -> list[Motion]:
+    """Return three usual motions, 10 s each, on which sizes are judged."""
+    limits = Model.standard().limits
+    return [random_trajectory(np.random.default_rng(k), limits).at(np.arange(0.0, 10.0, 1.0 / RATE)) for k in range(3)]
+
+
+def visible(hidden: Hidden, leg: Leg) -> float:
+    """Return the RMS in N·m (of the joint that shows it most) of what a refitted base model cannot imitate.
+
+    Only below the band in which accelerations are usually clean: faster torque is beyond any model fitted to these.
+    """
+    model = Model.standard(thigh_length=leg.thigh_length)
+    plain, full = true_model(model, leg.base, ()), true_model(model, leg.base, (hidden,))
+    columns = [low_pass(np.moveaxis(model.columns(m), 1, 0), BAND, RATE) for m in motions()]
+    added = [low_pass(full.torque(m) - plain.torque(m), BAND, RATE) for m in motions()]
+    x, y = np.concatenate(columns).reshape(-1, 8), np.concatenate(added).ravel()
+    left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+    return float(np.sqrt(np.mean(left.reshape(-1, 2) ** 2, axis=0)).max()) + 1e-12
+
+
+def _placed(hidden: Hidden, rng: np.random.Generator) -> Hidden:
+    """Put what sits at an angle (an end stop) where the joint gets to, near its end; give a ripple a usual order."""
+    assert isinstance(hidden.effect, Effect)
+    if hidden.effect.id == "torque_ripple":
+        return replace(
+            hidden, values={**hidden.values, "n": math.exp(float(rng.uniform(*np.log((8.0, FASTEST_RIPPLE)))))}
+        )
+    places = [key for key, shape in hidden.effect.shape.items() if shape.spacing == "position"]
+    if not places or hidden.joint is None:
+        return hidden
+    angle = np.concatenate([m.q[:, JOINTS.index(hidden.joint)] for m in motions()])
+    part = float(rng.uniform(0.75, 0.92))
+    part = 1.0 - part if hidden.values.get("side", 1.0) < 0.0 else part
+    return replace(hidden, values={**hidden.values, **dict.fromkeys(places, float(np.quantile(angle, part)))})
 
 
 def _scaled(hidden: Hidden, factor: float) -> Hidden:
@@ -171,15 +221,17 @@ def _scaled(hidden: Hidden, factor: float) -> Hidden:
     return replace(hidden, values={k: v * (factor if k in size else 1.0) for k, v in hidden.values.items()})
 
 
-def _into_band(hidden: Hidden, leg: Leg, rng: np.random.Generator) -> Hidden:
-    """Give an effect without coefficients (a delay, a tilt), which `draw` leaves at its shape, a size in SHARE."""
+def _possible(hidden: Hidden, leg: Leg) -> Hidden:
+    """Keep numbers within their bounds, and presliding friction within the dry friction that it takes the place of."""
     assert isinstance(hidden.effect, Effect)
-    if hidden.effect.coefficients:
-        return hidden
-    wanted = math.exp(float(rng.uniform(*np.log(SHARE))))
-    found = _scaled(hidden, wanted / relative_size(hidden, leg))
     bounds = hidden.effect.shape
-    return replace(found, values={k: min(max(v, bounds[k].min), bounds[k].max) for k, v in found.values.items()})
+    values = {k: min(max(v, bounds[k].min), bounds[k].max) if k in bounds else v for k, v in hidden.values.items()}
+    if hidden.effect.id in ("friction_drift", "viscous_drift", "joint_elasticity"):
+        values["c"] = abs(values["c"])  # more friction while cold, or it would drive the joint; a spring that yields
+    if hidden.effect.id == "hysteresis":
+        dry = leg.base[4 if hidden.joint == "hip" else 6]
+        values["c"] = min(values["c"], dry)
+    return replace(hidden, values=values)
 
 
 def run_case(case: Case) -> dict[str, Any]:
@@ -200,6 +252,7 @@ def run_case(case: Case) -> dict[str, Any]:
         "kind": case.kind,
         "hidden": {h.name: {k: float(v) for k, v in h.values.items()} for h in hidden},
         "size": [relative_size(h, leg) for h in hidden],
+        "visible": [visible(h, leg) for h in hidden],
         "verdict": found.verdict,
         "accepted": [_accepted(a) for a in found.accepted],
         "unexplained": found.to_json()["unexplained"],

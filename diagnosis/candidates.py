@@ -79,6 +79,10 @@ class Columns:
         out[list(self.joints)] = self.values[node]
         return out
 
+    def node(self, index: int) -> Columns:
+        """Return the columns of one node alone."""
+        return Columns(self.joints, self.values[index : index + 1])
+
 
 @dataclass(frozen=True, eq=False)
 class Library:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import cast
 
@@ -17,11 +17,11 @@ import numpy as np
 
 from diagnosis.candidates import Columns, Library, build_library
 from diagnosis.evidence import Evidence
-from diagnosis.look_alikes import CLOSE, TIED, look_alikes, refine
+from diagnosis.look_alikes import CLOSE, TIED, columns_at, look_alikes, refine
 from diagnosis.present import Present, present
 from diagnosis.results import Accepted, Diagnosis, Step, Suspect
-from diagnosis.suspects import Score, placebo, rank, weigh
-from diagnosis.unexplained import Remainder, beaten, remainders, significant, suggest
+from diagnosis.suspects import LEAST_SHARE, Score, placebo, rank, weigh
+from diagnosis.unexplained import Remainder, Winner, beaten, remainders, significant, suggest
 from diagnosis.verdict import biased_parameters, conclude, sentence_of
 from measurement.recording import Recording
 from optimisation.fit import Fit
@@ -30,8 +30,11 @@ from optimisation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
+from symbolic.quantity import JOINTS
 
 Progress = Callable[[float, str], None]
+ROUNDS = 4
+"""Times the search goes on after it had to take back a stand-in."""
 MOST_TERMS = 6
 """Terms added at most; a model that needs more has another problem."""
 
@@ -69,19 +72,8 @@ def discover(
     tick(0.02, "preparing the recordings")
     prepared = prepare(model, recordings, verify, cutoff=cutoff)
     library = build_library(model, prepared.all, (*extra, *_own_effects(model)))
-    search = _Search(prepared, library, seed, tick)
-    stages = [search.fit(model)]
-    first: list[Score] = []
-    banned: set[str] = set()
-    while len(stages) <= most:
-        evidence, scores = search.rank(stages[-1], len(stages))
-        first = first or scores
-        found = search.next_stage(stages[-1], evidence, scores, banned)
-        if found is None:
-            break
-        stages.append(found)
-    stages = search.prune(stages)
-    stages, left = search.refute(stages, banned)
+    search = _Search(prepared, library, seed, tick, most)
+    stages, first, left = search.run(search.fit(model))
     if len(stages) > most:  # there may be more that the catalogue explains; nothing is called unexplained yet
         left = None
     tick(0.97, "writing it down")
@@ -119,6 +111,34 @@ class _Search:
     library: Library
     seed: int
     tick: Progress
+    most: int = MOST_TERMS
+    _ranked: dict[tuple[str, ...], tuple[Evidence, list[Score]]] = field(default_factory=dict)
+    """What was found against a model with these terms, for when the search comes back to it."""
+
+    def run(self, stage: Stage) -> tuple[list[Stage], list[Score], Remainder | None]:
+        """Return the stages from `stage` to the last model, the candidates as ranked at first, and what is left.
+
+        Where an accepted term turns out to be a stand-in, it is taken back and the search goes on without it: what it
+        stood in front of may now be seen.
+        """
+        stages, first = [stage], list[Score]()
+        banned: set[str] = set()
+        for _ in range(ROUNDS):
+            while len(stages) <= self.most:
+                evidence, scores = self.rank(stages[-1], len(stages))
+                first = first or scores
+                found = self.next_stage(stages[-1], evidence, scores, banned)
+                if found is None:
+                    break
+                stages.append(found)
+            stages = self.prune(stages)
+            left = self.left(stages[-1])
+            stand_ins = self.stand_ins(stages, left)
+            if not stand_ins:
+                return stages, first, left
+            banned |= stand_ins
+            stages = self._replay(stages, [n for n in _names(stages) if n not in banned])
+        return stages, first, self.left(stages[-1])
 
     def fit(self, model: Model, start: Float | None = None) -> Stage:
         """Return `model` fitted to the training recordings, and where it then stands on all."""
@@ -127,6 +147,12 @@ class _Search:
 
     def rank(self, stage: Stage, step: int) -> tuple[Evidence, list[Score]]:
         """Return the evidence against the model of `stage`, and all candidates weighed by it, best first."""
+        key = tuple(term.name for term in stage.now.model.terms)
+        if key not in self._ranked:
+            self._ranked[key] = self._rank(stage, step)
+        return self._ranked[key]
+
+    def _rank(self, stage: Stage, step: int) -> tuple[Evidence, list[Score]]:
         low, high = _span(step)
         evidence = stage.now.evidence(seed=self.seed)
         scores = rank(
@@ -151,6 +177,10 @@ class _Search:
             best = refined[0]
             alike = look_alikes(evidence, best, refined[1:])
             best = _simplest(best, refined, alike)
+            if not self._outlives_noise(stage, evidence, best[0]):
+                banned.add(best[0].name)
+                good = [s for s in good if s.name not in banned]
+                continue
             names = tuple(n for n in [p[0].name for p in refined] if n in {*alike, refined[0][0].name})
             names = tuple(n for n in names if n != best[0].name)
             found = self._add(stage, best[0])
@@ -160,6 +190,30 @@ class _Search:
             banned.add(best[0].name)
             good = [s for s in good if s.name not in banned]
         return None
+
+    def _outlives_noise(self, stage: Stage, evidence: Evidence, score: Score) -> bool:
+        """Whether a candidate still gains enough once the part that the noise of the angles makes is taken off.
+
+        Noise makes accelerations, and so the model's torque, rougher than the motion was; whatever smooths it (a
+        flexible drive, a delay) then gains. With the noise added once more that part doubles, the true part does not.
+        """
+        noisy = self.noisy(stage)
+        columns = columns_at(
+            score.candidate, score.shape, noisy.prepared.all, noisy.model, noisy.linear, stage.fit.shape
+        )
+        single = replace(score.candidate, nodes=score.shape[:, None, :])
+        rougher = noisy.evidence(seed=self.seed, draws=0, sigma=evidence.sigma)
+        with_noise = weigh(rougher, single, columns)
+        loss, rough_loss = float(evidence.fold_losses.sum()), float(rougher.fold_losses.sum())
+        made_by_noise = max(with_noise.share * rough_loss - score.share * loss, 0.0) / loss
+        return score.share - made_by_noise >= LEAST_SHARE
+
+    def noisy(self, stage: Stage) -> Present:
+        """Return the model of `stage` on the recordings as they would be with the noise of their encoders doubled."""
+        rng = np.random.default_rng(self.seed)
+        train = tuple(one.noisier(rng) for one in self.prepared.train)
+        verify = tuple(one.noisier(rng) for one in self.prepared.verify)
+        return stage.now.on(replace(self.prepared, train=train, verify=verify))
 
     def _refine(self, evidence: Evidence, stage: Stage, score: Score) -> tuple[Score, list[Columns]]:
         return refine(evidence, score, self.library, stage.now.model, stage.fit.linear, stage.fit.shape)
@@ -183,7 +237,7 @@ class _Search:
         for score in terms[:-1]:
             if len(terms) < 2:
                 break
-            without = self._without(last, score)
+            without = self._without(last, [score])
             again = self._again(without, score)
             if not (again.helps and again.p_value is not None and again.p_value <= 0.01):
                 terms = [t for t in terms if t.name != score.name]
@@ -192,9 +246,12 @@ class _Search:
             return stages
         return self._replay(stages, [t.name for t in terms])
 
-    def _without(self, stage: Stage, score: Score) -> Stage:
-        model = stage.now.model.without(score.name)
-        keep = [i for i, s in enumerate(stage.now.model.shapes) if s.term != score.name]
+    def _without(self, stage: Stage, scores: Sequence[Score]) -> Stage:
+        names = {score.name for score in scores}
+        model = stage.now.model
+        keep = [i for i, s in enumerate(model.shapes) if s.term not in names]
+        for name in names:
+            model = model.without(name)
         shapes = np.asarray(stage.fit.shapes)[:, keep]
         start = shapes if any(s.shape.per_recording for s in model.shapes) else shapes[0]
         return self.fit(model, start if model.shapes else None)
@@ -216,28 +273,69 @@ class _Search:
                     out.append(replace(found, added=stage.added, alike=stage.alike, never=stage.never))
         return out
 
-    def refute(self, stages: list[Stage], banned: set[str]) -> tuple[list[Stage], Remainder | None]:
-        """Take back stand-ins; return the stages left and the remainder of the last, if it is significant."""
-        for score in [s.added for s in stages[1:] if s.added is not None]:
-            joint = score.candidate.term.joint
-            if joint is None:
+    def stand_ins(self, stages: list[Stage], left: Remainder | None) -> set[str]:
+        """Return the accepted terms that a curve without physics clearly beats.
+
+        All of a joint together first: two entries may build one curve that neither would pass for. Then one by one, at
+        their own joint; and, where something is `left`, at its joint too: what nobody explains at one joint bends the
+        parameters that both share, and a term at the other joint may bend them back. With them go the candidates that
+        could only take their place: those that add little to the same curve.
+        """
+        scores = {s.added.name: s.added for s in stages[1:] if s.added is not None}
+        for joint in JOINTS:
+            here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
+            disturbed = left is not None and left.joint == joint
+            single = [[n] for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
+            for group in ([here] if len(here) > 1 else []) + single:
+                self.tick(0.9, f"holding {' and '.join(group)} against a curve without physics")
+                without, evidence = self._without_them(stages[-1], [scores[n] for n in group])
+                numbers = sum(scores[n].candidate.numbers for n in group)
+                columns = [self._columns(scores[n], without) for n in group]
+                together = [_side_by_side(each) for each in zip(*columns, strict=True)]
+                winner = beaten(without.now, evidence, joint, together, numbers)
+                if winner is not None:
+                    return {*group, *self._superseded(without, evidence, winner, joint)}
+        return set()
+
+    def _without_them(self, stage: Stage, group: Sequence[Score]) -> tuple[Stage, Evidence]:
+        without = self._without(stage, group)
+        return without, without.now.evidence(seed=self.seed, draws=0)
+
+    def _columns(self, score: Score, stage: Stage) -> list[Columns]:
+        """Return the columns of an accepted candidate, where it was accepted, at the model of `stage`."""
+        now = stage.now
+        return columns_at(score.candidate, score.shape, self.prepared.all, now.model, stage.fit.linear, stage.fit.shape)
+
+    def _superseded(self, stage: Stage, evidence: Evidence, winner: Winner, joint: str) -> set[str]:
+        """Return the candidates that touch `joint` and add little to the curve that won there."""
+        out = set()
+        for candidate in self.library.candidates:
+            if candidate.term.joint not in (joint, None):
                 continue
-            self.tick(0.9, f"holding {score.name} against a curve without physics")
-            without = self._without(stages[-1], score)
-            evidence = without.now.evidence(seed=self.seed, draws=199)
-            candidate = self.library.find(score.name)
-            columns = self.library.columns(candidate, without.now.model, without.fit.linear, without.fit.shape)
-            again = weigh(evidence, candidate, columns)
-            single = [Columns(c.joints, c.values[n : n + 1]) for c, n in zip(columns, again.nodes, strict=True)]
-            if beaten(without.now, evidence, joint, single):
-                banned.add(score.name)
-                kept = [s.added.name for s in stages[1:] if s.added is not None and s.added.name not in banned]
-                stages = self._replay(stages, kept)
-        self.tick(0.93, "looking at what is left")
-        last = stages[-1]
-        left = remainders(last.now, last.now.evidence(seed=self.seed))
-        best = next((r for r in left if significant(r)), None)
-        return stages, None if best is None else replace(best, suggestions=suggest(best))
+            columns = self.library.columns(candidate, stage.now.model, stage.fit.linear, stage.fit.shape)
+            score = weigh(evidence, candidate, columns)
+            best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
+            if score.share >= LEAST_SHARE and winner.supersedes(best):
+                out.add(candidate.name)
+        return out
+
+    def left(self, stage: Stage) -> Remainder | None:
+        """Return the remainder of the last model, if it is significant, with suggested closed forms."""
+        self.tick(0.88, "looking at what is left")
+        found = remainders(stage.now, stage.now.evidence(seed=self.seed))
+        best = next((r for r in found if significant(r)), None)
+        return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _side_by_side(parts: Sequence[Columns]) -> Columns:
+    """Return the columns (one node each) of several candidates as those of one."""
+    if len(parts) == 1:
+        return parts[0]
+    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
+
+
+def _names(stages: Sequence[Stage]) -> list[str]:
+    return [s.added.name for s in stages if s.added is not None]
 
 
 def _span(step: int) -> tuple[float, float]:
@@ -267,10 +365,9 @@ def _from_tangent(score: Score, count: int) -> Float:
 
 
 def _unseen_gain(before: Stage, after: Stage) -> float:
-    """Return the fall of the squared unseen error, each joint in units of its own; of the fitted one without verify."""
-    old = before.now.verify_rms if before.now.verify_rms is not None else before.now.train_rms
-    new = after.now.verify_rms if after.now.verify_rms is not None else after.now.train_rms
-    return float(np.sum((old**2 - new**2) / np.maximum(old**2, 1e-300)))
+    """Return the fall of the Huber loss on unseen recordings (the fitted ones without any), as a share of it."""
+    scale = before.now.unseen_scale
+    return 1.0 - after.now.unseen_loss(scale) / max(before.now.unseen_loss(scale), 1e-300)
 
 
 def _write_up(

@@ -28,6 +28,8 @@ MIN_SHIFT = 1.0
 """Shortest shift in s."""
 LEAST_SCALE = 0.3
 """Scale of a column for the ridge, at least this part of the largest column of the same candidate."""
+ROBUST = 2.0
+"""Robust standard deviations beyond which a residual counts linearly."""
 RIDGE = 1e-9
 """Relative ridge on a candidate's own Gram matrix: keeps a column that the model already contains harmless."""
 
@@ -93,11 +95,11 @@ class Evidence:
     ) -> None:
         self.train, self.verify = tuple(train), tuple(verify)
         self.draws = draws
-        self.sigma = robust_scale(self.train) if sigma is None else sigma
+        self.sigma = pooled_scale([(b.residual, b.use) for b in self.train]) if sigma is None else sigma
         self._units: list[tuple[int, Float]] = []
         blocks = self.train + self.verify
         for index, block in enumerate(blocks):
-            weight = block.use / self.sigma[:, None] ** 2
+            weight = robust_weight(block, self.sigma) / self.sigma[:, None] ** 2
             for fold in np.unique(block.fold):
                 self._units.append((index, np.where(block.fold == fold, weight, 0.0)))
         self.blocks = blocks
@@ -145,7 +147,7 @@ class Evidence:
     @property
     def joint_losses(self) -> Float:
         """Weighted squared residual (J,) of the training recordings, joint by joint."""
-        parts = [np.sum(b.use * b.residual**2, axis=1) / self.sigma**2 for b in self.train]
+        parts = [np.sum(robust_weight(b, self.sigma) * b.residual**2, axis=1) / self.sigma**2 for b in self.train]
         return np.asarray(np.sum(parts, axis=0))
 
     @property
@@ -222,11 +224,11 @@ class Evidence:
         """Return the recording index and the weights (J, K) of a unit."""
         return self._units[number]
 
-    def held_out_fits(self, grams: Sequence[Gram]) -> list[tuple[int, Float, Float]]:
+    def held_out_fits(self, grams: Sequence[Gram], ridge: float = RIDGE) -> list[tuple[int, Float, Float]]:
         """Return (unit, base step (P,), candidate coefficients (m,)) for every judged unit, fitted on the others."""
         out = []
         for fit, held, inverse, step, _, _ in self._splits:
-            coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit])
+            coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
             out += [(unit, base[0], coefficients[0]) for unit in held]
         return out
 
@@ -272,13 +274,22 @@ class Evidence:
         return _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)[0]
 
 
-def robust_scale(blocks: Sequence[Block]) -> Float:
-    """Return the robust standard deviation (J,) of the residuals of all blocks, N·m."""
+def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
+    """Return the robust standard deviation (J,) of pairs (residual (J, K) N·m, use (J, K)) together."""
     out = []
     for joint in range(2):
-        values = np.concatenate([b.residual[joint][b.use[joint]] for b in blocks])
+        values = np.concatenate([residual[joint][use[joint]] for residual, use in parts])
         out.append(max(float(np.median(np.abs(values))) / 0.6745, 1e-12) if values.size else 1.0)
     return np.array(out)
+
+
+def robust_weight(block: Block, sigma: Float) -> Float:
+    """Return the weights (J, K) that make the squares of the present residual a bound of its Huber loss.
+
+    Bursts and reversals count linearly (Huber 1964): a few hundred bad samples must not drown what all others say.
+    """
+    size = np.maximum(np.abs(block.residual), 1e-300)
+    return block.use * np.minimum(1.0, ROBUST * sigma[:, None] / size)
 
 
 def _draw_shifts(blocks: Sequence[Block], draws: int, rng: np.random.Generator) -> list[np.ndarray]:

@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from diagnosis.candidates import Candidate, Columns, Library, candidate_columns
-from diagnosis.evidence import Evidence, Gram
+from diagnosis.evidence import RIDGE, Evidence, Gram
 from diagnosis.suspects import Score, weigh
+from optimisation.prepare import PreparedRecording
 from optimisation.shape_search import from_unit, to_unit
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -44,7 +45,7 @@ def refine(
         for i, s in enumerate(candidate.term.effect.shape.values())
         if not candidate.tangent and not s.choices and not s.per_recording
     ]
-    columns = _at(candidate, chosen, library, model, linear, shape)
+    columns = columns_at(candidate, chosen, library.prepared, model, linear, shape)
     best = _one_node(evidence, candidate, chosen, columns, score)
     for index in free:
         entry = list(candidate.term.effect.shape.values())[index]
@@ -54,7 +55,7 @@ def refine(
             for unit in (middle - 0.5 * reach, middle + 0.5 * reach):
                 trial = chosen.copy()
                 trial[:, index] = from_unit(entry, unit)
-                trial_columns = _at(candidate, trial, library, model, linear, shape)
+                trial_columns = columns_at(candidate, trial, library.prepared, model, linear, shape)
                 found = _one_node(evidence, candidate, trial, trial_columns, score)
                 if found.share > best.share:
                     best, chosen, columns = found, trial, trial_columns
@@ -62,12 +63,18 @@ def refine(
     return best, columns
 
 
-def _at(
-    candidate: Candidate, chosen: Float, library: Library, model: Model, linear: Float, shape: Float
+def columns_at(
+    candidate: Candidate,
+    chosen: Float,
+    prepared: Sequence[PreparedRecording],
+    model: Model,
+    linear: Float,
+    shape: Float,
 ) -> list[Columns]:
+    """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
     return [
         candidate_columns(candidate, row[None], one, model, linear, shape)
-        for row, one in zip(chosen, library.prepared, strict=True)
+        for row, one in zip(chosen, prepared, strict=True)
     ]
 
 
@@ -88,10 +95,10 @@ def look_alikes(
 
     The lag is in standard errors of the difference; 0 is a tie.
     """
-    reference = _losses(evidence, evidence.plain(best[1]), best[1])
+    reference = block_losses(evidence, evidence.plain(best[1]), best[1])
     out: dict[str, float] = {}
     for score, columns in rivals:
-        difference = _losses(evidence, evidence.plain(columns), columns) - reference
+        difference = block_losses(evidence, evidence.plain(columns), columns) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
         practically = score.share >= PRACTICALLY * best[0].share
         if practically and score.candidate.numbers < best[0].candidate.numbers:
@@ -101,10 +108,10 @@ def look_alikes(
     return out
 
 
-def _losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns]) -> Float:
-    """Return the held-out loss of a candidate in blocks of time, over all units of all splits."""
+def block_losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
+    """Return the held-out loss of a candidate in blocks of BLOCK_SECONDS, over all units of all splits."""
     out = []
-    for unit, step, coefficients in evidence.held_out_fits(grams):
+    for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
         block = evidence.blocks[index]
         residual = block.residual - block.columns @ step

@@ -151,7 +151,7 @@ def curve(one: Remainder) -> Figure:
         axes.fill_between(one.x, one.y - one.band, one.y + one.band, color=colour, alpha=0.25, label="95 % band")
         axes.plot(one.x, one.y, color=colour, label="learnt curve")
         axes.axhline(0.0, color=FAINT, linewidth=0.7)
-        turned = " × sign of motion" if one.directed else ""
+        turned = {"sign": " × sign of motion", "speed": " × velocity"}.get(one.factor, "")
         axes.set(title=f"{one.joint}: what is left", xlabel=label(words, unit), ylabel=label(f"torque{turned}", "N·m"))
         axes.legend(loc="best", fontsize=8)
     return figure

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence import BLOCKS, Block, Evidence
+from diagnosis.evidence import BLOCKS, ROBUST, Block, Evidence, pooled_scale
 from optimisation.fit import Fit
 from optimisation.local_shape import shapes_for
+from optimisation.loss import huber
 from optimisation.prepare import Prepared, PreparedRecording
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -44,20 +45,41 @@ class Present:
             return None
         return pooled_rms(self.residuals[len(self.prepared.train) :], self.prepared.verify)
 
+    def _unseen(self) -> list[tuple[Float, np.ndarray]]:
+        """Return residual (J, K) and use (J, K) of every verification recording, of the training ones without any."""
+        count = len(self.prepared.train) if self.prepared.verify else 0
+        return [(r, p.use.T) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
+
+    @property
+    def unseen_scale(self) -> Float:
+        """Robust standard deviation (J,) of the unseen residual, N·m."""
+        return pooled_scale(self._unseen())
+
+    def unseen_loss(self, scale: Float) -> float:
+        """Return the Huber loss of the unseen residual in units of `scale` (J,), both joints together."""
+        limit = np.full(len(scale), ROBUST)
+        return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
+
     @property
     def per_recording(self) -> list[tuple[str, Float]]:
         """Name and RMS residual (J,) of every recording."""
         return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]
 
-    def evidence(self, *, seed: int, draws: int = 999) -> Evidence:
-        """Return the evidence from which missing effects are weighed."""
+    def evidence(self, *, seed: int, draws: int = 999, sigma: Float | None = None) -> Evidence:
+        """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
         lone = len(self.prepared.train) == 1
         blocks = [
             _block(self.model, one, self.linear, shape, residual, lone and i == 0)
             for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
         ]
         count = len(self.prepared.train)
-        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws)
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma)
+
+    def on(self, prepared: Prepared) -> Present:
+        """Return the same model with the same numbers on other versions of the recordings."""
+        return Present(
+            self.model, self.linear, self.shapes, _residuals(self.model, self.linear, self.shapes, prepared), prepared
+        )
 
 
 def present(fit: Fit, prepared: Prepared) -> Present:
@@ -68,11 +90,13 @@ def present(fit: Fit, prepared: Prepared) -> Present:
     """
     model: Model = fit.model  # type: ignore[assignment]
     shapes = shapes_for(fit, prepared)
-    residuals = tuple(
-        one.tau.T - filtered_torque(model, one, fit.linear, shape)
-        for one, shape in zip(prepared.all, shapes, strict=True)
+    return Present(model, fit.linear, shapes, _residuals(model, fit.linear, shapes, prepared), prepared)
+
+
+def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
+    return tuple(
+        one.tau.T - filtered_torque(model, one, linear, shape) for one, shape in zip(prepared.all, shapes, strict=True)
     )
-    return Present(model, fit.linear, shapes, residuals, prepared)
 
 
 def filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:

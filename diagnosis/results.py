@@ -153,11 +153,10 @@ class Diagnosis:
         one = self.unexplained
         if one is None or not self.unexplained_significant:
             return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
-        variables = list(dict.fromkeys([one.variable, *([f"d{_own_angle(one)}"] if one.directed else [])]))
         return {
             "significant": True,
             "joint": one.joint,
-            "variables": variables,
+            "variables": one.variables,
             "share": one.share,
             "p_value": one.p_value,
             "suggested_terms": [s.text for s in one.suggestions],
@@ -220,7 +219,3 @@ def steps_table(steps: Sequence[Step], noise_floor: Float) -> str:
 
 Discovery = Diagnosis
 """`discover` returns the same type as `diagnose`; it only goes further."""
-
-
-def _own_angle(one: Remainder) -> str:
-    return f"q{JOINTS.index(one.joint) + 1}"

@@ -19,7 +19,7 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 FALSE_DISCOVERY_RATE = 0.05
-LEAST_SHARE = 0.02
+LEAST_SHARE = 0.01
 """Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below, errors of
 the filter and of reversals take part in every significant-looking column."""
 HARMLESS = 0.25

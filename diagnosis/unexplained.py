@@ -13,13 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.candidates import Columns, own_torques
+from diagnosis.candidates import Candidate, Columns, candidate_columns, own_torques
 from diagnosis.evidence import BLOCKS, Evidence
 from diagnosis.evidence import RIDGE as LEAST_RIDGE
+from diagnosis.look_alikes import block_losses
 from diagnosis.present import Present
+from diagnosis.suspects import weigh
 from optimisation.prepare import PreparedRecording
+from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
+from symbolic.term import Term
 
 KNOTS = 12
 """Number of spline functions of a remainder."""
@@ -31,10 +35,14 @@ OWN_HANDICAP = 0.85
 """A curve per recording is preferred to a common one only where its share is larger by this factor."""
 LEVEL = 0.005
 """p-value a remainder must reach; a few dozen are tried."""
-BEATEN = 0.25
-"""A term is only a stand-in if a curve without physics gains this much more (relative) at the same joint ..."""
-BEATEN_SHARE = 0.03
-"""... and this much of the present loss, ..."""
+BEATEN = 3.0
+"""A term is only a stand-in if a curve without physics at the same joint gains more by this many standard errors ..."""
+BEATEN_SHARE = 0.02
+"""... and by this much of the present loss, ..."""
+AS_GOOD = 0.97
+"""A single bump with fewer numbers than a term is as good as it with this part of its gain."""
+BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
+"""Quantiles of a path at which bumps are tried."""
 SUPERSEDED = 0.5
 """... and the term adds less than this part of its own gain to the curve."""
 VARIABLES: Mapping[str, tuple[str, str]] = {
@@ -52,7 +60,7 @@ VARIABLES: Mapping[str, tuple[str, str]] = {
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """A curve in one variable at one joint; `directed` means its sign turns with the direction of motion.
+    """A curve in one variable at one joint, times a `factor`: nothing, or "sign" or "speed" of the joint's motion.
 
     `share` of the weighted unseen loss; `x` (M,), `y` (M,) N·m and `band` (M,) (95 %) are the learnt curve. `own`:
     every recording has a curve of its own (that of the recording which shows it best is given).
@@ -60,7 +68,7 @@ class Remainder:
 
     joint: str
     variable: str
-    directed: bool
+    factor: str
     share: float
     unseen: float
     p_value: float | None
@@ -71,10 +79,21 @@ class Remainder:
     suggestions: tuple[Suggestion, ...] = ()
 
     @property
+    def directed(self) -> bool:
+        """Whether it turns its sign with the direction of motion."""
+        return self.factor == "sign"
+
+    @property
+    def variables(self) -> list[str]:
+        """Return all variables it depends on."""
+        own = str(JOINTS.index(self.joint) + 1)
+        return list(dict.fromkeys([self.variable, *([f"dq{own}"] if self.factor else [])]))
+
+    @property
     def sentence(self) -> str:
         """Say what is left in words."""
         words, _ = VARIABLES[self.variable]
-        turned = ", with the sign of the motion" if self.directed else ""
+        turned = {"sign": ", with the sign of the motion", "speed": ", times its velocity"}.get(self.factor, "")
         moved = ", at a place that differs between recordings" if self.own else ""
         return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
 
@@ -127,12 +146,12 @@ def remainders(
     owns = _own_judges(now, evidence)
     found = []
     for joint in joints:
-        for variable, directed in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), directed)
+        for variable, factor in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), factor)
             if splines is None:
                 continue
-            for own, judges in _modes(variable, directed, common, owns):
-                one = _weigh(judges, splines, joint, variable, directed, own, each_joint)
+            for own, judges in _modes(variable, factor, common, owns):
+                one = _weigh(judges, splines, joint, variable, factor, own, each_joint)
                 found.append((judges, splines, one))
     # A curve of its own for each recording must earn that freedom.
     found.sort(key=lambda entry: -entry[2].share * (OWN_HANDICAP if entry[2].own else 1.0))
@@ -144,20 +163,24 @@ def remainders(
     return out
 
 
-_TRIED = tuple((v, d) for v in VARIABLES for d in (False, True) if not (d and (v == "t" or v.startswith("ddq"))))
-"""(variable, directed). A velocity with direction is |θ'| with the sign of θ': a curve that may jump at standstill."""
+_TRIED = (
+    *((v, "") for v in VARIABLES),
+    *((v, "sign") for v in VARIABLES if v != "t" and not v.startswith("ddq")),
+    *((v, "speed") for v in ("q1", "q2")),
+)
+"""(variable, factor). A velocity with the sign of motion is |θ'| with the sign of θ': it may jump at standstill."""
 
 
-def _may_move(variable: str, directed: bool) -> bool:
+def _may_move(variable: str, factor: str) -> bool:
     """Whether strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
-    return variable in ("q1", "q2") and not directed
+    return variable in ("q1", "q2") and not factor
 
 
 def _modes(
-    variable: str, directed: bool, common: list[_Judge], owns: list[_Judge]
+    variable: str, factor: str, common: list[_Judge], owns: list[_Judge]
 ) -> tuple[tuple[bool, list[_Judge]], ...]:
     """Return the ways to judge a curve."""
-    return ((False, common), (True, owns)) if _may_move(variable, directed) else ((False, common),)
+    return ((False, common), (True, owns)) if _may_move(variable, factor) else ((False, common),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +219,7 @@ def _weigh(
     splines: _Splines,
     joint: str,
     variable: str,
-    directed: bool,
+    factor: str,
     own: bool,
     each_joint: bool = False,
 ) -> Remainder:
@@ -216,7 +239,7 @@ def _weigh(
     share = fall / loss
     y, band = _curve(judges[best], splines)
     return Remainder(
-        joint, variable, directed, share, unseen / against if against else share, None, splines.x, y, band, own
+        joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own
     )
 
 
@@ -227,33 +250,103 @@ def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float)
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 
 
-def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]) -> bool:
-    """Whether a curve without physics at `joint` clearly beats the columns (one node) of a term, judged alike.
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """A curve without physics that beat a term: its columns (one node) on every recording, and who judged it."""
 
-    Beaten is a term that a curve gains much more than, and that adds little to that curve: it was a stand-in. A term
-    beside which something else is left adds nearly as much to a curve as it gains alone. `now` and `evidence` are of
-    the model without the term.
+    columns: tuple[Columns, ...]
+    judges: tuple[_Judge, ...]
+    ridge: float
+    share: float
+
+    def leaves(self, term: Sequence[Columns]) -> float:
+        """Return the share of the loss that a term (one node) still explains beside the curve."""
+        both = [_beside(c, t) for c, t in zip(self.columns, term, strict=True)]
+        return _share(self.judges, both, self.ridge) - self.share
+
+    def supersedes(self, term: Sequence[Columns]) -> bool:
+        """Whether a term adds less than half of its own gain to the curve."""
+        return self.leaves(term) < SUPERSEDED * _share(self.judges, term)
+
+
+def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
+    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, judged alike.
+
+    Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
+    fewer numbers than the `numbers` of the term gains as much as; and that adds little to that curve: it was a
+    stand-in. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    `evidence` are of the model without the term.
     """
-    judged = [([_Judge(evidence, tuple(range(len(evidence.blocks))))], False), (_own_judges(now, evidence), True)]
-    for judges, own in judged:
+    common = (_Judge(evidence, tuple(range(len(evidence.blocks)))),)
+    for judges, own in ((common, False), (tuple(_own_judges(now, evidence)), True)):
         mine = _share(judges, term)
-        for variable, directed in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), directed)
-            if splines is None or (own and not _may_move(variable, directed)):
+        losses = _blocks(judges, term)
+        for variable, factor in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), factor)
+            if splines is None or (own and not _may_move(variable, factor)):
                 continue
-            curve = _share(judges, splines.columns, RIDGE)
-            if curve <= mine * (1.0 + BEATEN) + BEATEN_SHARE:
+            curve = Winner(splines.columns, judges, RIDGE, _share(judges, splines.columns, RIDGE))
+            if curve.share <= mine + BEATEN_SHARE:
                 continue
-            both = _share(judges, [_beside(c, t) for c, t in zip(splines.columns, term, strict=True)], RIDGE)
-            if both - curve < SUPERSEDED * mine:
-                return True
-    return False
+            lead = losses - _blocks(judges, splines.columns, RIDGE)
+            clear = lead.sum() >= BEATEN * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            if clear and curve.supersedes(term):
+                return curve
+    mine = _share(common, term)
+    for candidate in _bumps(now, joint):
+        columns = [
+            candidate_columns(candidate, nodes, one, now.model, now.linear, now.shapes[0])
+            for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
+        ]
+        score = weigh(evidence, candidate, columns)
+        best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
+        bump = Winner(best, common, LEAST_RIDGE, score.share)
+        as_good = score.share >= AS_GOOD * mine and candidate.numbers < numbers
+        if as_good and bump.supersedes(term):
+            return bump
+    return None
+
+
+def _bumps(now: Present, joint: str) -> list[Candidate]:
+    """Return single bumps in the angles and in the joint's own velocity, as candidates at `joint`."""
+    own, other = JOINTS.index(joint) + 1, 2 - JOINTS.index(joint)
+    out = []
+    for word, variable in ((f"theta{own}", f"q{own}"), (f"theta{other}", f"q{other}"), (f"dtheta{own}", f"dq{own}")):
+        paths = [_signal(p, now, variable, own - 1, s, "") for p, s in zip(now.prepared.all, now.shapes, strict=True)]
+        low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
+        if not high - low > 1e-9:
+            continue
+        effect = Effect(
+            f"bump_in_{variable}",
+            "a single bump, no physics",
+            f"c * exp(-(({word} - m)/w)**2)",
+            None,
+            (joint,),
+            {"c": Coefficient("N·m")},
+            {
+                "m": Shape(VARIABLES[variable][1], low, high, per_recording=variable.startswith("q")),
+                "w": Shape(VARIABLES[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),
+            },
+            custom=True,
+        )
+        places = [np.quantile(path, BUMP_LEVELS) for path in paths]
+        widths = np.geomspace(0.05, 0.3, 5) * (high - low)
+        nodes = np.array([[(m, w) for m in own_places for w in widths] for own_places in places])
+        out.append(Candidate(Term(effect, joint), nodes, False))
+    return out
+
+
+def _blocks(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> Float:
+    """Return the losses of columns (one node) in blocks of time, on all that the judges hold out."""
+    trained = [(j.evidence, j.columns(columns)) for j in judges if j.trained]
+    return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
 
 
 def _beside(curve: Columns, term: Columns) -> Columns:
     """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
     size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
-    return Columns(curve.joints, np.concatenate([curve.values, size * term.values], axis=3))
+    both = np.concatenate([curve.full(0), size * term.full(0)], axis=2)
+    return Columns(tuple(range(len(JOINTS))), both[None])
 
 
 def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> float:
@@ -265,10 +358,11 @@ def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = 
 
 def significant(one: Remainder) -> bool:
     """Whether a remainder is certain enough to be reported as structure that nobody explains."""
-    return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and one.unseen > 0.0
+    fresh = one.unseen >= 0.5 * LEAST_SHARE
+    return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and fresh
 
 
-def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float, directed: bool) -> Float:
+def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float, factor: str) -> Float:
     motion = one.motion
     if variable == "t":
         return motion.t - motion.t[0]
@@ -276,17 +370,17 @@ def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, sha
         return own_torques(now.model, one, now.linear, shape)[f"tau_rigid{joint + 1}"]
     stem, index = variable[:-1], int(variable[-1]) - 1
     signal = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
-    return np.abs(signal) if directed and stem == "dq" else signal
+    return np.abs(signal) if factor == "sign" and stem == "dq" else signal
 
 
-def _splines(now: Present, variable: str, joint: int, directed: bool) -> _Splines | None:
+def _splines(now: Present, variable: str, joint: int, factor: str) -> _Splines | None:
     """Return splines over the range of `variable` on the training motion; None where it does not vary or apply."""
     from scipy.interpolate import BSpline
 
-    if directed and variable.startswith("dq") and variable != f"dq{joint + 1}":
+    if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":
         return None  # the direction is that of the joint itself
     prepared = now.prepared.all
-    signals = [_signal(p, now, variable, joint, s, directed) for p, s in zip(prepared, now.shapes, strict=True)]
+    signals = [_signal(p, now, variable, joint, s, factor) for p, s in zip(prepared, now.shapes, strict=True)]
     train = np.concatenate(signals[: len(now.prepared.train)])
     low, high = np.quantile(train, (0.002, 0.998))
     if not high - low > 1e-9:
@@ -304,8 +398,8 @@ def _splines(now: Present, variable: str, joint: int, directed: bool) -> _Spline
     out = []
     for one, signal in zip(prepared, signals, strict=True):
         raw = design(signal)
-        if directed:
-            raw = raw * one.motion.sign[:, [joint]]
+        if factor:
+            raw = raw * (one.motion.sign if factor == "sign" else one.motion.dq)[:, [joint]]
         out.append(Columns((joint,), one.smooth(raw)[None, None]))
     grid = np.linspace(low, high, 121)
     return _Splines(tuple(out), grid, design(grid))
@@ -330,7 +424,7 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
     unit = VARIABLES[one.variable][1]
     span, middle = float(np.ptp(x)), float(x.mean())
     peak = float(x[np.argmax(np.abs(y))])
-    factor = " * sgn(dtheta)" if one.directed else ""
+    factor = {"sign": " * sgn(dtheta)", "speed": " * dtheta"}.get(one.factor, "")
     forms = (
         (f"c * exp(-(({word} - m)/w)**2){factor}", lambda p: np.exp(-(((x - p[0]) / p[1]) ** 2)), (peak, 0.15 * span)),
         (f"c * tanh(({word} - m)/w){factor}", lambda p: np.tanh((x - p[0]) / p[1]), (middle, 0.2 * span)),
@@ -354,7 +448,8 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
         if "/w" in text:
             values["w"] = (unit, low[1], high[1], float(found.x[1]))
         power = {"**2": "²", "**3": "³"}
-        per = f"N·m/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else "N·m"
+        per = "N·m·s/rad" if one.factor == "speed" else "N·m"
+        per += f"/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else ""
         out.append(Suggestion(text, share, {"c": per}, values))
     return tuple(sorted((s for s in out if s.share > 0.3), key=lambda s: -s.share))
 

@@ -116,9 +116,12 @@ def acceleration_noise(q: Float, rate: float, cutoff: float) -> Float:
     return np.sqrt(noise_density(q, rate) * (2 * np.pi) ** 4 * cutoff**5 / 5.0)
 
 
-def velocity_noise(q: Float, rate: float, cutoff: float) -> Float:
-    """Return the standard deviation (J,) of the velocity noise left below `cutoff` Hz, rad/s."""
-    return np.sqrt(noise_density(q, rate) * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
+def velocity_noise(density: Float, cutoff: float) -> Float:
+    """Return the standard deviation (J,) in rad/s of the velocity noise below `cutoff` Hz.
+
+    `density` (J,) is that of the angle noise, rad²/Hz.
+    """
+    return np.sqrt(density * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
 
 
 def running_median(x: Float, seconds: float, rate: float) -> Float:

@@ -23,6 +23,7 @@ from measurement.signals import (
     derivatives,
     even_clock,
     low_pass,
+    noise_density,
     quiet_noise,
     spikes,
     velocity_noise,
@@ -54,6 +55,10 @@ OUTLIER = 4.0
 """Robust deviations from the local median beyond which a torque sample is an outlier."""
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
+INNER = 2.0
+"""Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
+torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
+were flexible. What noise the wider band lets in, the common filter takes out again."""
 STICK = 0.03
 """Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
 function of the motion can tell, so these samples of that joint are not fitted."""
@@ -68,7 +73,8 @@ class PreparedRecording:
     """A recording ready to be fitted: `motion` at N working samples, `tau` and `use` (K, J) at the K kept ones.
 
     `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
-    `wide_tau` (N, J) the torque with outliers bridged but not low-passed.
+    `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
+    encoders' noise and `band` in Hz what the angles contain of it.
     """
 
     name: str
@@ -80,6 +86,21 @@ class PreparedRecording:
     rate: float
     outliers: Float
     wide_tau: Float
+    angle_noise: Float
+    band: float
+
+    def noisier(self, rng: np.random.Generator) -> PreparedRecording:
+        """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
+        1994): what a model gains by that, it had gained from noise.
+        """
+        deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
+        white = rng.standard_normal(self.motion.q.shape) * deviation
+        dq, ddq = derivatives(low_pass(white, self.band, self.rate), self.rate)
+        old = self.motion
+        q = old.q + low_pass(white, self.band, self.rate)
+        width = sign_width(2.0 * self.angle_noise, self.band)
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width))
+        return replace(self, motion=motion)
 
     def smooth(self, x: Float) -> Float:
         """Filter `x` (N, ...) over time exactly as the torque was filtered; return the kept samples (K, ...)."""
@@ -165,10 +186,11 @@ def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta:
     raw = np.where(spiky, middle, even.tau) if factor > 1 else even.tau
     tau = np.array(decimate(raw, factor, even.rate))
     rate = even.rate / factor
-    q = np.array(low_pass(even.q, cutoff, even.rate)[::factor])
+    inner = min(INNER * cutoff, 0.4 * even.rate)
+    q = np.array(low_pass(even.q, inner, even.rate)[::factor])
     dq, ddq = derivatives(q, rate)
-    width = np.clip(0.3 * velocity_noise(even.q, even.rate, cutoff), *SIGN_WIDTH)
-    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / width))
+    noise = noise_density(even.q, even.rate)
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)))
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
     tau = np.where(bad, known + middle, tau)
@@ -179,8 +201,26 @@ def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta:
     stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
     use = ~gap[kept, None] & ~stuck[kept]
     return PreparedRecording(
-        name, motion, low_pass(tau, cutoff, rate)[kept], use, kept, cutoff, rate, bad.mean(axis=0), tau
+        name=name,
+        motion=motion,
+        tau=low_pass(tau, cutoff, rate)[kept],
+        use=use,
+        kept=kept,
+        cutoff=cutoff,
+        rate=rate,
+        outliers=bad.mean(axis=0),
+        wide_tau=tau,
+        angle_noise=noise,
+        band=min(inner, 0.4 * rate),
     )
+
+
+def sign_width(noise: Float, band: float) -> Float:
+    """Return the velocity (J,) in rad/s over which the sign fades: a part of the noise of a velocity.
+
+    `noise` (J,) is the density of the angle noise in rad²/Hz, `band` in Hz what is left of it.
+    """
+    return np.clip(0.3 * velocity_noise(noise, band), *SIGN_WIDTH)
 
 
 def _fit(data: LinearData) -> Float:

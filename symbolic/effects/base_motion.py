@@ -40,7 +40,7 @@ EFFECT = Effect(
         "z_s": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.5, explains="upward, sine part"),
         "z_c": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.0, explains="upward, cosine part"),
     },
-    shape={"f": Shape("Hz", min=0.2, max=5.0, spacing="log", points=60, typical=1.0, explains="frequency of the sway")},
+    shape={"f": Shape("Hz", min=0.2, max=5.0, points=200, typical=1.0, explains="frequency of the sway")},
     family="base",
     tells_apart="An accelerometer on the pelvis bracket; or the same motion with the base clamped.",
     reference="Winter, Biomechanics and Motor Control of Human Movement, 4th ed., Wiley, 2009, chapter 5",

@@ -28,8 +28,11 @@ def refit(blocks, extra, fit, held, sigma):
             for j in (0, 1):
                 keep = mask & b.use[j]
                 parts = [b.columns[j][keep]] + ([extra[i][j][keep]] if with_extra else [])
-                rows.append(np.concatenate(parts, axis=1) / sigma[j])
-                right.append(b.residual[j][keep] / sigma[j])
+                # Beyond two robust deviations a present residual counts linearly (Huber): weight 2 σ/|r|.
+                away = np.abs(b.residual[j][keep]) / sigma[j]
+                root = np.sqrt(np.where(away > 2.0, 2.0 / away, 1.0)) / sigma[j]
+                rows.append(np.concatenate(parts, axis=1) * root[:, None])
+                right.append(b.residual[j][keep] * root)
         return np.concatenate(rows), np.concatenate(right)
 
     losses = []
