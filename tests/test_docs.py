@@ -92,6 +92,21 @@ def test_the_catalogue_page_is_what_the_catalogue_says():
     assert shown == fresh, "run python benchmarks/make_effects_page.py"
 
 
+def test_the_effect_of_the_page_is_found(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "add_an_effect.md").read_text(encoding="utf-8")
+    Path("leg.toml").write_text(re.findall(r"^```toml\n(.*?)^```", page, flags=re.S | re.M)[0], encoding="utf-8")
+    lines = re.findall(r"^\$ (exoid .*)$", page, flags=re.M)
+    assert len(lines) == 4
+    for line in lines:
+        status = main(shlex.split(line)[1:])
+        out = capsys.readouterr()
+        assert status == 0, f"{line}: {out.err}"
+        if "diagnose" in line:
+            assert "Missing: magnet brake, knee" in out.out
+    assert "magnet_brake" in Path("leg2.toml").read_text(encoding="utf-8")
+
+
 def test_the_numbers_on_the_statistics_page_are_those_of_the_code():
     text = (ROOT / "docs" / "statistics.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `([a-z_.]+)\.([A-Z_]+)` \| ([^ ]+) \|", text, flags=re.M)

@@ -29,5 +29,8 @@ EFFECT = Effect(
     },
     family="gravity",
     tells_apart="Slow knee swings at several thigh angles, then fast ones: it weighs and it couples.",
-    reference="Gautier, Khalil, IEEE Transactions on Robotics and Automation 6(3), 1990",
+    reference=(
+        "Gautier, Khalil, Direct calculation of minimum set of inertial parameters of serial robots, "
+        "IEEE Transactions on Robotics and Automation 6(3), 368-373, 1990"
+    ),
 )

@@ -28,5 +28,8 @@ EFFECT = Effect(
     },
     family="gravity",
     tells_apart="Slow swings of the hip far to both sides: the torque at rest follows cos θ1, not sin θ1.",
-    reference="Gautier, Khalil, IEEE Transactions on Robotics and Automation 6(3), 1990",
+    reference=(
+        "Gautier, Khalil, Direct calculation of minimum set of inertial parameters of serial robots, "
+        "IEEE Transactions on Robotics and Automation 6(3), 368-373, 1990"
+    ),
 )

@@ -39,5 +39,8 @@ EFFECT = Effect(
     shape={"reach": Shape("m", min=0.10, max=0.45, points=5, typical=0.25, explains="cuff below the knee axis")},
     family="contact",
     tells_apart="Repeat the motion with the cuff open: what vanishes is the wearer's.",
-    reference="Schiele, van der Helm, IEEE Trans. Neural Systems and Rehabilitation Engineering 14(4), 2006",
+    reference=(
+        "Schiele, van der Helm, Kinematic design to improve ergonomics in human machine interaction, "
+        "IEEE Transactions on Neural Systems and Rehabilitation Engineering 14(4), 456-469, 2006"
+    ),
 )

@@ -28,5 +28,5 @@ EFFECT = Effect(
     shape={"offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")},
     family="sensor",
     tells_apart="Move the knee to its mechanical stop and compare the reading with the drawing.",
-    reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter 6",
+    reference="Hollerbach, Khalil, Gautier, Model identification, Springer Handbook of Robotics, 2nd ed., 2016, ch. 6",
 )

@@ -36,5 +36,5 @@ EFFECT = Effect(
     },
     family="gravity",
     tells_apart="Put a spirit level on the frame, or read the hip encoder while the leg hangs still.",
-    reference="Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, 2nd ed., 2016, chapter 6",
+    reference="Hollerbach, Khalil, Gautier, Model identification, Springer Handbook of Robotics, 2nd ed., 2016, ch. 6",
 )

@@ -25,5 +25,8 @@ EFFECT = Effect(
     tells_apart=(
         "Slow motion through zero speed, many times, with and without load; a wide v_s needs fast motion as well."
     ),
-    reference="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1083-1138, 1994",
+    reference=(
+        "Armstrong-Hélouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and compensation "
+        "methods for the control of machines with friction, Automatica 30(7), 1083-1138, 1994"
+    ),
 )

@@ -16,5 +16,8 @@ EFFECT = Effect(
     tells_apart=(
         "Constant speeds over the whole range, up to the highest allowed; at least five levels in both directions."
     ),
-    reference=("Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, European Journal of Control 4(3), 176-195, 1998"),
+    reference=(
+        "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and friction compensation, "
+        "European Journal of Control 4(3), 176-195, 1998"
+    ),
 )
