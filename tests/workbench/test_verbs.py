@@ -123,6 +123,13 @@ def test_add_writes_a_new_model_and_judges_by_unseen_motion(helped, status, addi
     assert "0.58" in capsys.readouterr().out
 
 
+def test_add_puts_the_model_into_a_folder_that_is_new(addition, tmp_path):
+    written = addition(True)
+    assert main(["add", "stribeck:knee", TRAIN, "--verify", VERIFY, "--out", "new/folder", "--quiet"]) == 0
+    assert written == ["new/folder/model.toml"]
+    assert (tmp_path / "new" / "folder" / "result.json").exists()
+
+
 def test_add_never_overwrites_the_model_it_comes_from(tmp_path, monkeypatch, capsys):
     model = tmp_path / "leg.toml"
     model.write_text('name = "my leg"\n', "utf-8")

@@ -30,12 +30,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Extend, refit, show; 1 when the effect does not help on unseen recordings."""
+    from workbench.files import make_folder
     from workbench.inputs import beside, check_new_model, load, load_model, split_joint
 
     check_places(args)
     effect, joint = split_joint(args.effect)
     load_model(args.model).with_effect(effect, joint=joint)  # a wrong name is told before the recordings are read
     target = args.write or (str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect))
+    if args.out:
+        make_folder(args.out)  # the model goes there
     check_new_model(target, args.model)
     given = load(args)
     with progress(f"adding {args.effect}", quiet=args.quiet):

@@ -61,10 +61,11 @@ def run(args: argparse.Namespace) -> int:
     if over:
         screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
     checked = {} if unseen is None else unseen.to_json()
+    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked}
     deliver(args, screen, payload, lambda: Material(
         title="Identified parameters",
-        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS).",
+        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
         seconds=fit.seconds,
