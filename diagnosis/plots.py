@@ -9,7 +9,17 @@ import numpy as np
 
 from diagnosis.present import Present, filtered_torque
 from diagnosis.unexplained import VARIABLES, Remainder
-from measurement.figures import FAINT, INK, JOINT_COLOURS, JOINT_MARKERS, ROLE_COLOURS, figure_style, label, new_figure
+from measurement.figures import (
+    FAINT,
+    INK,
+    JOINT_COLOURS,
+    JOINT_MARKERS,
+    PAPER,
+    ROLE_COLOURS,
+    figure_style,
+    label,
+    new_figure,
+)
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
@@ -54,7 +64,10 @@ def falling_error(steps: Sequence[Step], noise_floor: Float) -> Figure:
 
 def _numbers(axes: Any, place: Sequence[float], values: Sequence[float]) -> None:
     for x, y in zip(place, values, strict=True):
-        axes.annotate(f"{y:.2g}", (x, y), (0, 2), textcoords="offset points", ha="center", fontsize=8, color=INK)
+        axes.annotate(
+            f"{y:.2g}", (x, y), (0, 3), textcoords="offset points", ha="center", fontsize=8, color=INK,
+            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 0.8},
+        )  # fmt: skip
 
 
 def _wrapped(text: str) -> str:
