@@ -20,13 +20,16 @@ from symbolic.columns import environment, evaluate
 from symbolic.effect import Effect, Shape
 from symbolic.errors import ExpressionError
 from symbolic.model import Model
-from symbolic.motion import Float
+from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
+from symbolic.separate import separate
 from symbolic.term import Term
-from symbolic.torque import FEEDBACK, torques
+from symbolic.torque import FEEDBACK, Torque, torques
 
 TANGENT_STEP = 1e-3
 """Step of a tangent, as a share of the range of the number."""
+FINE = 50
+"""Nodes from which on columns that depend on the model's numbers are not computed at every step."""
 QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Where on a joint's path a position is tried (and mirrored for the other end)."""
 
@@ -84,6 +87,11 @@ class Columns:
         return Columns(self.joints, self.values[index : index + 1])
 
 
+def stacked(parts: Sequence[Columns]) -> Columns:
+    """Return the columns (one node each) of several candidates as those of one on both joints."""
+    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
+
+
 @dataclass(frozen=True, eq=False)
 class Library:
     """The candidates for a question, and their columns; those that no parameter can change are kept."""
@@ -97,14 +105,19 @@ class Library:
         return next(c for c in self.candidates if c.name == name)
 
     def columns(self, candidate: Candidate, model: Model, linear: Float, shape: Float) -> tuple[Columns, ...]:
-        """Return the columns of `candidate` on every recording, at the present `model` and its numbers."""
+        """Return the columns of `candidate` on every recording, at the present `model` and its numbers.
+
+        Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
+        computed anew where it is compared (`look_alikes.refine`).
+        """
         if candidate.name in self._kept:
             return self._kept[candidate.name]
         found = tuple(
             candidate_columns(candidate, nodes, one, model, linear, shape)
             for nodes, one in zip(candidate.nodes, self.prepared, strict=True)
         )
-        if not candidate.tangent and not _feeds_back(candidate.term):
+        fine = candidate.nodes.shape[1] > FINE
+        if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
             self._kept[candidate.name] = found
         return found
 
@@ -177,16 +190,33 @@ def _texts(
     out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
     for torque in torques(term):
         place = candidate.joints.index(torque.joint)
-        for v, node in enumerate(nodes):
-            shaped = dict(zip(shape_keys, map(float, node), strict=True))
-            for m, key in enumerate(keys):
-                if key in torque.names:
-                    unit = {other: float(other == key) for other in keys}
-                    try:
-                        out[v, place, :, m] = evaluate(torque, {**words, **shaped, **unit}, motion)
-                    except ExpressionError:  # not finite at this node: a zero column is never chosen
-                        out[v] = 0.0
+        for m, key in enumerate(keys):
+            if key in torque.names:
+                unit = {other: float(other == key) for other in keys}
+                out[:, place, :, m] = _at_nodes(torque, {**words, **unit}, shape_keys, nodes, motion)
     return out
+
+
+def _at_nodes(
+    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
+) -> Float:
+    """Return a torque (V, N) at every node; zero, so that it is never chosen, where it is not finite."""
+    if separate(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
+        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
+    shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
+    try:
+        return evaluate(torque, {**words, **shaped}, motion, count=len(nodes))
+    except ExpressionError:  # at some node: find out which
+        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
+
+
+def _at_node(
+    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], node: Float, motion: Motion
+) -> Float:
+    try:
+        return evaluate(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
+    except ExpressionError:
+        return np.zeros(len(motion))
 
 
 def own_torques(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> dict[str, Float]:

@@ -15,7 +15,7 @@ from typing import cast
 
 import numpy as np
 
-from diagnosis.candidates import Columns, Library, build_library
+from diagnosis.candidates import Columns, Library, build_library, stacked
 from diagnosis.evidence import Evidence
 from diagnosis.look_alikes import CLOSE, TIED, columns_at, look_alikes, refine
 from diagnosis.present import Present, present
@@ -291,7 +291,7 @@ class _Search:
                 without, evidence = self._without_them(stages[-1], [scores[n] for n in group])
                 numbers = sum(scores[n].candidate.numbers for n in group)
                 columns = [self._columns(scores[n], without) for n in group]
-                together = [_side_by_side(each) for each in zip(*columns, strict=True)]
+                together = [stacked(each) for each in zip(*columns, strict=True)]
                 winner = beaten(without.now, evidence, joint, together, numbers)
                 if winner is not None:
                     return {*group, *self._superseded(without, evidence, winner, joint)}
@@ -325,13 +325,6 @@ class _Search:
         found = remainders(stage.now, stage.now.evidence(seed=self.seed))
         best = next((r for r in found if significant(r)), None)
         return None if best is None else replace(best, suggestions=suggest(best))
-
-
-def _side_by_side(parts: Sequence[Columns]) -> Columns:
-    """Return the columns (one node each) of several candidates as those of one."""
-    if len(parts) == 1:
-        return parts[0]
-    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
 
 
 def _names(stages: Sequence[Stage]) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.candidates import Candidate, Columns, Library, candidate_columns
+from diagnosis.candidates import Candidate, Columns, Library, candidate_columns, stacked
 from diagnosis.evidence import RIDGE, Evidence, Gram
 from diagnosis.suspects import Score, weigh
 from optimisation.prepare import PreparedRecording
@@ -30,6 +30,8 @@ PRACTICALLY = 0.98
 candidate loses before it is refitted."""
 CLOSE = 0.5
 """Only candidates with at least this part of the best one's gain are compared."""
+ANOTHER = 0.5
+"""A rival that keeps more than this part of its gain beside the best one is another effect."""
 REFINEMENTS = 3
 """Rounds of refinement of each shape value before a comparison, so that a coarse grid decides nothing."""
 
@@ -93,11 +95,14 @@ def look_alikes(
 ) -> dict[str, float]:
     """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
 
-    The lag is in standard errors of the difference; 0 is a tie.
+    The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
+    look-alike but another effect.
     """
     reference = block_losses(evidence, evidence.plain(best[1]), best[1])
     out: dict[str, float] = {}
     for score, columns in rivals:
+        if _gains_beside(evidence, best, score, columns):
+            continue
         difference = block_losses(evidence, evidence.plain(columns), columns) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
         practically = score.share >= PRACTICALLY * best[0].share
@@ -106,6 +111,14 @@ def look_alikes(
         elif difference.sum() < CLEAR * spread:
             out[score.name] = float(difference.sum() / spread)
     return out
+
+
+def _gains_beside(
+    evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
+) -> bool:
+    together = [stacked([b, c]) for b, c in zip(best[1], columns, strict=True)]
+    share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
+    return share - best[0].share > ANOTHER * rival.share
 
 
 def block_losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float = RIDGE) -> Float:

@@ -7,6 +7,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ from symbolic.errors import NotEnoughDataError
 from symbolic.motion import Float
 
 ORDER = 4
+STRETCH = 48
+"""Kept samples that one matrix product gives."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
 
@@ -67,6 +70,46 @@ def low_pass(x: Float, cutoff: float, rate: float) -> Float:
     sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
     pad = min(len(x) - 1, int(3.0 * rate / cutoff))
     return sosfiltfilt(sections, x, axis=0, padlen=pad)
+
+
+def low_pass_at(x: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) -> Float:
+    """Return the samples `kept` (K,), evenly spaced, of `x` (N, ...) after `low_pass`; several times faster.
+
+    The filter's response is the same to 1e-7; it is applied as one matrix product per stretch of samples, so that
+    hundreds of columns cost little. Needs a finite response shorter than the recording; else `low_pass` itself runs.
+    """
+    response = _response(cutoff, rate)
+    reach = response.size // 2
+    if kept.size < 2 or reach >= len(x) - 1:
+        return low_pass(x, cutoff, rate)[kept]
+    flat = np.ascontiguousarray(x.reshape(len(x), -1))
+    step = int(kept[1] - kept[0])
+    before, after = max(0, reach - int(kept[0])), max(0, int(kept[-1]) + reach + 1 - len(x))
+    head = 2.0 * flat[0] - flat[before:0:-1]
+    tail = 2.0 * flat[-1] - flat[-2 : -after - 2 : -1]
+    flat = np.concatenate([head, flat, tail]) if before or after else flat
+    rows = min(STRETCH, kept.size)
+    band = np.zeros((rows, step * (rows - 1) + response.size))
+    for row in range(rows):
+        band[row, row * step : row * step + response.size] = response
+    out = np.empty((kept.size, flat.shape[1]))
+    for first in range(0, kept.size, rows):
+        count = min(rows, kept.size - first)
+        start = int(kept[first]) - reach + before
+        width = step * (count - 1) + response.size
+        np.matmul(band[:count, :width], flat[start : start + width], out=out[first : first + count])
+    return out.reshape(kept.size, *x.shape[1:])
+
+
+@lru_cache(maxsize=32)
+def _response(cutoff: float, rate: float) -> Float:
+    """Return the zero-phase response (2 L + 1,) of `low_pass` to one sample, as far as it matters."""
+    sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
+    reach = int(np.ceil(6.7 * rate / cutoff))  # the slowest pole of order 4 has then fallen to 1e-7
+    pulse = np.zeros(4 * reach + 1)
+    pulse[2 * reach] = 1.0
+    response = sosfiltfilt(sections, pulse, padlen=0)[reach : 3 * reach + 1]
+    return response / response.sum()
 
 
 def decimate(x: Float, factor: int, rate: float) -> Float:

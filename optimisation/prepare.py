@@ -23,6 +23,7 @@ from measurement.signals import (
     derivatives,
     even_clock,
     low_pass,
+    low_pass_at,
     noise_density,
     quiet_noise,
     spikes,
@@ -104,7 +105,7 @@ class PreparedRecording:
 
     def smooth(self, x: Float) -> Float:
         """Filter `x` (N, ...) over time exactly as the torque was filtered; return the kept samples (K, ...)."""
-        return low_pass(x, self.cutoff, self.rate)[self.kept]
+        return low_pass_at(x, self.cutoff, self.rate, self.kept)
 
     @property
     def t(self) -> Float:
@@ -203,7 +204,7 @@ def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta:
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=low_pass(tau, cutoff, rate)[kept],
+        tau=low_pass_at(tau, cutoff, rate, kept),
         use=use,
         kept=kept,
         cutoff=cutoff,

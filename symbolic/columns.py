@@ -142,13 +142,18 @@ def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) ->
         _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
 
 
-def evaluate(torque: Torque, env: dict[str, Float | float], motion: Motion) -> Float:
-    """Return the torque (N,) at its joint for the words in `env`."""
+def evaluate(torque: Torque, env: dict[str, Float | float], motion: Motion, count: int | None = None) -> Float:
+    """Return the torque (N,) at its joint for the words in `env`.
+
+    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N); for texts
+    without memory.
+    """
     from symbolic.lower import to_numpy
 
     own = {word: env[canonical] for word, canonical in own_names(torque.joint).items() if canonical in env}
     values = to_numpy(torque.node, {**env, **own}, own_signs(motion, torque.joint))
-    return np.broadcast_to(np.asarray(values, dtype=float), (len(motion),))
+    whole = (len(motion),) if count is None else (count, len(motion))
+    return np.broadcast_to(np.asarray(values, dtype=float), whole)
 
 
 def own_signs(motion: Motion, joint: int) -> dict[str, Float]:
