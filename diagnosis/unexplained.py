@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,9 +21,13 @@ from diagnosis.present import Present
 from diagnosis.suspects import weigh
 from optimisation.prepare import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.html import bullets, lines
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 from symbolic.term import Term
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 KNOTS = 12
 """Number of spline functions of a remainder."""
@@ -96,6 +100,16 @@ class Remainder:
         turned = {"sign": ", with the sign of the motion", "speed": ", times its velocity"}.get(self.factor, "")
         moved = ", at a place that differs between recordings" if self.own else ""
         return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
+
+    def plot(self) -> Figure:
+        """Draw the learnt curve with its band."""
+        from diagnosis.plots import curve
+
+        return curve(self)
+
+    def _repr_html_(self) -> str:
+        texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]
+        return lines(strong=self.sentence) + bullets(texts)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ from optimisation.linear import delta_rule, solve_huber, solve_sse
 from optimisation.loss import Bool
 from optimisation.problem import LinearData
 from symbolic.errors import RecordingError
+from symbolic.html import bullets, lines, table
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
@@ -142,6 +143,19 @@ class Prepared:
     def all(self) -> tuple[PreparedRecording, ...]:
         """Training recordings, then verification recordings."""
         return self.train + self.verify
+
+    def __repr__(self) -> str:
+        names = ", ".join(one.name for one in self.train), ", ".join(one.name for one in self.verify) or "none"
+        return f"Prepared(train: {names[0]}; verify: {names[1]}; cut-off {self.choice.reason})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (one.name, use, len(one.t), one.kept_rate, *(f"{100 * float(x):.1f} %" for x in one.outliers))
+            for use, group in (("fitted", self.train), ("unseen", self.verify))
+            for one in group
+        ]
+        head = ("recording", "used as", "samples", "Hz", "hip torque bridged", "knee torque bridged")
+        return lines(f"cut-off: {self.choice.reason}") + table(head, rows) + bullets(self.findings)
 
 
 def prepare(

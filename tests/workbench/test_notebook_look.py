@@ -9,6 +9,7 @@ from diagnosis import add, compare, diagnose
 from measurement import read_recording
 from measurement.trajectory import paper_trajectory
 from optimisation import identify
+from optimisation.prepare import prepare
 from symbolic import Model
 from symbolic.catalogue import catalogue
 from symbolic.html import bullets, code, lines, table
@@ -19,16 +20,21 @@ from workbench.commands.demo import DATA
 def results():
     runs = [read_recording(path) for path in sorted(DATA.glob("*.csv"))]
     leg, train, verify = Model.standard(), runs[:3], runs[3:]
-    fit = identify(leg, train)
+    prepared = prepare(leg, train, verify)
+    fit = identify(leg, prepared.train)
     added = add(leg, "load_friction", "knee", train, verify)
     return {
-        "Recording": runs[0], "Model": added.model, "Effect": catalogue()["stribeck"], "Fourier": paper_trajectory(),
+        "Prepared": prepared, "Recording": runs[0],
+        "Model": added.model, "Effect": catalogue()["stribeck"], "Fourier": paper_trajectory(),
         "Fit": fit, "Run": fit.runs["nfo"], "Comparison": compare(fit, train, verify),
         "Diagnosis": diagnose(added.after, train, verify), "Waterfall": added.waterfall, "Addition": added,
     }  # fmt: skip
 
 
-NAMES = ("Recording", "Model", "Effect", "Fourier", "Fit", "Run", "Comparison", "Diagnosis", "Waterfall", "Addition")
+NAMES = (
+    "Prepared", "Recording", "Model", "Effect", "Fourier", "Fit", "Run", "Comparison", "Diagnosis", "Waterfall",
+    "Addition",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -39,14 +45,14 @@ def test_it_shows_itself(name, results):
     assert len(repr(results[name])) < 4000
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("Model", "Effect")])
+@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("Prepared", "Model", "Effect")])
 def test_it_plots_itself(name, results):
     figure = results[name].plot()
     labelled = [axes for axes in figure.axes if axes.get_xlabel() or axes.get_ylabel()]
     assert labelled, name
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("Model", "Effect", "Fourier")])
+@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("Prepared", "Model", "Effect", "Fourier")])
 def test_it_becomes_a_frame(name, results):
     assert len(results[name].to_frame()) > 0
 

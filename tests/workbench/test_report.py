@@ -27,9 +27,12 @@ document.getElementById("page").onload = () => {
   const head = Array.from(page.querySelectorAll("#suspects th button")).find(b => b.textContent === "explains");
   const order = () => Array.from(page.querySelectorAll("#suspects tbody tr")).map(r => r.cells[0].textContent).join();
   const before = order(); head.click(); const after = order(); head.click(); const again = order();
+  const cells = page.defaultView.getComputedStyle(page.querySelector("#suspects td")).display;
   page.querySelector("button.zoom").click();
+  const large = page.querySelector("#zoom img").getBoundingClientRect().width;
   document.getElementById("out").textContent = "width=" + page.documentElement.scrollWidth
-    + " before=" + before + " after=" + after + " again=" + again + " zoomed=" + page.getElementById("zoom").open;
+    + " before=" + before + " after=" + after + " again=" + again + " zoomed=" + page.getElementById("zoom").open
+    + " cells=" + cells + " large=" + Math.round(large);
 };</script></body>"""
 
 
@@ -177,3 +180,9 @@ def test_no_console_errors_and_no_other_request(visit):
 def test_tables_sort_and_figures_zoom(visit):
     assert "before=1,2,3 after=3,2,1 again=1,2,3" in visit[0]
     assert "zoomed=true" in visit[0]
+
+
+def test_on_a_phone_wide_tables_are_cards_and_a_figure_zooms_beyond_the_screen(visit):
+    assert "cells=grid" in visit[0]
+    large = re.search(r"large=(\d+)", visit[0])
+    assert large and int(large[1]) > 500
