@@ -19,6 +19,7 @@ from measurement.signals import derivatives, low_pass
 from measurement.trajectory import CENTRE, Fourier, largest_scale, paper_trajectory, within
 from optimisation.certificate import Certificate, certify
 from optimisation.fitness import population_fitness
+from optimisation.identify import identify
 from optimisation.linear import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
 from optimisation.optimisers import optimisers
@@ -124,6 +125,12 @@ def fit_one(train: Run, unseen: Run, wrong: Callable[..., np.ndarray], seed: int
     delta = delta_rule(data.residual(first))
     best = solve_huber(data, delta, first)
     return Fits(data, first, best, delta, certify(data, best, delta), verify, truth)
+
+
+def own_way(seeds: int = SEEDS) -> np.ndarray:
+    """Return the parameters (R, P) that `exoid identify` finds with the bench's instruments."""
+    runs = [record(seed, paper_trajectory()) for seed in range(seeds)]
+    return np.array([identify(LEG, [run.recording], optimisers=()).linear for run in runs])
 
 
 def misprint(train: Run, unseen: Run) -> dict[str, np.ndarray]:
