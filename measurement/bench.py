@@ -122,13 +122,18 @@ def simulate_runs(
     *,
     effects: Iterable[Hidden] = (),
     seed: int = 0,
+    excitation: Fourier | None = None,
     bench: Bench | None = None,
     name: str = "run",
 ) -> tuple[Run, ...]:
-    """Return `count` runs of the same leg with the same hidden effects, each on a motion of its own."""
+    """Return `count` runs of the same leg with the same hidden effects, each on a motion of its own.
+
+    With `excitation` all follow that motion; only noise and disturbances then differ.
+    """
     hidden = tuple(effects)
     return tuple(
-        run(model, leg, effects=hidden, seed=seed, index=k, bench=bench, name=f"{name}_{k}") for k in range(count)
+        run(model, leg, effects=hidden, seed=seed, index=k, excitation=excitation, bench=bench, name=f"{name}_{k}")
+        for k in range(count)
     )
 
 

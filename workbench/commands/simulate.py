@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--blind", action="store_true",
         help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
     )  # fmt: skip
+    parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
     parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
     parser.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)")
     parser.add_argument("--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)")
@@ -48,6 +49,8 @@ def run(args: argparse.Namespace) -> int:
     check_places(args)
     if not 1 <= args.runs <= 100:
         raise UsageError(f"--runs {args.runs} is not between 1 and 100")
+    if args.trajectory and args.blind:
+        raise UsageError("--trajectory and --blind exclude each other", remedy="blind runs draw motions of their own")
     model = load_model(args.model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, standard_leg().base, hidden)  # a wrong name is told before anything is written
@@ -84,7 +87,12 @@ def _simulate(args: argparse.Namespace, folder: Path, model: Any, hidden: Any) -
     if args.blind:
         files, seal = write_blind(folder, hidden, count=args.runs, model=model, seed=args.seed, bench=bench)
         return list(files), seal
-    runs = simulate_runs(args.runs, model, effects=hidden, seed=args.seed, bench=bench)
+    path = None
+    if args.trajectory:
+        from measurement.trajectory_file import read_trajectory
+
+        path = read_trajectory(args.trajectory)
+    runs = simulate_runs(args.runs, model, effects=hidden, seed=args.seed, excitation=path, bench=bench)
     return [write_recording(r.recording, folder / f"{r.recording.name}.csv") for r in runs], None
 
 

@@ -1,0 +1,202 @@
+"""`exoid design`: the motion that tells most about the leg's numbers, or that tells rival effects apart."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from workbench.deliver import check_places, deliver
+from workbench.files import make_folder, write_bytes, write_text
+from workbench.options import add_common, number, positive, whole_number
+from workbench.parser import UsageError
+from workbench.progress import progress
+from workbench.screen import Screen
+
+HELP = """design the motion to record next, inside the limits of the leg
+
+exoid design leg.toml --out motion                 the numbers of the model as well as possible
+exoid design --free --rest --period 8              free centre, start and end at rest
+exoid design --check motion/motion.toml            judge a motion; --check paper: the paper's coefficients
+exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1.csv run2.csv
+                                                   tell rival effects apart; exit status 1 when no motion can"""
+
+CRITERIA = ("condition", "d_optimal", "worst")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "inputs", metavar="MODEL|REC", nargs="*",
+        help="model file (TOML; without it, the standard leg); with --separate, the present recordings",
+    )  # fmt: skip
+    parser.add_argument("--model", metavar="FILE", help="model file (TOML)")
+    parser.add_argument(
+        "--separate", metavar="A,B[,C]", help="find the motion that best tells these effects apart (ID[:joint], ...)"
+    )
+    parser.add_argument("--check", metavar="FILE", help="judge this motion instead of designing one (TOML, or paper)")
+    motion = parser.add_argument_group("the motion")
+    motion.add_argument(
+        "--criterion", choices=CRITERIA, default="condition",
+        help="condition: cond(Y), as the paper (default); d_optimal: log det; worst: largest relative deviation",
+    )  # fmt: skip
+    motion.add_argument("--period", metavar="S", type=positive, default=10.0, help="period in s (10)")
+    motion.add_argument("--harmonics", metavar="K", type=whole_number, default=5, help="number of harmonics (5)")
+    motion.add_argument("--middle", action="store_true", help="centre the motion in the middle of the angle range")
+    motion.add_argument("--free", action="store_true", help="let the search choose the centre of the motion")
+    motion.add_argument("--rest", action="store_true", help="start and end at rest: no velocity, no acceleration")
+    motion.add_argument(
+        "--use", metavar="SHARE", type=positive, default=1.0,
+        help="share of the limits that may be used (1); 0.9 leaves room for tracking errors",
+    )  # fmt: skip
+    motion.add_argument(
+        "--rate", metavar="HZ", type=positive, default=100.0, help="rate of the sampled table in Hz (100)"
+    )
+    motion.add_argument(
+        "--target", metavar="VALUE", type=number, help="exit with status 1 when the criterion is above VALUE"
+    )
+    search = parser.add_argument_group("the search")
+    search.add_argument("--starts", metavar="N", type=whole_number, default=3, help="starts of IPOPT (3); 0 for none")
+    search.add_argument("--printed", action="store_true", help="NFO as the paper prints it: Inf outside the limits")
+    search.add_argument(
+        "--box", metavar="B", type=positive, default=1.0, help="with --printed: half-width of its box (1)"
+    )
+    noise = parser.add_argument_group("what it is judged by")
+    noise.add_argument(
+        "--noise", metavar="NM", type=_noise,
+        help="standard deviation of a torque sample in N·m, one or hip,knee (0.5: the virtual bench's sensors)",
+    )  # fmt: skip
+    noise.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of the recording in s (30)")
+    add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and result.json into DIR")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Design or judge a motion; 1 when limits, a target or the wish to tell effects apart cannot be met."""
+    check_places(args)
+    if args.free and args.middle:
+        raise UsageError("--free and --middle exclude each other", remedy="give one of them")
+    if args.separate and args.check:
+        raise UsageError("--separate and --check exclude each other", remedy="give one of them")
+    if args.separate:
+        return _separate(args)
+    return _design(args)
+
+
+def _design(args: argparse.Namespace) -> int:
+    """Design a motion for one model, or judge a given one."""
+    from measurement.trajectory_file import sample_table
+    from workbench.inputs import load_model
+
+    path = _model_path(args)
+    model = load_model(path)
+    numbers = _numbers(path)
+    found = _found(args, model, numbers)
+    sampled = sample_table(found.trajectory, args.rate) if args.out else ""
+    screen = Screen.of(args)
+    _show(screen, found)
+    if args.out:
+        _write_motion(screen, args.out, found, sampled)
+    missed = args.target is not None and not found.value <= args.target
+    if missed:
+        screen.say(f"{found.value:.5g} is above the target of {args.target:g}", "bad")
+    deliver(args, screen, {"schema": "exoid.design/1", **found.to_json()})
+    return 0 if found.feasible and found.informative and not missed else 1
+
+
+def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
+    """Return the Excitation that `args` ask for."""
+    from optimisation.criteria import Noise
+    from optimisation.excitation import design, evaluate
+
+    noise = Noise.white(args.noise, args.rate)
+    common = {
+        "criterion": args.criterion, "noise": noise, "numbers": numbers, "duration": args.duration, "use": args.use,
+    }  # fmt: skip
+    if args.check:
+        from measurement.trajectory import paper_trajectory
+        from measurement.trajectory_file import read_trajectory
+
+        given = paper_trajectory(args.period) if args.check == "paper" else read_trajectory(args.check)
+        return evaluate(given, model, name="the paper's" if args.check == "paper" else "given", **common)
+    offsets = "free" if args.free else "middle" if args.middle else "paper"
+    with progress("designing the motion", quiet=args.quiet) as report:
+        return design(
+            model, period=args.period, harmonics=args.harmonics, offsets=offsets, rest=args.rest,
+            printed=args.printed, box=args.box, starts=args.starts, seed=args.seed, progress=report, **common,
+        )  # fmt: skip
+
+
+def _show(screen: Screen, found: Any) -> None:
+    """Show the searches, the limits and what the motion will tell."""
+    from measurement.extremes import shortest_period
+    from optimisation.excitation_result import MEANING, limit_rows
+
+    rows = [(c.name, f"{c.value:.5g}", c.evaluations, f"{c.seconds:.1f}", c.status) for c in found.candidates]
+    head = (f"{found.criterion}: {MEANING[found.criterion]}", "value", "steps", "s", "said")
+    screen.table("Best known", head, rows, note="not convex: no optimum is claimed" if len(rows) > 1 else "")
+    screen.say(f"cond(Ȳ) = {found.condition:.2f}, log det of the information = {found.log_det:.2f}")
+    limits = [
+        (joint, quantity, f"{low:.4f}", f"{high:.4f}", f"{least:g}", f"{most:g}", unit, f"{100 * share:.2f} %")
+        for joint, quantity, unit, low, high, least, most, share in limit_rows(found)
+    ]
+    screen.table(
+        "Limits, proven for all times", ("joint", "", "lowest", "highest", "limit", "limit ", "unit", "in use"), limits
+    )
+    if not found.feasible:
+        shortest = shortest_period(found.trajectory, found.model.limits)
+        what = "no period helps: an angle is outside" if shortest == float("inf") else f"a period of {shortest:.3g} s"
+        screen.say(f"the motion leaves its limits; {what} would keep them", "bad")
+    known = [
+        (
+            p.name, f"{p.value:.4g}", f"{p.deviation:.3g}", p.unit,
+            "-" if p.relative is None else f"{100 * p.relative:.2f} %",
+        )
+        for p in found.precision
+    ]  # fmt: skip
+    screen.table(
+        f"Standard deviations after {found.duration:g} s", ("number", "assumed", "deviation", "unit", "relative"), known
+    )
+    screen.say(f"assumed: {found.numbers}; noise: {found.noise}", "faint")
+    for text in found.cautions:
+        screen.say(f"careful: {text}", "warn")
+
+
+def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
+    """Write coefficients, samples and picture of a motion."""
+    from measurement.figures import to_png
+    from measurement.trajectory_file import write_trajectory
+
+    folder = make_folder(out)
+    write_trajectory(found.trajectory, folder / "motion.toml")
+    write_text(folder / "motion.csv", sampled)
+    write_bytes(folder / "motion.png", to_png(found.plot()))
+    screen.say(f"wrote {folder / 'motion.toml'}, motion.csv, motion.png")
+
+
+def _model_path(args: argparse.Namespace) -> str | None:
+    """Return the one model file that is named, by position or by --model."""
+    named = [*args.inputs, *([args.model] if args.model else [])]
+    if len(named) > 1:
+        raise UsageError(
+            f"{len(named)} models are named: {', '.join(named)}",
+            remedy="name one model file; recordings belong to --separate",
+        )
+    return named[0] if named else None
+
+
+def _numbers(path: str | None) -> Any:
+    """Return the identified numbers of a model file, where it has some."""
+    from symbolic.model_file import read_numbers
+
+    return None if path is None else read_numbers(path)
+
+
+def _noise(text: str) -> tuple[float, float]:
+    from workbench.options import limits
+
+    return limits(text)
+
+
+def _separate(args: argparse.Namespace) -> int:
+    """Design the motion that tells rivals apart."""
+    raise UsageError("--separate is on its way", where=str(Path.cwd()))
