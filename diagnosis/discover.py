@@ -7,6 +7,7 @@ a term that such a curve clearly beats at the same joint was only the nearest th
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,7 +16,7 @@ from typing import cast
 
 import numpy as np
 
-from diagnosis.candidates import Columns, Library, build_library, stacked
+from diagnosis.candidates import Candidate, Columns, Library, build_library, stacked
 from diagnosis.evidence import Evidence
 from diagnosis.look_alikes import CLOSE, TIED, columns_at, look_alikes, refine
 from diagnosis.present import Present, present
@@ -33,6 +34,8 @@ from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
 Progress = Callable[[float, str], None]
+MERGED = 0.97
+"""Part of the gain of two accepted terms that a single one must have to take their place."""
 ROUNDS = 4
 """Times the search goes on after it had to take back a stand-in."""
 MOST_TERMS = 6
@@ -131,7 +134,7 @@ class _Search:
                 if found is None:
                     break
                 stages.append(found)
-            stages = self.prune(stages)
+            stages = self.merge(self.prune(stages), banned)
             left = self.left(stages[-1])
             stand_ins = self.stand_ins(stages, left)
             if not stand_ins:
@@ -246,6 +249,40 @@ class _Search:
             return stages
         return self._replay(stages, [t.name for t in terms])
 
+    def merge(self, stages: list[Stage], banned: set[str]) -> list[Stage]:
+        """Put one term in the place of two wherever it does as well: forward steps may go round the truth.
+
+        Each pair of accepted terms is taken out; if a single candidate then gains nearly what both gained together, the
+        model with fewer terms is the one to believe.
+        """
+        scores = [s.added for s in stages[1:] if s.added is not None]
+        for pair in itertools.combinations(scores, 2):
+            self.tick(0.87, f"looking for one effect instead of {pair[0].name} and {pair[1].name}")
+            if not self._one_would_do(stages[-1], pair, banned):
+                continue
+            names = {score.name for score in pair}
+            shorter = self._replay(stages, [s.name for s in scores if s.name not in names])
+            evidence, ranked = self.rank(shorter[-1], len(shorter))
+            found = self.next_stage(shorter[-1], evidence, ranked, banned)
+            fresh = found is not None and found.added is not None and found.added.name not in names
+            if found is not None and fresh and _unseen_gain(stages[-1], found) > -2.0 * LEAST_SHARE:
+                return self.merge([*shorter, found], banned)
+        return stages
+
+    def _one_would_do(self, stage: Stage, pair: Sequence[Score], banned: set[str]) -> bool:
+        """Whether a single candidate gains nearly what the two of `pair` gain together."""
+        without, evidence = self._without_them(stage, pair)
+        columns = [self._columns(score, without) for score in pair]
+        together = evidence.plain([stacked(each) for each in zip(*columns, strict=True)])
+        wanted = float(evidence.gain(together).total[0]) / float(evidence.fold_losses.sum())
+        taken = {term.name for term in without.now.model.terms} | banned | {score.name for score in pair}
+        scores = [self._weighed(without, evidence, c) for c in self.library.candidates if c.name not in taken]
+        return any(s.share >= MERGED * wanted and s.helps and not s.caution for s in scores)
+
+    def _weighed(self, stage: Stage, evidence: Evidence, candidate: Candidate) -> Score:
+        columns = self.library.columns(candidate, stage.now.model, stage.fit.linear, stage.fit.shape)
+        return weigh(evidence, candidate, columns)
+
     def _without(self, stage: Stage, scores: Sequence[Score]) -> Stage:
         names = {score.name for score in scores}
         model = stage.now.model
@@ -309,11 +346,12 @@ class _Search:
     def _superseded(self, stage: Stage, evidence: Evidence, winner: Winner, joint: str) -> set[str]:
         """Return the candidates that touch `joint` and add little to the curve that won there."""
         out = set()
+        present_already = {term.name for term in stage.now.model.terms}
         for candidate in self.library.candidates:
-            if candidate.term.joint not in (joint, None):
+            if candidate.name in present_already or candidate.term.joint not in (joint, None):
                 continue
             columns = self.library.columns(candidate, stage.now.model, stage.fit.linear, stage.fit.shape)
-            score = weigh(evidence, candidate, columns)
+            score = self._weighed(stage, evidence, candidate)
             best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
             if score.share >= LEAST_SHARE and winner.supersedes(best):
                 out.add(candidate.name)

@@ -22,7 +22,7 @@ FALSE_DISCOVERY_RATE = 0.05
 LEAST_SHARE = 0.01
 """Smallest share of the weighted unseen loss worth a term (about 2 % of the RMS error of one joint): below, errors of
 the filter and of reversals take part in every significant-looking column."""
-HARMLESS = 0.25
+HARMLESS = 0.3
 """A recording may lose at most this part of the average gain; an effect it does not show costs it nearly nothing."""
 LEAST_NOVELTY = 1e-6
 """Share of a column that must be new to the model; less is absorbed by its parameters."""
