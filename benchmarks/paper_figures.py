@@ -18,7 +18,7 @@ COLOURS = (OKABE_ITO["blue"], OKABE_ITO["vermilion"], OKABE_ITO["green"], OKABE_
 DASHES = ("-", "--", "-.", ":", (0, (3, 1, 1, 1)))
 
 
-def search(found: Mapping[str, Search], published: float) -> Figure:
+def search(found: Mapping[str, Search], published: float, best: float) -> Figure:
     """Draw the best condition number against evaluations: the median of the runs, and their range."""
     with figure_style():
         figure = new_figure(7.0, 3.8)
@@ -31,6 +31,7 @@ def search(found: Mapping[str, Search], published: float) -> Figure:
             low, high = one.history.min(axis=0), np.where(np.isfinite(one.history), one.history, 1e6).max(axis=0)
             axes.fill_between(one.counts, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.axhline(published, color=INK, linewidth=0.9, linestyle=":", label="the published coefficients")
+        axes.axhline(best, color=INK, linewidth=1.0, linestyle="--", label="the best motion known (IPOPT)")
         axes.set(yscale="log", ylim=(50, 300), xlabel="evaluations", ylabel="condition number of Ȳ")
         axes.set_yticks([50, 75, 100, 150, 200, 300], ["50", "75", "100", "150", "200", "300"])
         axes.minorticks_off()
