@@ -2,13 +2,15 @@
 
 An optimiser is a frozen recipe with three verbs; everything that changes lives in the state it hands back:
 
-    start(x, f, rng) -> state        x (I, n) the first population with its fitness f (I,)
+    start(x, f, box, rng) -> state   x (I, n) the first population with its fitness f (I,), inside `box`
     ask(state, rng)  -> candidates   (I, n), anywhere
     tell(state, x, f) -> state       the candidates as they were evaluated, with their fitness
 
 The loop owns what must be the same for all: seed, bounds, evaluation of the whole population at once, the
 count of evaluations, the best point ever seen. A fitness of NaN counts as +∞, so no comparison can be won
-by it.
+by it. What an optimiser does not care about is declared in `invariances` and tested: "shift" of the
+coordinates with their box, "scale" (all by one factor), "axes" (each by its own), and "monotone" (any rising function
+of the fitness gives the same run).
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -33,14 +35,25 @@ INDIVIDUALS, GENERATIONS = 40, 400
 """The paper's population and number of generations."""
 
 
+class Box(NamedTuple):
+    """Where candidates may lie: `low` and `high` (n,)."""
+
+    low: Float
+    high: Float
+
+
 class Optimiser(Protocol):
     """What a file in `optimisers/` provides. `boundary` names the rule for candidates outside the box."""
+
+    @property
+    def invariances(self) -> frozenset[str]:
+        """What does not change a run: of "shift", "scale", "axes", "monotone"."""
 
     @property
     def boundary(self) -> str:
         """One of `BOUNDARIES`."""
 
-    def start(self, x: Float, f: Float, rng: np.random.Generator) -> Any:
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Any:
         """Return the state after the first population."""
 
     def ask(self, state: Any, rng: np.random.Generator) -> Float:
@@ -143,7 +156,7 @@ def minimise(
     first = problem.low + rng.random((individuals, problem.low.size)) * width if start is None else start
     x = inside(np.asarray(first, dtype=float)[:budget], problem.low, problem.high)
     f = _evaluate(problem, x)
-    state = optimiser.start(x, f, rng)
+    state = optimiser.start(x, f, Box(problem.low, problem.high), rng)
     winner = int(np.argmin(f))
     best_x, best_f, spent = x[winner].copy(), float(f[winner]), len(x)
     history, counts = [best_f], [spent]

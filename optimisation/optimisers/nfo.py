@@ -12,10 +12,11 @@ coordinates decide: on `problem.whitened()` with α = 1 the same rule is many or
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from optimisation.optimiser import Box
 from symbolic.motion import Float
 
 
@@ -33,8 +34,9 @@ class NFO:
     alpha: float = 0.8
     crossover: float = 0.5
     boundary: str = "clip"
+    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "monotone"})
 
-    def start(self, x: Float, f: Float, rng: np.random.Generator) -> Field:
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Field:
         """Keep the first population."""
         return Field(x, f)
 

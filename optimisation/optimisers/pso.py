@@ -1,0 +1,45 @@
+"""Particle swarm optimisation, one of the paper's rivals: each particle flies on, drawn to the best place it has
+seen itself and to the best place of all.
+
+pymoo's swarm as it comes: inertia and pulls adapt to how far the swarm has spread, and the best place is disturbed a
+little at random. Source: Zhan, Zhang, Li, Chung, IEEE Trans. Systems, Man, Cybernetics B 39(6), 2009.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from optimisation.optimiser import Box
+from optimisation.pymoo_engine import Engine, ask, begin, tell
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True)
+class PSO:
+    """`inertia`, `own` and `social` are the weights the adaptation starts from; `boundary`: see `BOUNDARIES`."""
+
+    inertia: float = 0.9
+    own: float = 2.0
+    social: float = 2.0
+    boundary: str = "clip"
+    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
+
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+        """Make the first population the swarm, with random velocities."""
+        from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
+
+        return begin(Swarm(pop_size=len(x), w=self.inertia, c1=self.own, c2=self.social), x, f, box, rng)
+
+    def ask(self, state: Engine, rng: np.random.Generator) -> Float:
+        """Return where the particles fly next."""
+        return ask(state, rng)
+
+    def tell(self, state: Engine, x: Float, f: Float) -> Engine:
+        """Remember each particle's best place."""
+        return tell(state, x, f)
+
+
+OPTIMISER = PSO

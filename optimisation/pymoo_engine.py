@@ -1,0 +1,72 @@
+"""Drives an algorithm of pymoo by our contract: it proposes and learns, we evaluate, count and draw the numbers.
+
+pymoo's own loop, display, history, termination and copies are left out; what remains is `ask` and `tell` of the
+algorithm object. It draws from our generator, so a seed means the same for every optimiser.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from optimisation.optimiser import Box
+from symbolic.motion import Float
+
+
+@dataclass(eq=False)
+class Engine:
+    """The state: pymoo's `algorithm`, which changes itself, and what it `asked` for last."""
+
+    algorithm: Any
+    asked: Any
+    box: Box
+
+
+def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+    """Return the state of `algorithm` after a first population `x` (I, n) with fitness `f` (I,)."""
+    from pymoo.core.problem import Problem
+    from pymoo.core.termination import NoTermination
+
+    # pymoo divides by the width of the box; on an axis without room it gets some, which the loop clips away.
+    high = np.where(box.high > box.low, box.high, box.low + 1.0)
+    problem = Problem(n_var=x.shape[1], n_obj=1, xl=box.low, xu=high)
+    # A seed of its own keeps pymoo from touching the global one; it is never drawn from.
+    algorithm.setup(problem, termination=NoTermination(), seed=0)
+    algorithm.random_state = rng
+    algorithm.display = _nothing
+    engine = Engine(algorithm, _population(x), box)
+    return tell(engine, x, f)
+
+
+def ask(engine: Engine, rng: np.random.Generator) -> Float:
+    """Return pymoo's next candidates (I, n)."""
+    algorithm = engine.algorithm
+    algorithm.random_state = rng
+    engine.asked = algorithm.ask()
+    if engine.asked is None or not len(engine.asked):
+        # Everything it can breed is there already (a population on one point): new blood, drawn evenly.
+        algorithm.termination.force_termination = False
+        low, high = engine.box
+        engine.asked = _population(low + rng.random((len(algorithm.pop), low.size)) * (high - low))
+    return np.asarray(engine.asked.get("X"), dtype=float)
+
+
+def tell(engine: Engine, x: Float, f: Float) -> Engine:
+    """Hand the fitness `f` (I,) of the candidates, as they were evaluated (`x`), to pymoo."""
+    # The individuals asked for carry more than their place (a particle its velocity), so they are kept.
+    engine.asked.set("X", x)
+    engine.asked.set("F", f[:, None])
+    engine.algorithm.tell(infills=engine.asked)
+    return engine
+
+
+def _population(x: Float) -> Any:
+    from pymoo.core.population import Population
+
+    return Population.new("X", x)
+
+
+def _nothing(algorithm: Any) -> None:
+    """Show nothing."""
