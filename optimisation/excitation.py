@@ -26,7 +26,7 @@ from optimisation.excitation_result import Candidate, Excitation, Precision
 from optimisation.motion_reference import solve_motions
 from optimisation.motion_space import MotionSpace, motion_space
 from optimisation.nominal import Nominal, nominal, sizes
-from optimisation.optimiser import Optimiser, minimise
+from optimisation.optimiser import Box, Optimiser, minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.prepare import STICK
 from optimisation.problem import Problem
@@ -70,9 +70,14 @@ class Remembering:
         """As the optimiser's own."""
         return self.optimiser.boundary
 
-    def start(self, x: Float, f: Float, rng: np.random.Generator) -> Any:
+    @property
+    def invariances(self) -> frozenset[str]:
+        """As the optimiser's own."""
+        return self.optimiser.invariances
+
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Any:
         """Start it."""
-        return self._keep(self.optimiser.start(x, f, rng))
+        return self._keep(self.optimiser.start(x, f, box, rng))
 
     def ask(self, state: Any, rng: np.random.Generator) -> Float:
         """Ask it."""
@@ -127,7 +132,7 @@ def design(
         raise DesignError(f"{use:g} of the limits", remedy="give a share above 0 and at most 1")
     room = bounds(model.limits, use)
     space = motion_space(
-        _shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
+        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
     )
     at = nominal(model, numbers)
     aim = Aim(sizes(model, at), noise or Noise.white(), duration)
@@ -186,7 +191,7 @@ def _silent(fraction: float, text: str) -> None:
     """Say nothing."""
 
 
-def _shrunk(room: Float, share: float) -> Float:
+def shrunk(room: Float, share: float) -> Float:
     """Return limits (J, 4) drawn in about the middle of each range to `share`: what values on the grid may use."""
     middle, half = 0.5 * (room[:, 0] + room[:, 1]), 0.5 * (room[:, 1] - room[:, 0]) * share
     return np.column_stack([middle - half, middle + half, room[:, 2:] * share])

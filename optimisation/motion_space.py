@@ -58,6 +58,14 @@ class MotionSpace:
         part = 0.5 + (0.5 - EDGE) * y[:, 2 * width :]
         return swings, low + part * (high - low)
 
+    def inside(self, swing: Float, offset: Float, grid: int = 500) -> Fourier:
+        """Return the motion of one swing (J, 2K) about `offset` (J,), stretched to the first limit it meets."""
+        from symbolic.gram import largest_factor
+
+        motion = self.trajectory(swing, offset)
+        along = motion.at(np.arange(grid) * (self.period / grid))
+        return motion.scaled(largest_factor(along.q - offset, along.dq, along.ddq, offset, self.limits))
+
     def trajectory(self, swing: Float, offset: Float) -> Fourier:
         """Return the motion with swing (J, 2K) about `offset` (J,)."""
         return Fourier(offset, swing[:, : self.harmonics], swing[:, self.harmonics :], self.period)

@@ -110,7 +110,7 @@ class Information:
             swung = sine @ a + cosine @ b
             speed = cosine @ (rate * a) - sine @ (rate * b)
             pull = -sine @ (rate**2 * a) - cosine @ (rate**2 * b)
-            factor = _largest(swung, speed, pull, about, self.limits)
+            factor = largest_factor(swung, speed, pull, about, self.limits)
             scale = factor if rescale else np.ones(len(JOINTS))
             q, dq, ddq = about + scale * swung, scale * speed, scale * pull
             grams.append(self._gram(q, dq, ddq))
@@ -248,7 +248,7 @@ def mean_sign(dq: Float, ddq: Float, step: float) -> Float:
     return np.clip(dq / np.maximum(0.5 * step * np.abs(ddq), 1e-300), -1.0, 1.0)
 
 
-def _largest(swung: Float, speed: Float, pull: Float, centre: Float, limits: Float) -> Float:
+def largest_factor(swung: Float, speed: Float, pull: Float, centre: Float, limits: Float) -> Float:
     """Return the factor (J,) that brings each swing to the first limit it meets; 0 where the centre is outside."""
     low, high, fastest, strongest = limits.T
     up, down = np.maximum(swung.max(axis=0), 0.0), np.maximum(-swung.min(axis=0), 0.0)

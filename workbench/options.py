@@ -33,6 +33,11 @@ def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True) -> N
             "--verify", metavar="REC", nargs="+", action="extend", default=[],
             help="recordings kept unseen, to check what was found",
         )  # fmt: skip
+    add_reading(parser)
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add what is needed to read recordings: --map, --units, --cutoff."""
     group = parser.add_argument_group("reading the recordings")
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,

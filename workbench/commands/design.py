@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from workbench.deliver import check_places, deliver
 from workbench.files import make_folder, write_bytes, write_text
-from workbench.options import add_common, number, positive, whole_number
+from workbench.options import add_common, add_reading, number, positive, whole_number
 from workbench.parser import UsageError
 from workbench.progress import progress
 from workbench.screen import Screen
@@ -56,6 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--target", metavar="VALUE", type=number, help="exit with status 1 when the criterion is above VALUE"
     )
     search = parser.add_argument_group("the search")
+    search.add_argument(
+        "--generations", metavar="N", type=whole_number, default=40, help="with --separate: generations of NFO (40)"
+    )
     search.add_argument("--starts", metavar="N", type=whole_number, default=3, help="starts of IPOPT (3); 0 for none")
     search.add_argument("--printed", action="store_true", help="NFO as the paper prints it: Inf outside the limits")
     search.add_argument(
@@ -67,6 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="standard deviation of a torque sample in N·m, one or hip,knee (0.5: the virtual bench's sensors)",
     )  # fmt: skip
     noise.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of the recording in s (30)")
+    add_reading(parser)
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and result.json into DIR")
 
 
@@ -199,4 +202,54 @@ def _noise(text: str) -> tuple[float, float]:
 
 def _separate(args: argparse.Namespace) -> int:
     """Design the motion that tells rivals apart."""
-    raise UsageError("--separate is on its way", where=str(Path.cwd()))
+    from optimisation.criteria import Noise
+    from workbench.inputs import load
+
+    toml = [name for name in args.inputs if name.lower().endswith(".toml")]
+    if toml:
+        raise UsageError("this is a model, not a recording", where=toml[0], remedy=f"--model {toml[0]}")
+    args.recordings = args.inputs
+    given = load(args)
+    with progress("designing the motion", quiet=args.quiet) as report:
+        from diagnosis.separate import separate
+
+        found = separate(
+            given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,
+            numbers=_numbers(args.model), noise=Noise.white(args.noise, args.rate) if args.noise else None,
+            period=args.period, harmonics=args.harmonics, offsets="middle" if args.middle else "free", rest=args.rest,
+            use=args.use, duration=args.duration, cutoff=given.cutoff, generations=args.generations, seed=args.seed,
+            progress=report,
+        )  # fmt: skip
+    screen = Screen.of(args)
+    _show_separation(screen, found)
+    if args.out and found.trajectory is not None:
+        from measurement.trajectory_file import sample_table
+
+        _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
+    deliver(args, screen, {"schema": "exoid.separation/1", **found.to_json()})
+    return 0 if found.separable else 1
+
+
+def _show_separation(screen: Screen, found: Any) -> None:
+    """Show how far apart the rivals will be, or why no motion helps and what would."""
+    screen.say(found.sentence, "good" if found.separable else "bad")
+    if found.apart:
+        head = ("true", "fitted", "designed", "at random", "present recordings")
+        rows = [
+            (
+                a,
+                b,
+                f"{far:.1f}",
+                f"{found.usual[a, b]:.1f}",
+                "" if found.present is None else f"{found.present[a, b]:.1f}",
+            )
+            for (a, b), far in found.apart.items()
+        ]
+        screen.table("σ apart, everything else refitted", head, rows)
+    for one in found.same:
+        for way in one.ways:
+            screen.say(f"instead: {way}")
+    for one in found.rivals:
+        numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in one.own.items())
+        screen.say(f"assumed: {one.name} with {numbers} ({one.source})", "faint")
+    screen.say(f"noise: {found.noise}; filter {found.cutoff:g} Hz", "faint")
