@@ -26,6 +26,7 @@ def search(found: Mapping[str, Search], published: float, best: float) -> Figure
         for (name, one), colour, dash in zip(found.items(), COLOURS, DASHES, strict=False):
             middle = np.median(one.history, axis=0)
             if not np.isfinite(middle).any():
+                axes.plot([], [], color=colour, linestyle=dash, label=f"{name}: ∞ throughout")
                 continue
             axes.plot(one.counts, middle, color=colour, linestyle=dash, label=name)
             low, high = one.history.min(axis=0), np.where(np.isfinite(one.history), one.history, 1e6).max(axis=0)
