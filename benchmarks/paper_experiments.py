@@ -209,14 +209,15 @@ class Curves:
 
 
 def converge(fits: Fits, seeds: int = SEEDS) -> Curves:
-    """Let NFO as printed, PSO and GA (40 × 400), and NFO in whitened coordinates, minimise the Huber loss."""
+    """Let NFO as printed, PSO and GA (40 × 400) minimise the Huber loss, in physical and in whitened coordinates."""
     compiled = population_fitness(fits.data)
     problem = huber_problem(fits.data, lambda x: compiled.huber(x, fits.delta), fits.delta, fits.sse)
-    recipes: dict[str, tuple[Any, Problem]] = {"NFO, as printed": (NFO(), problem)}
-    for name in ("pso", "ga"):
-        if name in optimisers():
-            recipes[name.upper()] = (optimisers()[name](), problem)
-    recipes["NFO, whitened coordinates"] = (NFO(alpha=1.0), problem.whitened())
+    pso, ga = optimisers()["pso"](), optimisers()["ga"]()
+    recipes: dict[str, tuple[Any, Problem]] = {
+        "NFO, as printed": (NFO(), problem), "PSO": (pso, problem), "GA": (ga, problem),
+        "NFO, whitened": (NFO(alpha=1.0), problem.whitened()), "PSO, whitened": (pso, problem.whitened()),
+        "GA, whitened": (ga, problem.whitened()),
+    }  # fmt: skip
     best, gaps, counts = fits.proof.primal, {}, {}
     for name, (recipe, where) in recipes.items():
         runs = [minimise(where, recipe, seed=seed) for seed in range(seeds)]

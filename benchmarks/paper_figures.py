@@ -87,7 +87,9 @@ def convergence(found: Curves) -> Figure:
     with figure_style():
         figure = new_figure(7.0, 4.0)
         axes = figure.subplots()
-        for (name, gaps), colour, dash in zip(found.gaps.items(), COLOURS, DASHES, strict=False):
+        for place, (name, gaps) in enumerate(found.gaps.items()):
+            # One colour per optimiser, one dash per kind of coordinates.
+            colour, dash = COLOURS[place % 3], "--" if "whitened" in name else "-"
             counts = found.counts[name]
             axes.semilogy(counts, np.median(gaps, axis=0), color=colour, linestyle=dash, label=name)
             axes.fill_between(counts, gaps.min(axis=0), gaps.max(axis=0), color=colour, alpha=0.15, linewidth=0)
