@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from measurement.signals import ORDER, low_pass, widen
 from measurement.trajectory import Fourier
@@ -140,7 +141,7 @@ def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = R
     return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate)
 
 
-def residual_noise(residual: Float, use: Float, groups: Float, rate: float, cutoff: float) -> Noise:
+def residual_noise(residual: Float, use: Bool, groups: NDArray[np.int64], rate: float, cutoff: float) -> Noise:
     """Return the noise that a fit's `residual` (J, N) shows, its autocorrelation counted.
 
     Independent samples per second are those whose mean would scatter as the residual's does (Newey-West over blocks),

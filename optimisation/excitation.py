@@ -58,6 +58,10 @@ class DesignError(ExoidError):
     """A design that cannot be made: unknown words, or no motion inside the limits."""
 
 
+class NoMotionError(DesignError):
+    """A search that met no motion inside the limits."""
+
+
 @dataclass(frozen=True)
 class Remembering:
     """An optimiser that keeps its last population, so that a search can go on where another ended."""
@@ -247,7 +251,7 @@ class _Search:
             seed=self._seed(explorers), start=populations[0] if populations else None,
         )  # fmt: skip
         if not np.isfinite(run.fitness):
-            raise DesignError(
+            raise NoMotionError(
                 f"not one of {run.evaluations} motions was inside the limits: Inf outside starves the search",
                 where=f"NFO as printed, box {self.box:g}",
                 remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",

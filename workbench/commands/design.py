@@ -6,11 +6,11 @@ import argparse
 from typing import Any
 
 from workbench.deliver import check_places, deliver
-from workbench.files import make_folder, write_bytes, write_text
+from workbench.files import make_folder, write_bytes, write_json, write_text
 from workbench.options import add_common, add_reading, number, positive, whole_number
 from workbench.parser import UsageError
 from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.screen import Screen, warn
 
 HELP = """design the motion to record next, inside the limits of the leg
 
@@ -93,7 +93,15 @@ def _design(args: argparse.Namespace) -> int:
     path = _model_path(args)
     model = load_model(path)
     numbers = _numbers(path)
-    found = _found(args, model, numbers)
+    from optimisation.excitation import NoMotionError
+
+    try:
+        found = _found(args, model, numbers)
+    except NoMotionError as error:
+        warn(str(error))
+        if args.json:
+            write_json(args.json, {"schema": "exoid.design/1", "feasible": False, "reason": error.what})
+        return 1
     sampled = sample_table(found.trajectory, args.rate) if args.out else ""
     screen = Screen.of(args)
     _show(screen, found)
@@ -234,7 +242,7 @@ def _show_separation(screen: Screen, found: Any) -> None:
     """Show how far apart the rivals will be, or why no motion helps and what would."""
     screen.say(found.sentence, "good" if found.separable else "bad")
     if found.apart:
-        head = ("true", "fitted", "designed", "at random", "present recordings")
+        head = ("true", "fitted", "design", "random", "now")
         rows = [
             (
                 a,
