@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from optimisation.fit import Fit
     from optimisation.identify import identify
     from optimisation.prepare import prepare
+    from optimisation.rivals import rivals
 
-__all__ = ["Fit", "identify", "prepare"]
+__all__ = ["Fit", "identify", "prepare", "rivals"]
 
 lend(
     __name__,
@@ -20,5 +21,6 @@ lend(
         "Fit": "optimisation.fit",
         "identify": "optimisation.identify",
         "prepare": "optimisation.prepare",
+        "rivals": "optimisation.rivals",
     },
 )

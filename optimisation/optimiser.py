@@ -88,8 +88,9 @@ BOUNDARIES: Mapping[str, Callable[[Float, Float, Float], Float]] = MappingProxyT
 class Run:
     """One run: best `x` (physical parameters, (P,)), its `fitness`, and how it got there.
 
-    `history` (G,) is the best fitness after `counts` (G,) evaluations. `gap` is the relative distance of the
-    fitness to a certified optimum where one is known.
+    `history` (G,) is the best fitness after `counts` (G,) evaluations; `found_at` (K,) are the evaluations that found
+    something better, and `found` (K,) what they found. `gap` is the relative distance of the fitness to a certified
+    optimum where one is known.
     """
 
     name: str
@@ -100,6 +101,8 @@ class Run:
     seed: int
     history: Float = field(repr=False)
     counts: Float = field(repr=False)
+    found_at: Float = field(repr=False)
+    found: Float = field(repr=False)
     optimiser: Any = None
     gap: float | None = None
 
@@ -160,12 +163,17 @@ def minimise(
     winner = int(np.argmin(f))
     best_x, best_f, spent = x[winner].copy(), float(f[winner]), len(x)
     history, counts = [best_f], [spent]
+    # The very first evaluation is the best so far whatever it found.
+    places, values = [np.ones(1), 1.0 + _better(f, f[0])], [f[:1], f[_better(f, f[0])]]
     while spent < budget:
         x = inside(optimiser.ask(state, rng)[: budget - spent], problem.low, problem.high)
         f = _evaluate(problem, x)
         spent += len(x)
         winner = int(np.argmin(f))
         if f[winner] < best_f:
+            better = _better(f, best_f)
+            places.append(spent - len(x) + 1.0 + better)
+            values.append(f[better])
             best_x, best_f = x[winner].copy(), float(f[winner])
         history.append(best_f)
         counts.append(spent)
@@ -182,8 +190,16 @@ def minimise(
         seed,
         np.array(history),
         np.array(counts, dtype=float),
+        np.concatenate(places),
+        np.concatenate(values),
         optimiser,
     )
+
+
+def _better(f: Float, than: float) -> np.ndarray:
+    """Return the indices (K,) in `f` (I,) that are below `than` and below everything before them."""
+    lowest = np.minimum.accumulate(np.concatenate([[than], f]))
+    return np.flatnonzero(lowest[1:] < lowest[:-1])
 
 
 def _evaluate(problem: Problem, x: Float) -> Float:

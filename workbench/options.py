@@ -25,9 +25,10 @@ def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> Non
     )
 
 
-def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True) -> None:
+def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:
     """Add REC..., --verify and what is needed to read them: --map, --units, --cutoff."""
-    parser.add_argument("recordings", metavar="REC", nargs="+", help="recordings the model is fitted to")
+    count = "+" if required else "*"
+    parser.add_argument("recordings", metavar="REC", nargs=count, help="recordings the model is fitted to")
     if verify:
         parser.add_argument(
             "--verify", metavar="REC", nargs="+", action="extend", default=[],

@@ -1,0 +1,138 @@
+"""`exoid rivals`: NFO, PSO, GA, DE and CMA-ES against the proven optimum, with statistics."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from workbench.deliver import check_places, deliver
+from workbench.options import add_common, add_model, add_recordings, whole_number
+from workbench.parser import UsageError
+from workbench.progress import progress
+from workbench.screen import Screen
+
+if TYPE_CHECKING:
+    from optimisation.standings import Rivals
+    from workbench.inputs import Inputs
+
+HELP = """compare NFO, PSO, GA, DE and CMA-ES with the certified optimum
+
+exoid rivals --out contest                       the paper's leg on the virtual bench, 51 seeds
+exoid rivals run1.csv run2.csv --model leg.toml --out contest
+with --out, what was stopped goes on where it was: give the same command again"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser, verify=False, required=False)
+    add_model(parser)
+    group = parser.add_argument_group("the comparison")
+    group.add_argument("--seeds", metavar="N", type=whole_number, default=51, help="runs of each optimiser (51)")
+    group.add_argument("--individuals", metavar="N", type=whole_number, default=40, help="size of the population (40)")
+    group.add_argument("--generations", metavar="N", type=whole_number, default=400, help="generations (400)")
+    group.add_argument(
+        "--whitened", action="store_true", help="let the rivals search in whitened coordinates as well, as NFO does"
+    )
+    group.add_argument("--only", metavar="NAME", nargs="+", action="extend", default=[], help="only these optimisers")
+    group.add_argument("--jobs", metavar="N", type=whole_number, default=0, help="processes (0: one per core)")
+    add_common(parser, out="write report, figures, IOHprofiler logs and every single run into DIR")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare and show."""
+    check_places(args)
+    given = _given(args)
+    with progress("optimising", quiet=args.quiet) as report:
+        from optimisation.rivals import entrants, rivals
+
+        competing = _chosen(entrants(args.whitened or bool(args.only)), args)
+        found = rivals(
+            _fitted(given, args.seed), seeds=args.seeds, seed=args.seed, individuals=args.individuals,
+            generations=args.generations, competing=competing, jobs=args.jobs or -1, progress=report,
+            folder=Path(args.out) / "runs" if args.out else None,
+        )  # fmt: skip
+    screen = Screen.of(args)
+    _show(screen, found)
+    if args.out:
+        found.write_logs(Path(args.out) / "ioh")
+        screen.say(f"IOHprofiler logs: {Path(args.out) / 'ioh'}")
+    from workbench.report.material import Material, command_of, pictures_of, settings_of
+
+    payload = {"schema": "exoid.rivals/1", **found.to_json()}
+    deliver(args, screen, payload, lambda: Material(
+        title="Optimisers against the certified optimum", answer=_sentence(found),
+        recordings=() if given is None else given.recordings, pictures=pictures_of(found),
+        command=command_of(args), settings=settings_of(args), seconds=found.seconds,
+    ))  # fmt: skip
+    return 0
+
+
+def _given(args: argparse.Namespace) -> Inputs | None:
+    """Return what was recorded; None for the paper's leg."""
+    if args.recordings:
+        from workbench.inputs import load
+
+        return load(args)
+    for option in ("model", "map", "units", "cutoff"):
+        if getattr(args, option):
+            raise UsageError(
+                f"--{option} is about recordings, and there are none",
+                remedy="name recordings, or leave it out: the paper's leg on the virtual bench is then the problem",
+            )
+    return None
+
+
+def _fitted(given: Inputs | None, seed: int) -> Any:
+    """Return the fit whose problem is competed on; None for the paper's leg."""
+    if given is None:
+        return None
+    from optimisation.identify import identify
+    from optimisation.prepare import prepare
+
+    prepared = prepare(given.model, given.recordings, cutoff=given.cutoff)
+    return identify(given.model, prepared.train, optimisers=(), seed=seed)
+
+
+def _chosen(known: Any, args: argparse.Namespace) -> Any:
+    """Return those of --only; all without it."""
+    if not args.only:
+        return known
+    from workbench.suggest import did_you_mean
+
+    for name in args.only:
+        if name not in known:
+            remedy = did_you_mean(name, list(known)) or f"there are {', '.join(known)}"
+            raise UsageError(f"there is no optimiser called {name!r}", where="--only", remedy=remedy)
+    return {name: search for name, search in known.items() if name in args.only}
+
+
+def _show(screen: Screen, found: Rivals) -> None:
+    """Show who came how near, how fast."""
+    from workbench.showing import number
+
+    screen.say(f"{found.contest.name}: {found.contest.certificate}")
+    if found.resumed:
+        screen.say(f"{found.resumed} runs were there already", "faint")
+    rows = [
+        (
+            name, f"{middle:.0e}", f"{low:.0e} to {high:.0e}", f"{hits}/{runs}",
+            "-" if ert == float("inf") else f"{ert:.0f} ({e_low:.0f} to {e_high:.0f})", number(p, 1),
+        )
+        for name, middle, low, high, hits, runs, ert, e_low, e_high, _, p in found.rows()
+    ]  # fmt: skip
+    screen.table(
+        f"{len(found.seeds)} seeds, {found.contest.individuals} × {found.contest.generations} evaluations",
+        ("optimiser", "gap", "quartiles", "to 1e-10", "evaluations", "p"), rows,
+    )  # fmt: skip
+    screen.say("gap: median distance above the certified optimum, relative", "faint")
+    screen.say("evaluations: expected to come within 1e-10, 95 % bootstrap", "faint")
+    screen.say(f"p: is the gap that of {found.reference}? Wilcoxon, Holm", "faint")
+
+
+def _sentence(found: Rivals) -> str:
+    best = found.rows()[0]
+    near = f"{best[4]} of {best[5]} runs come within 1e-10 of the certified optimum"
+    if best[6] == float("inf"):
+        return f"No run came within 1e-10 of the certified optimum; nearest is {best[0]}, {best[1]:.1e} above it."
+    return f"Fastest is {best[0]}: {near}, after {best[6]:.0f} evaluations on average."

@@ -1,0 +1,43 @@
+"""Who came how near the certified optimum, how fast, and which differences are more than chance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.report.material import Material
+
+TITLE = "Optimisers compared"
+ORDER = 15
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return running times to every target and the tests, where optimisers were compared."""
+    found = material.payload
+    if not isinstance(found, Mapping) or found.get("schema") != "exoid.rivals/1":
+        return None
+    targets = [f"{one['target']:.0e}" for one in next(iter(found["optimisers"].values()))["runtimes"]]
+    return {
+        "problem": found["problem"],
+        "seeds": len(found["seeds"]),
+        "budget": found["individuals"] * found["generations"],
+        "reference": found["reference"],
+        "ert_head": ("optimiser", "median gap", *targets),
+        "ert_rows": [
+            (name, one["median_gap"], *(_time(runtime) for runtime in one["runtimes"]))
+            for name, one in found["optimisers"].items()
+        ],
+        "test_head": ("optimiser", "question", "better", "worse", "p", "p (Holm)"),
+        "test_rows": [
+            (d["first"], d["question"], d["wins"], d["losses"], d["p"], d["p_holm"]) for d in found["differences"]
+        ],
+    }
+
+
+def _time(runtime: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a cell: expected evaluations, and how many runs came there where not all did."""
+    hits, runs = runtime["hits"], runtime["runs"]
+    if not hits:
+        return {"value": 1e300, "text": "–"}
+    few = "" if hits == runs else f" ({hits}/{runs})"
+    return {"value": runtime["ert"], "text": f"{runtime['ert']:.0f}{few}"}
