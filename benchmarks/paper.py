@@ -171,7 +171,7 @@ def curve_table(curves) -> str:
         rows.append((name, f"{np.median(last):.0e}", f"{last.min():.0e} to {last.max():.0e}", reached, after))
     r = curves.reference
     rows.append((f"IPOPT ({r.iterations} iterations)", f"{max(curves.reference_gap, 1e-16):.0e}", "", "1 of 1", ""))
-    head = ("method, 40 × 400 evaluations", "relative distance, median", "range", "runs within 1e-9", "after evaluations")
+    head = ("method, 40 × 400 evaluations", "relative distance, median", "range", "runs within 1e-9", "after")
     return table(head, rows)
 
 

@@ -215,7 +215,7 @@ def converge(fits: Fits, seeds: int = SEEDS) -> Curves:
     pso, ga = optimisers()["pso"](), optimisers()["ga"]()
     recipes: dict[str, tuple[Any, Problem]] = {
         "NFO, as printed": (NFO(), problem), "PSO": (pso, problem), "GA": (ga, problem),
-        "NFO, whitened": (NFO(alpha=1.0), problem.whitened()), "PSO, whitened": (pso, problem.whitened()),
+        "NFO, whitened": (NFO(), problem.whitened()), "PSO, whitened": (pso, problem.whitened()),
         "GA, whitened": (ga, problem.whitened()),
     }  # fmt: skip
     best, gaps, counts = fits.proof.primal, {}, {}
