@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from diagnosis.compare import compare
     from diagnosis.discover import diagnose, discover
     from diagnosis.extend import add, watch
+    from diagnosis.separate import separate
 
-__all__ = ["add", "compare", "diagnose", "discover", "watch"]
+__all__ = ["add", "compare", "diagnose", "discover", "separate", "watch"]
 
 lend(
     __name__,
@@ -21,6 +22,7 @@ lend(
         "compare": "diagnosis.compare",
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",
+        "separate": "diagnosis.separate",
         "watch": "diagnosis.extend",
     },
 )
