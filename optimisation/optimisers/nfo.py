@@ -29,10 +29,13 @@ class Field(NamedTuple):
 
 @dataclass(frozen=True)
 class NFO:
-    """`alpha`: length of the step; `crossover`: chance to take a component; `boundary`: see `BOUNDARIES`."""
+    """`alpha`: length of the step; `crossover`: chance to take a component, `forced`: one is always taken; `boundary`:
+    see `BOUNDARIES`. What each of them does is measured in docs/optimisation.md.
+    """
 
     alpha: float = 0.8
     crossover: float = 0.5
+    forced: bool = True
     boundary: str = "clip"
     invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "monotone"})
 
@@ -49,7 +52,8 @@ class NFO:
         toward = x[better]
         trial = x + self.alpha * (pull * (toward - x) + push * (toward - x[worse]))
         keep = rng.random((count, size)) >= self.crossover
-        keep[np.arange(count), rng.integers(size, size=count)] = False
+        if self.forced:
+            keep[np.arange(count), rng.integers(size, size=count)] = False
         return np.where(keep, x, trial)
 
     def tell(self, state: Field, x: Float, f: Float) -> Field:

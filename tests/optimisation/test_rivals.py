@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
+import runpy
 import sys
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,6 +104,14 @@ def test_processes_find_what_one_process_finds(fit, found):
     for name, runs in found.outcomes.items():
         for one, other in zip(runs, two.outcomes[name], strict=True):
             assert np.array_equal(one.gaps, other.gaps)
+
+
+def test_another_backend_of_joblib_can_be_chosen_from_outside(fit, found):
+    import joblib
+
+    with joblib.parallel_config("threading", n_jobs=2):
+        two = rivals(fit, **{**SMALL, "backend": None})
+    assert all(np.array_equal(two.gaps(name), found.gaps(name)) for name in found.outcomes)
 
 
 def stopped_after(count, monkeypatch):
@@ -275,3 +286,11 @@ def test_the_paper_s_problem_is_proven_and_has_the_paper_s_size():
 def test_whitened_nfo_is_at_the_optimum_within_half_the_budget_on_every_seed():
     found = rivals(contest_module.paper_contest(), seeds=100, competing={"nfo_whitened": entrants()["nfo_whitened"]})
     assert np.all(found.hits("nfo_whitened", np.array([1e-12])) <= 8000)
+
+
+def test_the_example_of_the_page_runs(capsys, tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "add_an_optimiser.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"^```python\n(.*?)^```", page, flags=re.S | re.M)
+    (tmp_path / "page.py").write_text(script, "utf-8")
+    runpy.run_path(str(tmp_path / "page.py"))
+    assert "shrinking_whitened" in capsys.readouterr().out
