@@ -76,7 +76,9 @@ def test_hostile_text_stays_text():
 
 def test_every_section_is_shown_with_its_title():
     text = render(material())
-    for section in find_sections():
+    shown = [section for section in find_sections() if section.context(material()) is not None]
+    assert len(shown) >= 8
+    for section in shown:
         assert f">{section.TITLE}</h2>" in text
 
 
