@@ -210,7 +210,7 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
         return np.array([-sketch.smallest(one) for one in stretched(y)])
 
     edge = np.ones(space.size)
-    remember = Remembering(NFO(alpha=0.8, crossover=0.95))
+    remember = Remembering(NFO(alpha=0.8, crossover=0.95), lambda y: y)
     run = minimise(
         Problem(fitness, -edge, edge, space.names, ("1",) * space.size),
         remember,

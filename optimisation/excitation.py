@@ -5,9 +5,10 @@
 NFO searches the coefficients, 20 individuals × 400 generations. A fitness of Inf outside the limits, as the paper has
 it, starves the search: nearly every individual is at Inf. Here every candidate is stretched to the first limit it
 meets, so that the search stays among motions that a leg can make ("feasible by construction"); the printed variant is
-kept for comparison. The first part of the budget explores from several populations with a smooth stand-in of cond(Ȳ),
-because its kinks hide the valleys; the best population goes on with the criterion itself. IPOPT, started from what
-the explorations found, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
+kept for comparison. Individuals are the stretched motions themselves, shifted in time to resemble each other where the
+start does not matter, so that near neighbours are near motions. The first part of the budget explores with a smooth
+stand-in of cond(Ȳ), because its kinks hide the valleys; the rest goes on with the criterion itself. IPOPT, started
+from short searches, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
 """
 
 from __future__ import annotations
@@ -42,8 +43,12 @@ GRID = 500
 """Samples per period in a search; its sums differ from those of 4000 by 1e-4, its proof of the limits costs 0.05 %."""
 INDIVIDUALS, GENERATIONS = 20, 400
 """The paper's population and generations for this problem."""
-EXPLORERS, EXPLORING = 3, 60
-"""Populations that explore, and for how many generations each; all within the same budget."""
+EXPLORING = 150
+"""Generations, of the same budget, that explore with the smooth stand-in."""
+SHORT = 60
+"""Generations of the search from whose result IPOPT starts."""
+WIDE = 2.0
+"""Half-width of the box around stretched motions: a mixture of harmonics may exceed what each alone may do."""
 STARTS = 3
 """Starts of IPOPT."""
 DURATION = 30.0
@@ -64,9 +69,13 @@ class NoMotionError(DesignError):
 
 @dataclass(frozen=True)
 class Remembering:
-    """An optimiser that keeps its last population, so that a search can go on where another ended."""
+    """An optimiser whose candidates are brought into a common form, and which keeps its last population.
+
+    `form` turns points (I, n) into points (I, n) that stand for the same motions, so that near points are near motions.
+    """
 
     optimiser: Optimiser
+    form: Callable[[Float], Float]
     last: list[Any] = field(default_factory=list)
 
     @property
@@ -85,7 +94,7 @@ class Remembering:
 
     def ask(self, state: Any, rng: np.random.Generator) -> Float:
         """Ask it."""
-        return self.optimiser.ask(state, rng)
+        return self.form(self.optimiser.ask(state, rng))
 
     def tell(self, state: Any, x: Float, f: Float) -> Any:
         """Tell it."""
@@ -96,7 +105,7 @@ class Remembering:
         return state
 
 
-EXPLORER = NFO(alpha=0.8, crossover=0.95)
+RECIPE = NFO(alpha=0.9, crossover=0.95)
 """NFO with almost every component taken: coefficients act together, a motion is no sum of independent choices."""
 
 
@@ -142,11 +151,11 @@ def design(
     aim = Aim(sizes(model, at), noise or Noise.white(), duration)
     info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
     search = _Search(info, space, aim, criterion, printed, box, individuals, generations, seed, say)
-    found, populations = search.run()
+    found = search.run()
     references: list[Candidate] = []
     if starts > 0 and not printed and not memory_operations(model):
         say(0.6, "IPOPT")
-        references = search.reference(populations, starts)
+        references = search.reference(starts)
     best = min([found, *references], key=lambda one: one.value)
     say(0.95, "judging the motion")
     cautions = _cautions(model, starts, printed)
@@ -228,47 +237,67 @@ class _Search:
         swings, offsets = self.space.split(y)
         return softened(self.info.sums(swings, offsets, rescale=True).gram)
 
-    def run(self) -> tuple[Candidate, list[Float]]:
-        """Return what NFO finds within its budget, and the populations on the way."""
+    def run(self) -> Candidate:
+        """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
         began = time.perf_counter()
-        explorers = 0 if self.printed or self.criterion != "condition" else EXPLORERS
-        explorers = explorers if self.generations > EXPLORERS * EXPLORING else 0
-        populations: list[Float] = []
-        for k in range(explorers):
-            self.say(0.1 * k, f"NFO explores, population {k + 1} of {explorers}")
-            remember = Remembering(EXPLORER)
-            minimise(
-                self._problem(self.smooth), remember, individuals=self.individuals, generations=EXPLORING,
-                seed=self._seed(k),
+        if self.printed:
+            run = minimise(
+                self._problem(self.value, self.box), NFO(), individuals=self.individuals, generations=self.generations,
+                seed=self.seed,
             )  # fmt: skip
-            populations.append(remember.last[0].x)
-        populations.sort(key=lambda x: float(np.min(self.value(x))))
-        left = self.generations - explorers * EXPLORING - (1 if explorers else 0)
-        self.say(0.35, "NFO")
-        recipe = NFO() if self.printed else EXPLORER
-        run = minimise(
-            self._problem(self.value), recipe, individuals=self.individuals, generations=left,
-            seed=self._seed(explorers), start=populations[0] if populations else None,
-        )  # fmt: skip
-        if not np.isfinite(run.fitness):
+            best = run.x, run.fitness
+        else:
+            best = self._formed(self.generations, EXPLORING, self.seed)
+        if not np.isfinite(best[1]):
             raise NoMotionError(
-                f"not one of {run.evaluations} motions was inside the limits: Inf outside starves the search",
+                f"not one of {self.individuals * self.generations} motions was inside the limits: Inf outside starves "
+                "the search",
                 where=f"NFO as printed, box {self.box:g}",
                 remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
             )
         spent = self.individuals * self.generations
         name = "NFO as printed" if self.printed else "NFO"
-        return self._candidate(name, run.x[None], run.fitness, spent, time.perf_counter() - began), [
-            *populations, run.x[None]
-        ]  # fmt: skip
+        return self._candidate(name, best[0][None], best[1], spent, time.perf_counter() - began)
 
-    def reference(self, populations: list[Float], starts: int) -> list[Candidate]:
-        """Return where IPOPT ends from the best of each exploration and from random points, best first."""
+    def _formed(self, generations: int, exploring: int, seed: int) -> tuple[Float, float]:
+        """Return the best point and its value after a search among motions in a common form."""
+        rng = np.random.default_rng(seed)
+        x = self.stretched(rng.uniform(-1.0, 1.0, (self.individuals, self.space.size)))
+        first = x[int(np.argmin(self.value(x)))]
+
+        def form(y: Float) -> Float:
+            return self.stretched(self.space.aligned(y, first) if self.shiftable else y)
+
+        remember = Remembering(RECIPE, form)
+        x = form(x)
+        if self.criterion == "condition" and generations > 2 * exploring > 0:
+            self.say(0.05, "NFO explores")
+            minimise(
+                self._problem(self.smooth, WIDE), remember, individuals=self.individuals, generations=exploring,
+                seed=seed, start=x,
+            )  # fmt: skip
+            x, generations = remember.last[0].x, generations - exploring
+        self.say(0.3, "NFO")
+        run = minimise(
+            self._problem(self.value, WIDE), remember, individuals=self.individuals, generations=generations,
+            seed=seed, start=x,
+        )  # fmt: skip
+        return run.x, run.fitness
+
+    def stretched(self, y: Float) -> Float:
+        """Return points (I, n) as the motions they stand for: stretched to the first limit they meet."""
+        swings, offsets = self.space.split(y)
+        factor = self.info.sums(swings, offsets, rescale=False).factor
+        width = self.space.basis.shape[2]
+        out = y.copy()
+        out[:, : 2 * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
+        return out
+
+    def reference(self, starts: int) -> list[Candidate]:
+        """Return where IPOPT ends from what short searches of its own find, best first."""
         began = time.perf_counter()
-        points = [x[int(np.argmin(self.value(x)))] for x in populations]
-        rng = np.random.default_rng([self.seed, 7])
-        points += [rng.uniform(-1.0, 1.0, self.space.size) for _ in range(starts - len(points))]
-        ended = solve_motions(self.info, self.space, self.aim, self.criterion, np.array(points[:starts]))
+        points = [self._formed(SHORT, 0, self._seed(k))[0] for k in range(starts)]
+        ended = solve_motions(self.info, self.space, self.aim, self.criterion, np.array(points))
         sums = self.info.sums(ended.swings, ended.offsets, rescale=True)
         values = CRITERIA[self.criterion](sums.gram, self.aim)
         each = (time.perf_counter() - began) / starts
@@ -279,8 +308,12 @@ class _Search:
             out.append(Candidate(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k]))
         return sorted(out, key=lambda one: one.value if np.isfinite(one.value) else np.inf)
 
-    def _problem(self, fitness: Callable[[Float], Float]) -> Problem:
-        width = self.box if self.printed else 1.0
+    @property
+    def shiftable(self) -> bool:
+        """Whether a motion that starts later, or runs backwards, is the same motion to the criterion."""
+        return not self.info.model.terms and self.space.whole
+
+    def _problem(self, fitness: Callable[[Float], Float], width: float) -> Problem:
         edge = np.full(self.space.size, width)
         if self.space.centre is None:
             edge[-2:] = 1.0

@@ -20,6 +20,8 @@ from symbolic.quantity import JOINTS
 
 OFFSETS = ("paper", "middle", "free")
 """Where a motion is centred: θ_0 of the paper, the middle of the angle range, or wherever is best."""
+SHIFTS = 64
+"""Shifts in time per period that are tried to make two motions resemble each other."""
 EDGE = 0.02
 """Share of the range that a free offset keeps from its ends."""
 
@@ -36,6 +38,8 @@ class MotionSpace:
     limits: Float
     basis: Float
     centre: Float | None
+    whole: bool = True
+    """Whether all coefficients are free, so that a motion may be shifted in time."""
 
     @property
     def size(self) -> int:
@@ -58,6 +62,24 @@ class MotionSpace:
         part = 0.5 + (0.5 - EDGE) * y[:, 2 * width :]
         return swings, low + part * (high - low)
 
+    def aligned(self, y: Float, to: Float) -> Float:
+        """Return points (I, n) as the same motions, begun later or run backwards so as to resemble the point `to` (n,).
+
+        Only for spaces that are `whole`: harmonic k of all joints turns by k times one angle.
+        """
+        count, width = len(y), 2 * self.harmonics
+        angle = np.arange(SHIFTS) * (2.0 * np.pi / SHIFTS)
+        turns = np.exp(1j * np.outer(angle, np.arange(1, self.harmonics + 1)))
+        waves = _waves(y[:, : 2 * width].reshape(count, 2, 2, self.harmonics))
+        wanted = _waves(to[: 2 * width].reshape(1, 2, 2, self.harmonics))[0]
+        both = np.stack([waves, -np.conj(waves)], axis=1)  # backwards: sines change sign
+        alike = np.einsum("idjk,sk,jk->ids", both, turns, np.conj(wanted), optimize=True).real.reshape(count, -1)
+        way, shift = np.divmod(alike.argmax(axis=1), SHIFTS)
+        best = both[np.arange(count), way] * turns[shift][:, None, :]
+        out = y.copy()
+        out[:, : 2 * width] = np.stack([best.real, best.imag], axis=2).reshape(count, 2 * width)
+        return out
+
     def inside(self, swing: Float, offset: Float, grid: int = 500) -> Fourier:
         """Return the motion of one swing (J, 2K) about `offset` (J,), stretched to the first limit it meets."""
         from symbolic.gram import largest_factor
@@ -69,6 +91,11 @@ class MotionSpace:
     def trajectory(self, swing: Float, offset: Float) -> Fourier:
         """Return the motion with swing (J, 2K) about `offset` (J,)."""
         return Fourier(offset, swing[:, : self.harmonics], swing[:, self.harmonics :], self.period)
+
+
+def _waves(coefficients: Float) -> np.ndarray:
+    """Return sines + i cosines (I, J, K) of coefficients (I, J, 2, K): a shift in time multiplies them."""
+    return np.asarray(coefficients[:, :, 0] + 1j * coefficients[:, :, 1])
 
 
 def motion_space(
@@ -99,6 +126,7 @@ def motion_space(
     middle = 0.5 * (limits[:, 0] + limits[:, 1])
     centre = {"paper": np.array(CENTRE), "middle": middle, "free": None}[offsets]
     space = MotionSpace(float(period), harmonics, limits, np.array(bases), centre)
+    space = replace(space, whole=not rest)
     return space if centre is None else replace(space, centre=_inside(centre, limits))
 
 
