@@ -81,7 +81,8 @@ class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
 
     Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording
-    (`shifts`, in samples) are drawn from `seed`.
+    (`shifts`, in samples) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of the model
+    is held where it is, 0 for free ones.
     """
 
     def __init__(
@@ -92,9 +93,11 @@ class Evidence:
         seed: int,
         draws: int = 999,
         sigma: Float | None = None,
+        prior: Float | None = None,
     ) -> None:
         self.train, self.verify = tuple(train), tuple(verify)
         self.draws = draws
+        self.prior = np.zeros(self.train[0].columns.shape[2]) if prior is None else prior
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.train]) if sigma is None else sigma
         self._units: list[tuple[int, Float]] = []
         blocks = self.train + self.verify
@@ -122,6 +125,11 @@ class Evidence:
         parts = [self._base[u] for u in units]
         return np.sum([p[0] for p in parts], axis=0), np.sum([p[1] for p in parts], axis=0), sum(p[2] for p in parts)
 
+    def _normal(self, units: Sequence[int]) -> tuple[Float, Float]:
+        """Return G⁻¹, the prior included, and b of several units that are fitted together."""
+        gram, slope, _ = self._sum(units)
+        return _inverse(gram + np.diag(self.prior)), slope
+
     def _make_splits(self) -> list[tuple[list[int], list[int], Float, Float, tuple[Float, Float, float], float]]:
         """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
         training = [u for u in range(len(self._units)) if self.is_train[u]]
@@ -131,8 +139,7 @@ class Evidence:
             splits.append((training, judged))
         out = []
         for fit, held in splits:
-            g, b, c = self._sum(fit)
-            inverse = _inverse(g)
+            inverse, b = self._normal(fit)
             step = inverse @ b
             g, b, c = self._sum(held)
             loss = float(c - 2.0 * step @ b + step @ g @ step)
@@ -240,8 +247,7 @@ class Evidence:
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
         """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
         units = [u for u in range(len(self._units)) if self._units[u][0] == index]
-        gram, slope, _ = self._sum(units)
-        inverse = _inverse(gram)
+        inverse, slope = self._normal(units)
         step = inverse @ slope
         return _fit_candidate(inverse, step, [grams[u] for u in units])[::2]
 
@@ -257,7 +263,7 @@ class Evidence:
     def novelty(self, grams: Sequence[Gram]) -> Float:
         """Return the share (D,) of the candidate that the present model cannot imitate, its weakest direction."""
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse = _inverse(self._sum(fit)[0])
+        inverse, _ = self._normal(fit)
         g, h = sum(grams[u].g for u in fit), sum(grams[u].h for u in fit)
         scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
         norm = scale[:, :, None] * scale[:, None, :]
@@ -268,8 +274,7 @@ class Evidence:
 
     def _fit_all(self, grams: Sequence[Gram], ridge: float) -> Float:
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        gram, slope, _ = self._sum(fit)
-        inverse = _inverse(gram)
+        inverse, slope = self._normal(fit)
         step = inverse @ slope
         return _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)[0]
 

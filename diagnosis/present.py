@@ -19,19 +19,25 @@ from optimisation.prepare import Prepared, PreparedRecording
 from symbolic.model import Model
 from symbolic.motion import Float
 
+HOLD = 2.0
+"""Standard deviations of a shape value that a split of the recordings may move it by."""
 SLOPE_STEP = 1e-3
 """Step of the derivative by a shape parameter, as a share of its range."""
 
 
 @dataclass(frozen=True, eq=False)
 class Present:
-    """A fitted model on all prepared recordings: shape values (R, S) and residuals (J, K), training first."""
+    """A fitted model on all prepared recordings: shape values (R, S) and residuals (J, K), training first.
+
+    `slack` (S,) is how far the data leave each shape value open (a standard deviation).
+    """
 
     model: Model
     linear: Float
     shapes: Float
     residuals: tuple[Float, ...]
     prepared: Prepared
+    slack: Float
 
     @property
     def train_rms(self) -> Float:
@@ -73,13 +79,15 @@ class Present:
             for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
         ]
         count = len(self.prepared.train)
-        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma)
+        # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
+        free = np.zeros(len(self.model.parameters))
+        prior = np.concatenate([free, (HOLD * self.slack) ** -2.0])
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior)
 
     def on(self, prepared: Prepared) -> Present:
         """Return the same model with the same numbers on other versions of the recordings."""
-        return Present(
-            self.model, self.linear, self.shapes, _residuals(self.model, self.linear, self.shapes, prepared), prepared
-        )
+        residuals = _residuals(self.model, self.linear, self.shapes, prepared)
+        return Present(self.model, self.linear, self.shapes, residuals, prepared, self.slack)
 
 
 def present(fit: Fit, prepared: Prepared) -> Present:
@@ -90,7 +98,17 @@ def present(fit: Fit, prepared: Prepared) -> Present:
     """
     model: Model = fit.model  # type: ignore[assignment]
     shapes = shapes_for(fit, prepared)
-    return Present(model, fit.linear, shapes, _residuals(model, fit.linear, shapes, prepared), prepared)
+    return Present(
+        model, fit.linear, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model)
+    )
+
+
+def _slack(fit: Fit, model: Model) -> Float:
+    """Return the standard deviation (S,) of each shape value, a part of its range at least and at most."""
+    known = {e.name: (e.high - e.low) / (2.0 * 1.96) for e in fit.estimates}
+    spread = np.array([known.get(s.name, np.nan) for s in model.shapes], dtype=float)
+    ranges = np.array([s.shape.max - s.shape.min for s in model.shapes], dtype=float)
+    return np.clip(np.where(np.isfinite(spread), spread, np.inf), 1e-4 * ranges, 0.02 * ranges)
 
 
 def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:

@@ -223,7 +223,7 @@ def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
     for index, block in enumerate(evidence.blocks):
         samples = block.residual.shape[1]
         folded = replace(block, fold=np.arange(samples) * BLOCKS // samples)
-        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma)
+        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=evidence.prior)
         out.append(_Judge(alone, (index,), index < len(now.prepared.train)))
     return out
 
