@@ -46,7 +46,7 @@ sys.path.insert(0, str(ROOT))
 from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
 from diagnosis.present import present  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
-from measurement.bench import Run, simulate_runs  # noqa: E402
+from measurement.bench import BenchError, Run, simulate_runs  # noqa: E402
 from measurement.blind import draw, relative_size  # noqa: E402
 from measurement.hidden import Hidden, true_model  # noqa: E402
 from measurement.leg import Leg, random_leg  # noqa: E402
@@ -65,8 +65,9 @@ VISIBLE = (0.25, 1.2)
 """RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
 RATE, BAND = 200.0, 5.0
 """Sampling and band in Hz in which that is judged."""
-FASTEST_RIPPLE = 120.0
-"""Largest order of a hidden ripple; a faster one is outside the band at all but creeping speed."""
+USUAL = {"torque_ripple": ("n", 8.0, 120.0), "stribeck": ("v_s", 0.05, 0.3)}
+"""Ranges a shape is drawn from where the catalogue's is wider than what can be seen at all: a faster ripple is outside
+the band but at creeping speed, a narrower Stribeck peak is inside the speeds at which a joint may stick."""
 MOST_SHARE = 0.6
 """Largest effect against the torque of the leg, as standard deviations: an effect that the base model nearly contains
 (a spring at the hip) would have to be absurd to be visible."""
@@ -199,12 +200,11 @@ def visible(hidden: Hidden, leg: Leg) -> float:
 
 
 def _placed(hidden: Hidden, rng: np.random.Generator) -> Hidden:
-    """Put what sits at an angle (an end stop) where the joint gets to, near its end; give a ripple a usual order."""
+    """Put what sits at an angle (an end stop) where the joint gets to, near its end; give others a usual shape."""
     assert isinstance(hidden.effect, Effect)
-    if hidden.effect.id == "torque_ripple":
-        return replace(
-            hidden, values={**hidden.values, "n": math.exp(float(rng.uniform(*np.log((8.0, FASTEST_RIPPLE)))))}
-        )
+    if hidden.effect.id in USUAL:
+        key, low, high = USUAL[hidden.effect.id]
+        return replace(hidden, values={**hidden.values, key: math.exp(float(rng.uniform(*np.log((low, high)))))})
     places = [key for key, shape in hidden.effect.shape.items() if shape.spacing == "position"]
     if not places or hidden.joint is None:
         return hidden
@@ -234,12 +234,22 @@ def _possible(hidden: Hidden, leg: Leg) -> Hidden:
     return replace(hidden, values=values)
 
 
+def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[Run, ...]]:
+    """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
+    hidden = hide(case, leg, rng)
+    for _ in range(8):
+        try:
+            return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+        except BenchError:
+            hidden = tuple(_scaled(one, 0.7) for one in hidden)
+    return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+
+
 def run_case(case: Case) -> dict[str, Any]:
     """Return one line of the results."""
     rng = np.random.default_rng(case.number)
     leg = random_leg(rng)
-    hidden = hide(case, leg, rng)
-    runs = simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+    hidden, runs = simulated(case, leg, rng)
     recordings = [run.recording for run in runs]
     model = Model.standard(thigh_length=leg.thigh_length)
     began = time.perf_counter()

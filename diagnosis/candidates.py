@@ -63,6 +63,11 @@ class Candidate:
         return len(self.term.effect.coefficients) + len(self.term.effect.shape)
 
     @property
+    def common(self) -> np.ndarray:
+        """Indices of the nodes that are the same in every recording."""
+        return np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
+
+    @property
     def per_recording(self) -> tuple[int, ...]:
         """Indices of the shape parameters that each recording has to itself."""
         return tuple(i for i, s in enumerate(self.term.effect.shape.values()) if s.per_recording)
@@ -142,17 +147,24 @@ def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> 
     shapes = list(term.effect.shape.values())
     if tangent or not shapes:
         return np.zeros((len(prepared), 1, len(shapes)))
-    own = [[_axis(shape, term, one, prepared) for shape in shapes] for one in prepared]
-    return np.array([list(itertools.product(*axes)) for axes in own], dtype=float)
+    if not any(shape.per_recording for shape in shapes):
+        return _product(shapes, term, [prepared] * len(prepared))
+    # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
+    # says little about where.
+    own = _product(shapes, term, [[one] for one in prepared])
+    return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
 
 
-def _axis(shape: Shape, term: Term, one: PreparedRecording, prepared: Sequence[PreparedRecording]) -> Sequence[float]:
+def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[PreparedRecording]]) -> Float:
+    return np.array([list(itertools.product(*(_axis(s, term, path) for s in shapes))) for path in paths], dtype=float)
+
+
+def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
     if shape.choices:
         return shape.choices
     if shape.spacing == "position" and term.joint is not None:
         joint = JOINTS.index(term.joint)
         levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
-        paths = [one] if shape.per_recording else prepared
         places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
         return tuple(np.clip(places, shape.min, shape.max))
     return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))

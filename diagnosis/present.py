@@ -67,6 +67,22 @@ class Present:
         return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
 
     @property
+    def scale(self) -> Float:
+        """Robust standard deviation (J,) of the residual of all recordings, N·m."""
+        return pooled_scale([(r, p.use.T) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
+
+    def block_losses(self, scale: Float, seconds: float) -> Float:
+        """Return the Huber loss in blocks of `seconds`, recording after recording, in units of `scale` (J,)."""
+        out = []
+        for residual, one in zip(self.residuals, self.prepared.all, strict=True):
+            size = np.where(one.use.T, np.abs(residual), 0.0) / scale[:, None]
+            inner = np.minimum(size, ROBUST)
+            loss = np.sum(inner * (2.0 * size - inner), axis=0)
+            starts = np.arange(0, loss.size, max(1, int(seconds * one.kept_rate)))
+            out.append(np.add.reduceat(loss, starts))
+        return np.concatenate(out)
+
+    @property
     def per_recording(self) -> list[tuple[str, Float]]:
         """Name and RMS residual (J,) of every recording."""
         return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]

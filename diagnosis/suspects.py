@@ -7,7 +7,7 @@ as well. Over the catalogue the false-discovery rate is controlled (Benjamini, H
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,6 +28,9 @@ LEAST_NOVELTY = 1e-6
 """Share of a column that must be new to the model; less is absorbed by its parameters."""
 LEAST_ACTIVE = 0.003
 """Share of samples on which a column must differ from zero."""
+LEAST_SEEN = 0.01
+"""Share of a column's squares on samples that are fitted: a Stribeck peak inside the speeds at which a joint may stick
+shows only in what the filter spreads, and would be credited with whatever is wrong there."""
 PLACEBO_NODES = 100
 """Nodes at most in the search of a placebo; neighbouring nodes resemble each other."""
 TELEGRAPH = 3.0
@@ -128,19 +131,29 @@ def admissible(candidate: Candidate, coefficients: Float) -> np.ndarray:
 
 
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
-    """Return the share (V,) of training samples on which a node's columns are not zero."""
+    """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
     train = columns[: len(evidence.train)]
     peak = np.max([np.abs(c.values).max(axis=(1, 2, 3)) for c in train], axis=0)
     live = [np.mean(np.abs(c.values).max(axis=(1, 3)) > 1e-3 * peak[:, None], axis=1) for c in train]
-    return np.where(peak > 0.0, np.mean(live, axis=0), 0.0)
+    whole = np.sum([np.einsum("vakm,vakm->v", c.values, c.values) for c in train], axis=0)
+    seen = np.sum(
+        [
+            np.einsum("vakm,vakm,ak->v", c.values, c.values, b.use[list(c.joints)].astype(float), optimize=True)
+            for c, b in zip(train, evidence.train, strict=True)
+        ],
+        axis=0,
+    )
+    return np.where((peak > 0.0) & (seen >= LEAST_SEEN * whole), np.mean(live, axis=0), 0.0)
 
 
 def _groups(candidate: Candidate) -> list[np.ndarray]:
-    """Return node indices that share every value a recording does not have to itself."""
+    """Return the nodes that differ between recordings, those together that share every other value."""
     own = candidate.per_recording
-    shared = np.delete(candidate.nodes[0], own, axis=1)
-    _, label = np.unique(shared, axis=0, return_inverse=True)
-    return [np.flatnonzero(label.ravel() == k) for k in range(label.max() + 1)]
+    moving = np.setdiff1d(np.arange(candidate.nodes.shape[1]), candidate.common)
+    if not own or not moving.size:
+        return []
+    _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)
+    return [moving[label.ravel() == k] for k in range(label.max() + 1)]
 
 
 def _choices(
@@ -148,19 +161,15 @@ def _choices(
 ) -> list[tuple[np.ndarray, Gain]]:
     """Return every (nodes (R,), Gain) the search may choose from."""
     recordings = len(evidence.blocks)
-    if not candidate.per_recording:
-        gain = evidence.gain(grams)
-        return [
-            (
-                np.full(recordings, v),
-                Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1]),
-            )
-            for v in np.flatnonzero(alive)
-        ]
-    out = []
-    for group in _groups(candidate):
+    gain = evidence.gain(grams)
+    out = [
+        (np.full(recordings, v), Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1]))
+        for v in np.intersect1d(candidate.common, np.flatnonzero(alive))
+    ]
+    groups = _groups(candidate)
+    by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
+    for group in groups:
         nodes = np.array([group[_local(evidence, candidate, grams, r, group)] for r in range(recordings)])
-        by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
         out.append((nodes, evidence.gain(evidence.pick(by_node, nodes[:, None]))))
     return out
 
@@ -175,18 +184,18 @@ def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Sco
     """Return `score` with its p-value: the share of placebos that gain as much through the same search."""
     candidate = score.candidate
     columns = [_telegraph(c, evidence.blocks[r].rate, r) for r, c in enumerate(columns)]
-    nodes = np.arange(candidate.nodes.shape[1])
-    if not candidate.per_recording and nodes.size > PLACEBO_NODES:
-        nodes = np.unique(np.append(nodes[:: int(np.ceil(nodes.size / PLACEBO_NODES))], score.nodes[0]))
+    nodes = candidate.common
+    if nodes.size > PLACEBO_NODES:
+        nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / PLACEBO_NODES))], score.nodes[:1])
     null = np.full(evidence.draws, -np.inf)
-    if candidate.per_recording:
-        by_node = [evidence.shifted(columns, v) for v in range(candidate.nodes.shape[1])]
-        for group in _groups(candidate):
-            chosen = _local_draws(evidence, candidate, by_node, group)
-            null = np.maximum(null, _null_of(candidate, evidence.gain(evidence.pick(by_node, chosen))))
-    else:
-        for v in nodes:
-            null = np.maximum(null, _null_of(candidate, evidence.gain(evidence.shifted(columns, int(v)))))
+    for v in nodes:
+        null = np.maximum(null, _null_of(candidate, evidence.gain(evidence.shifted(columns, int(v)))))
+    groups = _groups(candidate)
+    by_node = {v: evidence.shifted(columns, int(v)) for group in groups for v in group}
+    for group in groups:
+        chosen = _local_draws(evidence, candidate, by_node, group)
+        stacked = [by_node[v] for v in group]
+        null = np.maximum(null, _null_of(candidate, evidence.gain(evidence.pick(stacked, chosen))))
     seen = score.share * float(evidence.fold_losses.sum())
     beaten = int(np.count_nonzero(null >= seen))
     return replace(score, p_value=(1 + beaten) / (1 + evidence.draws))
@@ -212,16 +221,16 @@ def _null_of(candidate: Candidate, gain: Gain) -> Float:
 
 
 def _local_draws(
-    evidence: Evidence, candidate: Candidate, by_node: Sequence[Sequence[Gram]], group: np.ndarray
+    evidence: Evidence, candidate: Candidate, by_node: Mapping[int, Sequence[Gram]], group: np.ndarray
 ) -> np.ndarray:
-    """Return the node (R, D) that each recording would choose for each draw."""
+    """Return the place in `group` (R, D) that each recording would choose for each draw."""
     out = []
     for recording in range(len(evidence.blocks)):
         gains = []
         for v in group:
             coefficients, gain = evidence.recording_gain(by_node[v], recording)
             gains.append(np.where(admissible(candidate, coefficients), gain, -np.inf))
-        out.append(group[np.argmax(gains, axis=0)])
+        out.append(np.argmax(gains, axis=0))
     return np.array(out)
 
 

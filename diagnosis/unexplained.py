@@ -343,9 +343,13 @@ def _bumps(now: Present, joint: str) -> list[Candidate]:
             },
             custom=True,
         )
-        places = [np.quantile(path, BUMP_LEVELS) for path in paths]
         widths = np.geomspace(0.05, 0.3, 5) * (high - low)
-        nodes = np.array([[(m, w) for m in own_places for w in widths] for own_places in places])
+        pooled = [np.quantile(np.concatenate(paths), BUMP_LEVELS)] * len(paths)
+        each_own = [np.quantile(path, BUMP_LEVELS) for path in paths]
+        tried = [each_own, pooled] if variable.startswith("q") else [pooled]
+        nodes = np.concatenate(
+            [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
+        )
         out.append(Candidate(Term(effect, joint), nodes, False))
     return out
 

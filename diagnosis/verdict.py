@@ -16,7 +16,7 @@ from symbolic.quantity import Estimate
 from symbolic.term import Term
 
 if TYPE_CHECKING:
-    from diagnosis.discover import Stage
+    from diagnosis.search import Stage
 
 
 @dataclass(frozen=True)

@@ -101,11 +101,16 @@ def low_pass_at(x: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) ->
     return out.reshape(kept.size, *x.shape[1:])
 
 
+def response_seconds(cutoff: float) -> float:
+    """Return the time in s after which the slowest pole of `low_pass` has fallen to 1e-7."""
+    return 6.7 / cutoff
+
+
 @lru_cache(maxsize=32)
 def _response(cutoff: float, rate: float) -> Float:
     """Return the zero-phase response (2 L + 1,) of `low_pass` to one sample, as far as it matters."""
     sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
-    reach = int(np.ceil(6.7 * rate / cutoff))  # the slowest pole of order 4 has then fallen to 1e-7
+    reach = int(np.ceil(response_seconds(cutoff) * rate))
     pulse = np.zeros(4 * reach + 1)
     pulse[2 * reach] = 1.0
     response = sosfiltfilt(sections, pulse, padlen=0)[reach : 3 * reach + 1]
