@@ -22,8 +22,8 @@ from symbolic.motion import Float
 LANES = 4
 """Candidates per pass: each entry is loaded once for all of them. More lanes spill registers."""
 
-CHUNK = 2048
-"""Samples per pass: entries and torque of one chunk (12 x 16 kB) stay in the nearest caches for all
+CHUNK = 512
+"""Samples per pass: entries and torque of one chunk (12 x 4 kB) stay in the nearest cache for all
 candidates.
 """
 
@@ -45,18 +45,24 @@ class Fitness:
         """Return "c" or "numpy"."""
         return "numpy" if self.library is None else "c"
 
-    def sse(self, population: Any) -> Float:
-        """Return the sum of squared residuals (I,) over samples and joints for `population` (I, P)."""
-        return self._evaluate(population, None)
+    def sse(self, population: Any, threads: int = 1) -> Float:
+        """Return the sum of squared residuals (I,) over samples and joints for `population` (I, P).
 
-    def huber(self, population: Any, delta: Any) -> Float:
-        """Return the Huber loss (I,) of `population` (I, P) with thresholds `delta` (J,) in N·m."""
+        `threads` share the candidates; the result is the same to the last bit for any number of them.
+        """
+        return self._evaluate(population, None, threads)
+
+    def huber(self, population: Any, delta: Any, threads: int = 1) -> Float:
+        """Return the Huber loss (I,) of `population` (I, P) with thresholds `delta` (J,) in N·m; `threads` as of sse.
+        """
         threshold = np.ascontiguousarray(delta, dtype=float)
         if threshold.shape != (self.joints,) or not np.all(threshold > 0.0):
             raise ValueError(f"delta is {delta!r}; it must hold a positive threshold for each of {self.joints} joints")
-        return self._evaluate(population, threshold)
+        return self._evaluate(population, threshold, threads)
 
-    def _evaluate(self, population: Any, delta: Float | None) -> Float:
+    def _evaluate(self, population: Any, delta: Float | None, threads: int) -> Float:
+        if threads < 1:
+            raise ValueError(f"threads is {threads}; at least one has to do the work")
         candidates = np.ascontiguousarray(np.atleast_2d(population), dtype=float)
         if candidates.ndim != 2 or candidates.shape[1] != self.size:
             raise ValueError(f"population has shape {candidates.shape}, expected (I, {self.size})")
@@ -65,13 +71,13 @@ class Fitness:
         finite = np.isfinite(candidates).all(axis=1)
         if not finite.all():
             out[~finite] = np.nan
-            out[finite] = self._evaluate(candidates[finite], delta) if finite.any() else out[finite]
+            out[finite] = self._evaluate(candidates[finite], delta, threads) if finite.any() else out[finite]
             return out
         if self.library is None:
             return self._in_numpy(candidates, delta)
         # A threshold of infinity is beyond any finite residual, but not beyond -ffast-math.
         bounded = None if delta is None else np.minimum(delta, np.finfo(float).max / 4)
-        _call(self.library.c, self.data, candidates, bounded, out)
+        _shared(self.library.c, self.data, candidates, bounded, out, threads)
         return out
 
     def _in_numpy(self, candidates: Float, delta: Float | None) -> Float:
@@ -128,6 +134,25 @@ def kernel_for(entries: Entries, size: int, joints: int) -> Library | None:
             return None
         _LOADED[key] = found
     return _LOADED[key]
+
+
+def _shared(
+    library: ctypes.CDLL, data: Float, candidates: Float, delta: Float | None, out: Float, threads: int
+) -> None:
+    """Let `threads` evaluate one run of candidates each; ctypes lets go of the interpreter during the call.
+
+    Runs are whole passes of LANES, so that every candidate meets the same instructions however many threads there are.
+    """
+    passes = -(-len(candidates) // LANES)
+    share = -(-passes // threads) * LANES
+    if share >= len(candidates):
+        _call(library, data, candidates, delta, out)
+        return
+    from concurrent.futures import ThreadPoolExecutor
+
+    parts = [slice(k, k + share) for k in range(0, len(candidates), share)]
+    with ThreadPoolExecutor(len(parts)) as pool:
+        list(pool.map(lambda part: _call(library, data, candidates[part], delta, out[part]), parts))
 
 
 def _call(library: ctypes.CDLL, data: Float, candidates: Float, delta: Float | None, out: Float) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from symbolic.columns import apply_transforms, vector
 from symbolic.compiler import EXACT, NoCompilerWarning
+from symbolic.errors import ExpressionError
 from symbolic.fingerprint import equations, equations_key
 from symbolic.fitness import Fitness, fitness
 from symbolic.library import Library, Source, load
@@ -46,12 +47,24 @@ class Compiled:
         return "vm" if self.library is None else "c"
 
     def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
-        """Return the regressor (J, N, P); arguments as of Model.columns."""
+        """Return the regressor (J, N, P); arguments and refusals (ExpressionError) as of Model.columns."""
         shapes = vector(shape, self.model.typical_shape, "shape")
         linear = vector(reference, np.zeros(len(self.model.parameters)), "reference")
         out = self._pointwise(motion, linear, shapes, self._memory(motion, linear, shapes))
         apply_transforms(self.model, out, shapes, motion)
+        self._refuse_what_is_not_finite(out)
         return out
+
+    def _refuse_what_is_not_finite(self, columns: Float) -> None:
+        """Refuse as NumPy does (lower.py): C would hand on an infinity."""
+        if np.isfinite(columns.sum()) or np.isfinite(columns).all():
+            return
+        joint, sample, parameter = (int(k) for k in np.argwhere(~np.isfinite(columns))[0])
+        raise ExpressionError(
+            f"the torque is not a finite number at sample {sample}",
+            where=f"{self.model.parameters[parameter].name} at the {JOINTS[joint]}",
+            remedy="keep log, sqrt, exp and / away from where they have no value, for example with max(...)",
+        )
 
     def inverse_dynamics(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return the torque (N, J) in N·m that `motion` takes, for linear parameters (P,)."""

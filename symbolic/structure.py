@@ -7,14 +7,18 @@ two cannot be separated by any motion. A dependence found in double precision co
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symbolic.files import sha256
+from symbolic.errors import EffectError
+from symbolic.files import cache_folder, sha256, write_whole
+from symbolic.fingerprint import canonical, equations, generator_key, term_content, versions
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -49,8 +53,7 @@ class LookAlike:
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """Derivatives of the torque by the numbers `names` (n,): `values` (2·STATES, n), and the function they come from.
-    """
+    """Derivatives of the torque by the numbers `names` (n,): `values` (2·STATES, n), and the function they are from."""
 
     names: tuple[str, ...]
     values: Float
@@ -87,6 +90,72 @@ def structural_look_alikes(model: Model, candidates: Sequence[Term] | None = Non
     for i, (first, one) in enumerate(survivors):
         found += [_pair(base, first, one, second, other) for second, other in survivors[i + 1 :]]
     return tuple(entry for entry in found if entry is not None)
+
+
+def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
+    """Return `structural_look_alikes(model)` for the whole catalogue, computed once and then read from the cache.
+
+    Reading takes milliseconds and loads neither SymPy nor CasADi. A file that does not match its seal is made anew.
+    """
+    path = cache_folder() / f"look_alikes-{_content_key(model)[:40]}.json"
+    found = _read(path)
+    if found is None:
+        found = structural_look_alikes(model)
+        plain = [asdict(one) for one in found]
+        try:
+            write_whole(path, canonical({"found": plain, "seal": sha256(canonical(plain))}))
+        except OSError:
+            # A full disk costs the next caller the computation, not this one the answer.
+            return found
+    return found
+
+
+def never_separable(names: Sequence[str], model: Model) -> Mapping[str, tuple[str, ...]]:
+    """Return for each term name ("stribeck:knee") what imitates it at every state, so that no motion tells.
+
+    The others are terms of the catalogue or the user's, held against `model` without the terms named; where the model
+    itself contains the term, they are its numbers ("Phi1"). A mapping is one way only: a spring with a free rest angle
+    imitates an offset, not the reverse. EffectError for a name that is no term.
+    """
+    kept = tuple(term for term in model.terms if term.name not in names)
+    base = model if len(kept) == len(model.terms) else replace(model, terms=kept)
+    candidates = {term.name: term for term in every_candidate(base)}
+    unknown = [name for name in names if name not in candidates]
+    if unknown:
+        raise EffectError(
+            f"no effect is called {', '.join(unknown)}; write ID:hip, ID:knee, or ID if it has both joints"
+        )
+    found = known_look_alikes(base)
+    return {name: _imitators(candidates[name], found) for name in names}
+
+
+def _imitators(term: Term, found: Sequence[LookAlike]) -> tuple[str, ...]:
+    own = {f"{term.name}.{number}" for number in (*term.effect.coefficients, *term.effect.shape)}
+    absorbed = [one for one in found if one.absorbed and one.names[0] in own]
+    names = [n for one in absorbed for n in one.names[1:]] if own and len(absorbed) == len(own) else []
+    for one in found:
+        if not one.absorbed and len(one.names) == 2 and term.name in one.names:
+            inner, outer = one.names
+            if inner == term.name or "is the same as" in one.relation:
+                names.append(outer if inner == term.name else inner)
+    return tuple(dict.fromkeys(n for n in names if n not in own))
+
+
+def _content_key(model: Model) -> str:
+    candidates = [[term_content(term), repr(term.effect.shape)] for term in every_candidate(model)]
+    shapes = [repr(entry.shape) for entry in model.shapes]
+    parts = [equations(model), shapes, candidates, versions(), generator_key(), SEED, STATES, PRECISE_STATES]
+    return sha256(canonical(parts))
+
+
+def _read(path: Path) -> tuple[LookAlike, ...] | None:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["seal"] != sha256(canonical(content["found"])):
+            return None
+        return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def every_candidate(model: Model) -> tuple[Term, ...]:

@@ -11,6 +11,7 @@ import pytest
 
 from symbolic import Coefficient, Effect, Model, Motion, Shape, compiler, library
 from symbolic import fitness as fitness_module
+from symbolic.errors import ExpressionError
 from symbolic.kernel import NoCompilerWarning, compiled, fitness
 
 ROOT = Path(__file__).parents[2]
@@ -118,6 +119,46 @@ def test_fitness_in_c_and_in_numpy(monkeypatch):
         assert one.huber(population, delta) == pytest.approx(wanted, rel=1e-12)
         assert one.huber(population, [np.inf, np.inf]) == pytest.approx(one.sse(population), rel=1e-12)
         assert one.sse(population[:0]).shape == (0,)
+
+
+@pytest.mark.parametrize("backend", ["auto", "vm"])
+def test_a_torque_that_is_not_finite_is_refused_as_numpy_refuses_it(backend):
+    steep = Effect(
+        "steep",
+        "",
+        "c * exp(k * theta)",
+        coefficients={"c": N_M},
+        shape={"k": Shape("1/rad", 1.0, 2e3, typical=1.5e3)},
+    )
+    model, motion = Model.standard().with_effect(steep, "hip"), random_motion()
+    for columns in (model.columns, compiled(model, backend).columns):
+        with pytest.raises(ExpressionError, match=r"not a finite number at sample \d+"):
+            columns(motion)
+
+
+@pytest.mark.parametrize("count", [1, 4, 7, 41])
+def test_threads_change_no_bit(count):
+    rng = np.random.default_rng(3)
+    made = fitness(rng.normal(size=(2, 1500, 5)), rng.normal(size=(2, 1500)))
+    population = rng.normal(size=(count, 5))
+    one = made.huber(population, [1.0, 2.0])
+    for threads in (2, 3, 16):
+        assert np.array_equal(made.huber(population, [1.0, 2.0], threads=threads), one)
+        assert np.array_equal(made.sse(population, threads=threads), made.sse(population))
+    with pytest.raises(ValueError, match="at least one"):
+        made.sse(population, threads=0)
+
+
+def test_a_full_disk_falls_back_with_a_warning_and_leaves_nothing(fresh_cache, monkeypatch):
+    def full(path, text):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr(library, "find_compiler", lambda: compiler.Compiler("cc", "cc for this test"))
+    compiler._warn_once.cache_clear()
+    with pytest.warns(NoCompilerWarning, match="No space left"):
+        assert compiled(Model.standard()).backend == "vm"
+    assert not list(fresh_cache.iterdir())
 
 
 def test_fitness_keeps_nan_to_the_candidate_that_has_it():

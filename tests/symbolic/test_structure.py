@@ -2,8 +2,9 @@
 
 import pytest
 
-from symbolic import Coefficient, Effect, Model
-from symbolic.structure import structural_look_alikes
+from symbolic import Coefficient, Effect, Model, structure
+from symbolic.errors import EffectError
+from symbolic.structure import never_separable, structural_look_alikes
 from symbolic.term import Term
 
 N_M = Coefficient("N·m")
@@ -28,6 +29,29 @@ def test_pairs_of_the_catalogue(found):
     assert frozenset(("torque_offset:hip", "joint_spring:hip")) in pairs
     assert not any("backlash:hip" in names for names in pairs)
     assert not any({"viscous_cubic:hip", "viscous_quadratic:hip"} <= names for names in pairs), "near, not exact"
+
+
+def test_what_imitates_a_term_is_remembered_and_a_damaged_file_is_made_anew(tmp_path, monkeypatch, found):
+    monkeypatch.setenv("EXOID_CACHE", str(tmp_path))
+    asked = []
+    monkeypatch.setattr(structure, "structural_look_alikes", lambda model: asked.append(model) or found)
+    model = Model.standard().with_effect("drive_gain", "hip")
+    names = ["drive_gain:hip", "torque_offset:hip", "joint_spring:hip", "rotor_inertia:hip", "stribeck:knee"]
+    wanted = {
+        "drive_gain:hip": ("drive_gain:knee",),
+        "torque_offset:hip": ("joint_spring:hip",),  # a spring may be an offset, not the reverse
+        "joint_spring:hip": (),
+        "rotor_inertia:hip": ("Phi1", "Phi4"),
+        "stribeck:knee": (),
+    }
+    assert never_separable(names, model) == wanted == never_separable(names, model)
+    assert len(asked) == 1
+    (file,) = tmp_path.glob("look_alikes-*.json")
+    file.write_text(file.read_text().replace("drive_gain", "drive_pain"))
+    assert never_separable(names, model) == wanted
+    assert len(asked) == 2
+    with pytest.raises(EffectError, match="no effect is called stribek"):
+        never_separable(["stribek"], model)
 
 
 def test_an_extra_gravity_term_is_phi_4():

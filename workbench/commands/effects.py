@@ -1,10 +1,10 @@
-"""`exoid effects [ID]`: the catalogue of physical effects, or one entry in full. Loads no mathematics."""
+"""`exoid effects [ID]`: the catalogue of physical effects, or one entry in full. Its look-alikes are computed once."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from symbolic.effect import Coefficient, Effect, Shape
 from workbench.deliver import check_places
@@ -12,7 +12,11 @@ from workbench.files import make_folder, write_json, write_text
 from workbench.formula import formula
 from workbench.inputs import split_joint
 from workbench.options import add_common
+from workbench.progress import progress
 from workbench.screen import Screen, width
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
 
 WIDE = 110
 """Columns of a terminal from which on the list shows formulas too."""
@@ -54,7 +58,11 @@ def run(args: argparse.Namespace) -> int:
                 row.insert(2, next(iter(formula(effect).values())))
         screen.table("", head, rows)
         screen.say(f"{len(rows)} effects; exoid effects ID explains one of them")
-    payload = {"schema": "exoid.effects/1", "effects": [to_json(e) for e in chosen.values()]}
+    payload: dict[str, Any] = {"schema": "exoid.effects/1", "effects": [to_json(e) for e in chosen.values()]}
+    if found is not None:
+        same = never(found, load_model(args.model), args.quiet)
+        payload["effects"][0]["never_separable"] = {name: list(others) for name, others in same.items()}
+        screen.say(written(same))
     if args.json:
         write_json(args.json, payload)
     if args.out:
@@ -71,6 +79,25 @@ def joints(effect: Effect) -> str:
     if effect.on_both:
         return "both at once"
     return " or ".join(joint for joint in effect.joints if joint not in effect.absorbed_on) or "none"
+
+
+def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, ...]]:
+    """Return {term: what makes the same torque at every state of `model`}, for each joint the effect may sit at."""
+    from symbolic.structure import every_candidate, never_separable
+
+    names = [term.name for term in (*model.terms, *every_candidate(model)) if term.effect.id == effect.id]
+    with progress("comparing its torque with every other effect's, once", quiet=quiet):
+        return never_separable(names, model)
+
+
+def written(same: Mapping[str, tuple[str, ...]]) -> str:
+    """Return what no motion can tell apart, as text."""
+    lines = ["", "no motion at all can tell (computed)"]
+    lines += [f"  {name} from {', '.join(others)}" for name, others in same.items() if others]
+    alone = [name for name, others in same.items() if not others]
+    if alone:
+        lines.append(f"  nothing else makes the same torque at every state as {' or '.join(alone)}")
+    return "\n".join(lines if len(alone) < len(same) else ["", *(line.strip() for line in lines[2:])])
 
 
 def describe(effect: Effect) -> str:
