@@ -104,22 +104,27 @@ def _needed(table: Table, *keys: str) -> None:
             raise table.error(None, f"{key} is missing", "give the file that exoid design wrote")
 
 
+def samples_per_period(period: float, rate: float) -> int:
+    """Return how many samples at `rate` Hz a `period` in s has; TrajectoryError where that is no whole number."""
+    count = period * rate
+    if not np.isfinite(count) or count > MOST_SAMPLES:
+        raise TrajectoryError(f"{count:g} samples are too many", remedy="choose a lower rate")
+    if abs(count - round(count)) > 1e-6 * count or round(count) < 2:
+        raise TrajectoryError(
+            f"a period of {period:g} s at {rate:g} Hz is {count:g} samples, no whole number: played in a loop it would "
+            "jump",
+            remedy="choose a rate or a period so that their product is a whole number",
+        )
+    return round(count)
+
+
 def sample_table(trajectory: Fourier, rate: float, periods: int = 1) -> str:
     """Return the samples of whole periods at `rate` Hz as CSV: t, q1, q2, dq1, dq2, ddq1, ddq2 in SI units.
 
     The last sample is one step before the motion repeats, so that a controller can play the table in a loop.
     TrajectoryError where the period is no whole number of samples, or there would be too many.
     """
-    count = trajectory.period * rate
-    if not np.isfinite(count) or count * periods > MOST_SAMPLES:
-        raise TrajectoryError(f"{count * periods:g} samples are too many", remedy="choose a lower rate")
-    if abs(count - round(count)) > 1e-6 * count or round(count) < 2:
-        raise TrajectoryError(
-            f"a period of {trajectory.period:g} s at {rate:g} Hz is {count:g} samples, no whole number: "
-            "played in a loop it would jump",
-            remedy="choose a rate or a period so that their product is a whole number",
-        )
-    t = np.arange(round(count) * periods) / rate
+    t = np.arange(samples_per_period(trajectory.period, rate) * periods) / rate
     motion = trajectory.at(t)
     stream = io.StringIO()
     stream.write(",".join(COLUMNS) + "\n")

@@ -80,6 +80,10 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--free and --middle exclude each other", remedy="give one of them")
     if args.separate and args.check:
         raise UsageError("--separate and --check exclude each other", remedy="give one of them")
+    if args.out and not args.check:
+        from measurement.trajectory_file import samples_per_period
+
+        samples_per_period(args.period, args.rate)  # told before the search, not after it
     if args.separate:
         return _separate(args)
     return _design(args)
