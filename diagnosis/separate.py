@@ -20,7 +20,7 @@ from diagnosis.same_torque import Same, same_torques
 from diagnosis.separation import Separation
 from measurement.extremes import bounds, margin, uses
 from measurement.recording import Recording
-from measurement.trajectory import Fourier, random_trajectory
+from measurement.trajectory import Fourier, paper_trajectory, random_trajectory
 from optimisation.criteria import Noise
 from optimisation.excitation import GRID, Remembering, shrunk
 from optimisation.identify import identify
@@ -82,6 +82,11 @@ def separate(
     began = time.perf_counter()
     say = progress or _silent
     base, terms = _without(model, rivals)
+    room = bounds(model.limits, use)
+    space = motion_space(
+        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
+    )
+    planned(paper_trajectory(), duration, cutoff or CUTOFF)  # what is too short is told before the search
     say(0.02, "looking for rivals that are the same")
     same = same_torques(base, terms)
     prepared = prepare(base, recordings, cutoff=cutoff) if recordings else None
@@ -90,12 +95,8 @@ def separate(
     pairs = _pairs(truths, same)
     filter_ = prepared.choice.cutoff if prepared else cutoff or CUTOFF
     judge = _Judge(truths, pairs, noise, duration, filter_)
-    room = bounds(model.limits, use)
     motion: Fourier | None = None
     if pairs:
-        space = motion_space(
-            shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
-        )
         found = _search(space, Sketch(truths, pairs, noise, duration, filter_), generations, seed, say)
         say(0.85, "judging the motions")
         motion = max(found, key=lambda one: min(judge.motion(one).values()))
