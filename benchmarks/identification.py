@@ -30,7 +30,7 @@ from optimisation.optimiser import minimise  # noqa: E402
 from optimisation.optimisers.nfo import NFO  # noqa: E402
 from optimisation.problem import huber_problem  # noqa: E402
 
-INDIVIDUALS, GENERATIONS, REPEATS = 40, 400, 7
+INDIVIDUALS, GENERATIONS, REPEATS = 40, 400, 5
 BUDGET = INDIVIDUALS * GENERATIONS
 Fitness = Callable[[np.ndarray], np.ndarray]
 
@@ -40,7 +40,7 @@ class InPlace:
     """Huber loss (I,) of a population (I, 8) in NumPy: non-zero columns only, block by block, no copies."""
 
     contest: Contest
-    block: int = 700
+    block: int = 1750
     count: int = 0
     _parts: list = field(default_factory=list)
 

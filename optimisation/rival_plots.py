@@ -45,9 +45,9 @@ def plot_convergence(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> No
     axes.axhline(FLOOR, color=INK, linewidth=1.6)
     axes.annotate(
         "certified optimum (to rounding)", (1.0, FLOOR), xycoords=("axes fraction", "data"), ha="right",
-        va="bottom", xytext=(0, 3), textcoords="offset points", fontsize="small", color=INK,
+        va="top", xytext=(0, -3), textcoords="offset points", fontsize="small", color=INK,
     )  # fmt: skip
-    axes.set_ylim(0.3 * FLOOR, None)
+    axes.set_ylim(0.02 * FLOOR, None)
     axes.set(title="Way to the optimum", xlabel="evaluations", ylabel="relative gap (median, quartiles)")
 
 
@@ -72,8 +72,8 @@ def plot_runtimes(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> None:
         axes.fill_between(*band, color=styles[name]["color"], alpha=0.18, linewidth=0)
     axes.axhline(found.contest.budget, color=FAINT, linewidth=0.8, linestyle=":")
     axes.annotate(
-        "budget of one run", (0.0, found.contest.budget), xycoords=("axes fraction", "data"), xytext=(4, 3),
-        textcoords="offset points", fontsize="small", color=FAINT,
+        "budget of one run", (1.0, found.contest.budget), xycoords=("axes fraction", "data"), xytext=(-4, 3),
+        textcoords="offset points", fontsize="small", color=FAINT, ha="right",
     )  # fmt: skip
     axes.invert_xaxis()
     axes.set(
