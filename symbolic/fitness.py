@@ -188,7 +188,7 @@ def kernel_source(entries: Entries, size: int, joints: int) -> str:
                 add="\n".join(f"  out[{k}] += s{k};" for k in lanes),
             )
         )
-    return _HEADER + "".join(passes) + _ENTRY.format(size=size, lanes=LANES, chunk=CHUNK)
+    return _HEADER + "".join(passes) + _ENTRY.format(size=size, lanes=LANES, chunk=CHUNK, rows=len(entries) + joints)
 
 
 def _terms(name: str, entries: Entries, size: int, joints: int) -> str:
@@ -271,6 +271,11 @@ void exoid_fitness(long samples, const double *data, long count, const double *p
     for (long i = 0; i < count; i += {lanes}) {{
       double phi[{size} * {lanes}] = {{0}}, loss[{lanes}] = {{0}};
       long lanes = count - i < {lanes} ? count - i : {lanes};
+      /* Fetch a share of the next chunk meanwhile: a long recording comes from memory, not from a cache. */
+      long ahead = to + {chunk} * i / count, until = to + {chunk} * (i + lanes) / count;
+      if (until > samples) until = samples;
+      for (long k = 0; k < {rows}; ++k)
+        for (long n = ahead; n < until; n += 8) __builtin_prefetch(data + k * samples + n);
       for (long k = 0; k < lanes * {size}; ++k) phi[k] = population[i * {size} + k];
       if (delta) huber_pass(samples, from, to, data, phi, delta, loss);
       else sse_pass(samples, from, to, data, phi, delta, loss);
