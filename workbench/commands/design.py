@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     noise.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of the recording in s (30)")
     add_reading(parser)
-    add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and result.json into DIR")
+    add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -114,7 +114,14 @@ def _design(args: argparse.Namespace) -> int:
     missed = args.target is not None and not found.value <= args.target
     if missed:
         screen.say(f"{found.value:.5g} is above the target of {args.target:g}", "bad")
-    deliver(args, screen, {"schema": "exoid.design/1", **found.to_json()})
+    tightest = max(found.uses, key=lambda use: use.share)
+    answer = (
+        f"cond(Ȳ) = {found.condition:.1f}; most used limit: {tightest.joint} {tightest.quantity}, "
+        f"{100 * tightest.share:.1f} %."
+    )
+    alt = "Angle, velocity and acceleration of hip and knee over one period, each between its limits."
+    payload = {"schema": "exoid.design/1", **found.to_json()}
+    deliver(args, screen, payload, lambda: _material(args, "A motion for identification", answer, found, alt))
     return 0 if found.feasible and found.informative and not missed else 1
 
 
@@ -174,6 +181,18 @@ def _show(screen: Screen, found: Any) -> None:
     screen.say(f"assumed: {found.numbers}; noise: {found.noise}", "faint")
     for text in found.cautions:
         screen.say(f"careful: {text}", "warn")
+
+
+def _material(args: argparse.Namespace, title: str, answer: str, found: Any, alt: str) -> Any:
+    """Return what the report draws on."""
+    from workbench.report.material import Material, Picture, command_of, settings_of
+
+    pictures = () if found.trajectory is None else (Picture("The motion", alt, found.plot(), "motion"),)
+    settings = {name: text for name, text in settings_of(args).items() if name != "inputs"}
+    return Material(
+        title=title, answer=answer, model=found.model, pictures=pictures, command=command_of(args), settings=settings,
+        seconds=found.seconds,
+    )  # fmt: skip
 
 
 def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
@@ -238,7 +257,11 @@ def _separate(args: argparse.Namespace) -> int:
         from measurement.trajectory_file import sample_table
 
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
-    deliver(args, screen, {"schema": "exoid.separation/1", **found.to_json()})
+    alt = "How far apart the rivals will be on this motion, at random and at present; the angles of both joints."
+    payload = {"schema": "exoid.separation/1", **found.to_json()}
+    deliver(
+        args, screen, payload, lambda: _material(args, "A motion that tells rivals apart", found.sentence, found, alt)
+    )
     return 0 if found.separable else 1
 
 
