@@ -7,6 +7,7 @@ documented interface, so that no text has to be searched and replaced.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -51,22 +52,39 @@ static inline double exoid_sin(double x) {
 """
 
 
+@dataclass(frozen=True)
+class Language:
+    """How statements are spelt: `forms` of the operations, a `line` with {place} and {value}, and the indent."""
+
+    forms: Mapping[str, str]
+    line: str
+    indent: str = "    "
+
+
+VECTORISED = Language(FORMS, "const double {place} = {value};")
+"""C in which loops over samples vectorise: the sine is our own."""
+PLAIN = Language(
+    MappingProxyType({**FORMS, "SIN": "sin({a})", "COS": "cos({a})"}), "const double {place} = {value};", "  "
+)
+"""C99 with nothing but math.h."""
+
+
 @cache
-def _operations() -> Mapping[int, str]:
+def _names() -> Mapping[int, str]:
     import casadi
 
-    return MappingProxyType({getattr(casadi, f"OP_{name}"): form for name, form in FORMS.items()})
+    return MappingProxyType({getattr(casadi, f"OP_{name}"): name for name in FORMS})
 
 
-def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str) -> str:
-    """Return C statements that compute an SX `function`; `inputs` are the C expressions of its arguments' entries.
+def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str, language: Language = VECTORISED) -> str:
+    """Return statements that compute an SX `function`; `inputs` are the expressions of its arguments' entries.
 
     `store` is a format for what happens to an output, with {k} its place and {value}. CompilerError where the function
     holds an operation that is not known here.
     """
     import casadi
 
-    forms = _operations()
+    names = _names()
     held: dict[int, str] = {}
     lines: list[str] = []
     for step in range(function.n_instructions()):
@@ -81,9 +99,10 @@ def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str) -> str:
         if operation == casadi.OP_CONST:
             held[made[0]] = f"({float(function.instruction_constant(step))!r})"
             continue
-        if operation not in forms:
+        if operation not in names:
             raise CompilerError(f"CasADi's operation {operation} has no scalar form")
         arguments = dict(zip("ab", (held[place] for place in given), strict=False))
-        lines.append(f"const double v{step} = {forms[operation].format(**arguments)};")
+        value = language.forms[names[operation]].format(**arguments)
+        lines.append(language.line.format(place=f"v{step}", value=value))
         held[made[0]] = f"v{step}"
-    return "\n".join(f"    {line}" for line in lines)
+    return "\n".join(f"{language.indent}{line}" for line in lines)

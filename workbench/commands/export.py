@@ -1,0 +1,70 @@
+"""`exoid export`: the identified model as C for a controller, a CasADi function, a NumPy module, and URDF."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from workbench.deliver import check_places
+from workbench.files import make_folder, write_json, write_text
+from workbench.options import add_common
+from workbench.screen import Screen, warn
+
+HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF
+
+exoid identify run1.csv run2.csv --write leg_identified.toml
+exoid export leg_identified.toml --out controller --sample-time 0.001"""
+
+DEFAULT_FOLDER = "exported"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    from workbench.exporting import formats
+
+    known = formats()
+    parser.add_argument("model", metavar="MODEL", help="model file with identified numbers (exoid identify --write)")
+    parser.add_argument(
+        "--format", nargs="+", choices=known, metavar="FORMAT", help=f"what to write: {', '.join(known)} (default: all)"
+    )
+    parser.add_argument("--name", default="exoid_leg", help="prefix of files and C functions (default: %(default)s)")
+    parser.add_argument(
+        "--sample-time", type=float, metavar="S", help="period of the control loop in s; effects with a delay need it"
+    )
+    parser.add_argument(
+        "--sign-width", type=float, default=0.0, metavar="W",
+        help="let sgn of a velocity fade below W rad/s, so that friction does not chatter at rest (default: a step)",
+    )  # fmt: skip
+    add_common(parser, out=f"write into DIR (default: {DEFAULT_FOLDER})")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write every format asked for; 1 when one of several cannot carry this model."""
+    check_places(args)
+    from workbench.exporting import exporter, formats
+    from workbench.identified import ExportError, Options, read_ready
+
+    options = Options(args.name, args.sample_time, args.sign_width)
+    ready = read_ready(args.model)
+    written, refused = {}, {}
+    for name in args.format or formats():
+        try:
+            written[name] = exporter(name).write(ready, options)
+        except ExportError as error:
+            if args.format:  # asked for by name: not to be passed over
+                raise
+            refused[name] = str(error)
+    folder = make_folder(args.out or DEFAULT_FOLDER)
+    screen = Screen.of(args)
+    for name, files in written.items():
+        for file, text in files.items():
+            screen.say(f"  {name:<7} {write_text(Path(folder) / file, text)}")
+    for name, why in refused.items():
+        warn(f"not written as {name}: {why}")
+    if args.json:
+        write_json(args.json, {
+            "schema": "exoid.export/1", "model": ready.model.name, "key": ready.model.key(), "folder": str(folder),
+            "files": {name: sorted(files) for name, files in written.items()}, "refused": refused,
+            "numbers": {**ready.linear, **ready.shape},
+        })  # fmt: skip
+    return 1 if refused else 0

@@ -1,0 +1,237 @@
+"""C99 for a controller: the identified torque of the leg, its gravity, M, C and forward dynamics.
+
+Nothing but math.h is needed, nothing is allocated, and there is no static state: effects with memory keep theirs in a
+struct that the caller owns. Operators with memory run on the controller's own clock: play and dahl step by step, delay
+through a ring of samples, and ddt, which in the model looks both ways, as a backward difference, half a sample late.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from symbolic.quantity import JOINTS
+from symbolic.scalar import PLAIN, scalar_c
+from workbench.identified import ExportError, Memory, Options, Ready, safe
+
+HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
+
+NEEDS_CLOCK = frozenset(("delay", "ddt"))
+_WORDS = {"t": "", "q": "angle", "dq": "velocity", "ddq": "acceleration"}
+
+
+def write(ready: Ready, options: Options) -> dict[str, str]:
+    """Return {file name: text}; ExportError where an effect cannot run in a controller."""
+    _check(ready, options)
+    return {f"{options.name}.h": _header(ready, options), f"{options.name}.c": _source(ready, options)}
+
+
+def _check(ready: Ready, options: Options) -> None:
+    for memory in ready.memories:
+        if memory.operator in NEEDS_CLOCK and options.sample_time is None:
+            raise ExportError(
+                f"the model has an effect with {memory.operator}(), which needs the period of the control loop",
+                remedy="add --sample-time SECONDS",
+            )
+        if memory.operator == "delay" and memory.parameter is not None and memory.parameter < 0.0:
+            raise ExportError(
+                f"the model's torque is ahead of its motion by {-memory.parameter:g} s: a controller cannot look ahead",
+                remedy="feed the controller a desired motion that is known ahead, or export without this effect",
+            )
+
+
+def _header(ready: Ready, options: Options) -> str:
+    n, guard = options.name, options.name.upper() + "_H"
+    memory = bool(ready.memories)
+    first = f"{n}_state *state, " if memory else ""
+    numbers = "\n".join(
+        f" *   {name:<28} {value: .9g}" for name, value in (*ready.linear.items(), *ready.shape.items())
+    )
+    state = _state_struct(ready, options) if memory else ""
+    init = f"\n/* Call once before the first step. */\nvoid {n}_init({n}_state *state);\n" if memory else ""
+    step = " Call it once per period, in order: it remembers." if memory else ""
+    forward = (
+        ""
+        if ready.forward is None
+        else f"""
+/* Acceleration ddq [rad/s^2] under the drive torques tau [N.m]. */
+void {n}_forward_dynamics(double t, const double q[2], const double dq[2], const double tau[2], double ddq[2]);
+"""
+    )
+    return f"""/* {safe(ready.model.name)}: torque of a leg with two joints, with identified numbers. Written by exoid.
+ *
+ * Joint order {", ".join(JOINTS)}. q in rad (hip from the downward vertical, knee relative to the thigh, flexion
+ * negative), dq in rad/s, ddq in rad/s^2, t in s since the model's time began (only drifts use it).
+ * A torque is what the drives have to supply, in N.m. Matrices are row by row.
+ * sgn of a velocity is {_sign_text(options)}.
+ * Model {ready.model.key()[:16]}, thigh {ready.model.thigh_length:g} m, g = {ready.model.gravity:g} m/s^2. Numbers:
+{numbers}
+ */
+#ifndef {guard}
+#define {guard}
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+{state}{init}
+/* All the drives have to supply for this motion.{step} */
+void {n}_torque({first}double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]);
+
+/* The rigid body alone: no friction, no effects. */
+void {n}_rigid_torque(double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]);
+
+/* Gravity alone (to be fed forward while the leg is held). */
+void {n}_gravity(double t, const double q[2], double tau[2]);
+
+/* Mass matrix [kg.m^2] and Christoffel matrix [N.m.s/rad]. */
+void {n}_mass_matrix(const double q[2], double mass[4]);
+void {n}_coriolis(const double q[2], const double dq[2], double coriolis[4]);
+{forward}
+#ifdef __cplusplus
+}}
+#endif
+#endif
+"""
+
+
+def _sign_text(options: Options) -> str:
+    if options.sign_width == 0.0:
+        return "a step, 0 at rest"
+    return f"tanh(dq / {options.sign_width:g} rad/s), which does not chatter at rest"
+
+
+def _state_struct(ready: Ready, options: Options) -> str:
+    fields = [f"  double {_field(k, m)};" for k, m in enumerate(ready.memories) if m.operator != "delay"]
+    fields += [f"  double last{k};" for k, m in enumerate(ready.memories) if m.operator in ("dahl", "ddt")]
+    for k, memory in enumerate(ready.memories):
+        if memory.operator == "delay":
+            fields += [f"  double past{k}[{_ring(memory, options)}];", f"  int next{k};"]
+    body = "\n".join(fields)
+    name = options.name
+    return f"""
+/* What the effects with memory remember. One per leg; yours to keep. */
+typedef struct {name}_state {{
+{body}
+  int started;
+}} {name}_state;
+"""
+
+
+def _field(k: int, memory: Memory) -> str:
+    return f"{memory.operator}{k}"
+
+
+def _ring(memory: Memory, options: Options) -> int:
+    assert memory.parameter is not None and options.sample_time is not None
+    return math.floor(memory.parameter / options.sample_time) + 2
+
+
+def _source(ready: Ready, options: Options) -> str:
+    n = options.name
+    memory = bool(ready.memories)
+    first = f"{n}_state *state, " if memory else ""
+    parts = [
+        f'/* Written by exoid; do not edit. See {n}.h. */\n#include "{n}.h"\n\n#include <math.h>\n',
+        _sign(options),
+    ]
+    if memory:
+        parts.append(f"void {n}_init({n}_state *state) {{\n  const {n}_state empty = {{0}};\n  *state = empty;\n}}\n")
+    motion = "double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]"
+    parts.append(_function(f"void {n}_torque({first}{motion})", ready.torque, "tau", _memory_steps(ready, options)))
+    parts.append(_function(f"void {n}_rigid_torque({motion})", ready.rigid, "tau"))
+    parts.append(_function(f"void {n}_gravity(double t, const double q[2], double tau[2])", ready.gravity, "tau"))
+    parts.append(_function(f"void {n}_mass_matrix(const double q[2], double mass[4])", ready.mass, "mass"))
+    both = "const double q[2], const double dq[2], double coriolis[4]"
+    parts.append(_function(f"void {n}_coriolis({both})", ready.coriolis, "coriolis"))
+    if ready.forward is not None:
+        given = "double t, const double q[2], const double dq[2], const double tau[2], double ddq[2]"
+        parts.append(_function(f"void {n}_forward_dynamics({given})", ready.forward, "ddq"))
+    return "\n".join(parts)
+
+
+def _sign(options: Options) -> str:
+    value = "(double)((dq > 0.0) - (dq < 0.0))" if options.sign_width == 0.0 else f"tanh(dq / {options.sign_width!r})"
+    return f"static double sign_of(double dq) {{ return {value}; }}\n"
+
+
+_INPUTS = (
+    ("t",),
+    ("q[0]", "q[1]"),
+    ("dq[0]", "dq[1]"),
+    ("ddq[0]", "ddq[1]"),
+    ("sign0", "sign1"),
+)
+
+
+def _inputs(count: int, forward: bool = False) -> list[tuple[str, ...]]:
+    memories = tuple(f"memory{k}" for k in range(count))
+    return [*_INPUTS, memories, *([("tau[0]", "tau[1]")] if forward else [])]
+
+
+def _function(head: str, function: Any, out: str, before: str = "") -> str:
+    forward = function.n_in() == 7
+    body = scalar_c(function, _inputs(function.size1_in(5), forward), f"{out}[{{k}}] = {{value}};", PLAIN)
+    text = before + body
+    signs = "".join(f"  const double sign{j} = sign_of(dq[{j}]);\n" for j in (0, 1) if f"sign{j}" in text)
+    given = ("t", "q", "dq", "ddq") if "double t" in head else ("q", "dq", "ddq")
+    named = [g for g in given if f" {g}," in head or f" {g}[" in head]
+    unused = "".join(f"  (void){g};\n" for g in named if g != out and not _uses(signs + text, g))
+    return f"{head} {{\n{unused}{signs}{before}{body}\n}}\n"
+
+
+def _uses(text: str, word: str) -> bool:
+    import re
+
+    return re.search(rf"(?<![\w]){word}(?![\w])", text) is not None
+
+
+def _memory_steps(ready: Ready, options: Options) -> str:
+    """Return the statements that bring every operator to this sample, in the order in which they feed each other."""
+    lines: list[str] = []
+    for k, memory in enumerate(ready.memories):
+        inside = scalar_c(memory.argument, _inputs(k), f"x{k} = {{value}};", PLAIN)
+        # What an argument does not use yet (later memories) must still have a name.
+        lines += [f"  double x{k};", f"  double memory{k};", "  {", inside, "  }", *_step(k, memory, options)]
+    return "\n".join([*lines, "  state->started = 1;", ""]) if lines else ""
+
+
+def _step(k: int, memory: Memory, options: Options) -> list[str]:
+    p = memory.parameter
+    own = f"state->{_field(k, memory)}"
+    if memory.operator == "play":
+        return [
+            f"  if (!state->started) {own} = x{k};",
+            f"  if (x{k} - ({p!r}) > {own}) {own} = x{k} - ({p!r});",
+            f"  else if (x{k} + ({p!r}) < {own}) {own} = x{k} + ({p!r});",
+            f"  memory{k} = {own};",
+        ]
+    if memory.operator == "dahl":
+        return [
+            "  if (state->started) {",
+            f"    const double move = x{k} - state->last{k}, keep = exp(-({p!r}) * fabs(move));",
+            f"    {own} = keep * {own} + (double)((move > 0.0) - (move < 0.0)) * (1.0 - keep);",
+            "  }",
+            f"  state->last{k} = x{k};",
+            f"  memory{k} = {own};",
+        ]
+    assert options.sample_time is not None
+    if memory.operator == "ddt":
+        return [
+            f"  {own} = state->started ? (x{k} - state->last{k}) / {options.sample_time!r} : 0.0;",
+            f"  state->last{k} = x{k};",
+            f"  memory{k} = {own};",
+        ]
+    assert p is not None
+    ring, back = _ring(memory, options), p / options.sample_time
+    whole = min(math.floor(back), ring - 2)
+    return [
+        "  {",
+        "    int i;",
+        f"    if (!state->started) for (i = 0; i < {ring}; ++i) state->past{k}[i] = x{k};",
+        f"    state->past{k}[state->next{k}] = x{k};",
+        f"    i = (state->next{k} + {ring - whole}) % {ring};",
+        f"    memory{k} = ({1.0 - (back - whole)!r}) * state->past{k}[i]"
+        f" + ({back - whole!r}) * state->past{k}[(i + {ring - 1}) % {ring}];",
+        f"    state->next{k} = (state->next{k} + 1) % {ring};",
+        "  }",
+    ]

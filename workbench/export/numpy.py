@@ -1,0 +1,90 @@
+"""A Python module that needs only NumPy: the torque along a whole motion, readable and without exoid."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from symbolic.scalar import FORMS, Language, scalar_c
+from workbench.identified import Options, Ready, safe
+
+HELP = "a Python module with only NumPy in it"
+
+NUMPY = Language(
+    MappingProxyType(
+        {
+            **FORMS,
+            "SQRT": "np.sqrt({a})", "SIN": "np.sin({a})", "COS": "np.cos({a})", "TAN": "np.tan({a})",
+            "EXP": "np.exp({a})", "LOG": "np.log({a})", "POW": "({a}) ** ({b})", "CONSTPOW": "({a}) ** ({b})",
+            "TANH": "np.tanh({a})", "FABS": "np.abs({a})", "SIGN": "np.sign({a})", "FMIN": "np.minimum({a}, {b})",
+            "FMAX": "np.maximum({a}, {b})", "FLOOR": "np.floor({a})", "CEIL": "np.ceil({a})",
+            "LT": "1.0 * ({a} < {b})", "LE": "1.0 * ({a} <= {b})", "EQ": "1.0 * ({a} == {b})",
+            "NE": "1.0 * ({a} != {b})", "NOT": "1.0 * ({a} == 0.0)",
+            "AND": "1.0 * np.logical_and({a}, {b})", "OR": "1.0 * np.logical_or({a}, {b})",
+            "IF_ELSE_ZERO": "np.where({a} != 0.0, {b}, 0.0)",
+        }
+    ),
+    "{place} = {value}",
+)  # fmt: skip
+
+OPERATORS = {
+    "play": '''
+def play(t, x, h):
+    """Return what follows x (N,) through a gap of half-width h."""
+    out, w = np.empty_like(x), x[0]
+    for k, value in enumerate(x):
+        w = value - h if value - h > w else value + h if value + h < w else w
+        out[k] = w
+    return out
+''',
+    "dahl": '''
+def dahl(t, x, sigma):
+    """Return the Dahl friction state (N,), between -1 and 1, along x (N,)."""
+    out = np.zeros_like(x)
+    for k, step in enumerate(np.diff(x)):
+        keep = np.exp(-sigma * abs(step))
+        out[k + 1] = keep * out[k] + np.sign(step) * (1.0 - keep)
+    return out
+''',
+    "delay": '''
+def delay(t, x, d):
+    """Return x (N,) as it was d seconds before; the values at the edges are held."""
+    return np.interp(t - d, t, x)
+''',
+    "ddt": '''
+def ddt(t, x):
+    """Return dx/dt (N,)."""
+    return np.gradient(x, t, edge_order=2 if len(t) > 2 else 1)
+''',
+}
+
+
+def write(ready: Ready, options: Options) -> dict[str, str]:
+    """Return {file name: text}."""
+    used = dict.fromkeys(m.operator for m in ready.memories)
+    sign = "np.sign(dq)" if options.sign_width == 0.0 else f"np.tanh(dq / {options.sign_width!r})"
+    inputs: list[tuple[str, ...]] = [
+        ("t",), ("q[:, 0]", "q[:, 1]"), ("dq[:, 0]", "dq[:, 1]"), ("ddq[:, 0]", "ddq[:, 1]"),
+        ("sign[:, 0]", "sign[:, 1]"), tuple(f"memory{k}" for k in range(len(ready.memories))),
+    ]  # fmt: skip
+    body = []
+    for k, memory in enumerate(ready.memories):
+        body.append(scalar_c(memory.argument, inputs, f"x{k} = {{value}} + 0.0 * t", NUMPY))
+        parameter = "" if memory.parameter is None else f", {memory.parameter!r}"
+        body.append(f"    memory{k} = {memory.operator}(t, x{k}{parameter})")
+    body.append(scalar_c(ready.torque, inputs, "tau[:, {k}] = {value}", NUMPY))
+    text = f'''"""{safe(ready.model.name)}: torque of a two-joint leg, with identified numbers. Written by exoid.
+
+Joint order hip, knee; rad, rad/s, rad/s², s, N·m. Model {ready.model.key()[:16]}.
+"""
+
+import numpy as np
+{"".join(OPERATORS[word] for word in used)}
+
+def torque(t, q, dq, ddq):
+    """Return the torque (N, 2) in N·m the drives have to supply along a motion: t (N,) s, q, dq, ddq (N, 2)."""
+    t = np.asarray(t, dtype=float)
+    q, dq, ddq = (np.asarray(x, dtype=float) for x in (q, dq, ddq))
+    sign = {sign}
+    tau = np.empty((len(t), 2))
+'''
+    return {f"{options.name}.py": text + "\n".join(body) + "\n    return tau\n"}

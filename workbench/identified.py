@@ -1,0 +1,159 @@
+"""A model with its identified numbers put in: what every form of export starts from.
+
+The torques are CasADi expressions of the motion alone. Operators with memory (backlash, presliding, delay) stay
+inputs `memory[k]`; what feeds each, and its parameter as a number, is listed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from symbolic.errors import ExoidError
+from symbolic.model import Model
+from symbolic.model_file import Numbers, read_model, read_numbers
+
+
+class ExportError(ExoidError):
+    """A model that cannot be exported, or not in this form."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """`name` prefixes files and C functions; `sample_time` s of the controller; `sign_width` rad/s over which sgn
+    fades (0: a step).
+    """
+
+    name: str = "exoid_leg"
+    sample_time: float | None = None
+    sign_width: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (self.name.isidentifier() and self.name.isascii() and len(self.name) <= 40):
+            raise ExportError(
+                f"{self.name!r} cannot prefix functions", remedy="use letters, digits and _, at most 40 of them"
+            )
+        if self.sample_time is not None and not (math.isfinite(self.sample_time) and self.sample_time > 0.0):
+            raise ExportError(
+                f"a sample time of {self.sample_time!r} s", remedy="give the period of the control loop, such as 0.001"
+            )
+        if not (math.isfinite(self.sign_width) and self.sign_width >= 0.0):
+            raise ExportError(f"a sign width of {self.sign_width!r} rad/s", remedy="give 0 or a small number")
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """An operator with memory: its word, what feeds it (a Function of the inputs), its parameter (None for ddt)."""
+
+    operator: str
+    argument: Any
+    parameter: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """The numbers are in. Functions take (t, q (2,), dq (2,), ddq (2,), sign (2,), memory (K,)); torques in N·m.
+
+    `torque` is all the drive has to supply, `rigid` without friction and effects, `mass` (4,) and `coriolis` (4,) are
+    row by row, `gravity` (2,). `forward` takes `tau` (2,) too and is None where an effect has memory. `linear` and
+    `shape` are the numbers, by name.
+    """
+
+    model: Model
+    linear: dict[str, float]
+    shape: dict[str, float]
+    torque: Any
+    rigid: Any
+    mass: Any
+    coriolis: Any
+    gravity: Any
+    forward: Any | None
+    memories: tuple[Memory, ...]
+
+
+def read_ready(path: str) -> Ready:
+    """Read a model file with its identified numbers; ExportError where it has none or not all of them."""
+    model, numbers = read_model(path), read_numbers(path)
+    if numbers is None:
+        raise ExportError(
+            "the model has no identified numbers, and a controller needs them",
+            where=path,
+            remedy=f"exoid identify REC... --model {path} --write identified.toml, then export identified.toml",
+        )
+    return ready(model, numbers, path)
+
+
+def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
+    """Put `numbers` into `model`; ExportError for a number that is missing or not finite."""
+    import casadi as ca
+
+    from symbolic.code import functions
+    from symbolic.equation import model_expressions
+
+    linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
+    shape = _complete([s.name for s in model.shapes], numbers.shape, "shape", where)
+    x = model_expressions(model)
+    given = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory]
+    numeric = [ca.DM(list(linear.values())), ca.DM(list(shape.values()))]
+
+    def put_in(expression: Any) -> Any:
+        return ca.substitute([ca.densify(ca.SX(expression))], [x.linear, x.shape], [ca.SX(n) for n in numeric])[0]
+
+    def function(name: str, expression: Any) -> Any:
+        return ca.Function(name, given, [put_in(expression)], _NAMES, [name], {"cse": True})
+
+    forward = None
+    if not x.memories:
+        tau = ca.SX.sym("tau", 2)
+        state = ca.vertcat(x.t, x.q, x.dq, x.ddq, x.sign)
+        made = functions(x)["forward_dynamics"]
+        value = made(state, *map(ca.SX, numeric), x.memory, tau)
+        forward = ca.Function(
+            "forward_dynamics", [*given, tau], [value], [*_NAMES, "tau"], ["acceleration"], {"cse": True}
+        )
+    memories = tuple(
+        Memory(
+            m.operator,
+            function(f"argument_{k}", m.argument),
+            None if m.parameter is None else float(put_in(m.parameter)),
+        )
+        for k, m in enumerate(x.memories)
+    )
+    return Ready(
+        model,
+        linear,
+        shape,
+        function("torque", x.torque),
+        function("rigid_torque", x.rigid),
+        function("mass_matrix", ca.vec(x.M.T)),
+        function("coriolis_matrix", ca.vec(x.C.T)),
+        function("gravity_torque", x.G),
+        forward,
+        memories,
+    )
+
+
+_NAMES = ["t", "q", "dq", "ddq", "sign", "memory"]
+
+
+def _complete(names: list[str], known: Any, table: str, where: str) -> dict[str, float]:
+    missing = [name for name in names if name not in known]
+    if missing:
+        raise ExportError(
+            f"no identified number for {', '.join(missing)}",
+            where=f"{where} [identified.{table}]",
+            remedy="identify this model again with --write: its effects have changed since",
+        )
+    out = {name: float(known[name]) for name in names}
+    wrong = [name for name, value in out.items() if not math.isfinite(value)]
+    if wrong:
+        raise ExportError(
+            f"the identified number of {', '.join(wrong)} is not finite", where=where, remedy="identify it again"
+        )
+    return out
+
+
+def safe(text: str) -> str:
+    """Return text that cannot end a comment or a docstring."""
+    return "".join(c if c.isalnum() or c in " -_.,()" else " " for c in text)
