@@ -22,6 +22,8 @@ from symbolic.motion import Float
 
 BLOCKS = 4
 """Blocks a single recording is split into, so that something unseen exists."""
+MOST_FOLDS = 8
+"""Splits at most: more units than that are held out several at a time."""
 REPEATS = 0.5
 """Shifts at which the motion resembles itself more than this (periodic excitation) are no placebos."""
 MIN_SHIFT = 1.0
@@ -134,7 +136,10 @@ class Evidence:
         """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
         training = [u for u in range(len(self._units)) if self.is_train[u]]
         judged = [u for u in range(len(self._units)) if not self.is_train[u]]
-        splits = [([u for u in training if u != held], [held]) for held in training]
+        count = min(len(training), MOST_FOLDS)
+        groups = [training[k::count] for k in range(count)]
+        self.folds = count
+        splits = [([u for u in training if u not in held], held) for held in groups]
         if judged:
             splits.append((training, judged))
         out = []
@@ -149,7 +154,7 @@ class Evidence:
     @property
     def fold_losses(self) -> Float:
         """Weighted loss (F,) of the present model on each held-out training unit, refitted on the others."""
-        return np.array([s[5] for s in self._splits[: int(self.is_train.sum())]])
+        return np.array([s[5] for s in self._splits[: self.folds]])
 
     @property
     def joint_losses(self) -> Float:
@@ -160,7 +165,7 @@ class Evidence:
     @property
     def unseen_loss(self) -> float:
         """Weighted loss of the present model on the verification recordings; 0 where there are none."""
-        return self._splits[-1][5] if len(self._splits) > int(self.is_train.sum()) else 0.0
+        return self._splits[-1][5] if len(self._splits) > self.folds else 0.0
 
     # -- candidates -------------------------------------------------------------------------------------------
 
@@ -215,7 +220,7 @@ class Evidence:
     def gain(self, grams: Sequence[Gram], ridge: float = RIDGE) -> Gain:
         """Return what a candidate with these Gram blocks (one per unit) gains on units it was not fitted on."""
         folds, unseen, coefficients = [], None, None
-        count = int(self.is_train.sum())
+        count = self.folds
         for number, split in enumerate(self._splits):
             fall, fitted = _split_gain(split, grams, ridge)
             if number < count:
@@ -241,7 +246,7 @@ class Evidence:
 
     def leave_one_out(self, grams: Sequence[Gram], ridge: float = RIDGE) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
-        count = int(self.is_train.sum())
+        count = self.folds
         return np.array([_split_gain(split, grams, ridge)[1][0] for split in self._splits[:count]])
 
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:

@@ -97,6 +97,9 @@ def _deciding(alike: Sequence[Accepted]) -> str:
     for one in alike:
         if one.never_separable:
             parts.append(f"no motion tells {one.name} from {', '.join(one.never_separable)}: look at the machine")
+        apart = [name for name in one.look_alikes if name not in one.never_separable]
+        if apart:
+            parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
         known = catalogue().get(one.effect)
         if known is not None and known.tells_apart:
             parts.append(known.tells_apart)
