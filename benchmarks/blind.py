@@ -46,6 +46,7 @@ sys.path.insert(0, str(ROOT))
 from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
 from diagnosis.present import present  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
+from diagnosis.score import match  # noqa: E402
 from measurement.bench import BenchError, Run, simulate_runs  # noqa: E402
 from measurement.blind import draw, relative_size  # noqa: E402
 from measurement.hidden import Hidden, true_model  # noqa: E402
@@ -317,17 +318,9 @@ def _covered(estimates: Any, run: Run) -> list[bool]:
 
 def matched(line: dict[str, Any]) -> tuple[int, int]:
     """Return how many hidden effects were found (each by another accepted one), and how many accepted are extra."""
-    left = [{a["name"], *a["look_alikes"]} for a in line["accepted"]]
-    count = 0
-    # Those found by name first, so that a look-alike class does not take another effect's place.
-    for name in line["hidden"]:
-        index = next((k for k, a in enumerate(line["accepted"]) if a["name"] == name), None)
-        group = line["accepted"][index] if index is not None else None
-        group = {group["name"], *group["look_alikes"]} if group else next((g for g in left if name in g), None)
-        if group is not None and group in left:
-            left.remove(group)
-            count += 1
-    return count, len(left)
+    answers = match(list(line["hidden"]), [(a["name"], a["look_alikes"]) for a in line["accepted"]])
+    found = sum(by is not None for by in answers.values())
+    return found, len(line["accepted"]) - found
 
 
 def right(line: dict[str, Any]) -> bool:

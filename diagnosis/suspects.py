@@ -135,12 +135,10 @@ def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     train = columns[: len(evidence.train)]
     peak = np.max([np.abs(c.values).max(axis=(1, 2, 3)) for c in train], axis=0)
     live = [np.mean(np.abs(c.values).max(axis=(1, 3)) > 1e-3 * peak[:, None], axis=1) for c in train]
-    whole = np.sum([np.einsum("vakm,vakm->v", c.values, c.values) for c in train], axis=0)
+    squares = [np.square(c.values).sum(axis=3) for c in train]
+    whole = np.sum([s.sum(axis=(1, 2)) for s in squares], axis=0)
     seen = np.sum(
-        [
-            np.einsum("vakm,vakm,ak->v", c.values, c.values, b.use[list(c.joints)].astype(float), optimize=True)
-            for c, b in zip(train, evidence.train, strict=True)
-        ],
+        [(s * b.use[list(c.joints)]).sum(axis=(1, 2)) for s, c, b in zip(squares, train, evidence.train, strict=True)],
         axis=0,
     )
     return np.where((peak > 0.0) & (seen >= LEAST_SEEN * whole), np.mean(live, axis=0), 0.0)

@@ -41,6 +41,16 @@ def to_json(payload: Any) -> str:
     return json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
+def read_json(path: str | Path) -> Any:
+    """Return the content of a JSON file; raises OutputError where it cannot be read or is no JSON."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise OutputError(f"cannot be read: {error.strerror}", where=str(path), remedy="check the path") from error
+    except (ValueError, RecursionError) as error:
+        raise OutputError("is not JSON", where=str(path), remedy="give a file that --json wrote") from error
+
+
 def write_text(path: str | Path, text: str) -> Path:
     """Write `text` as UTF-8 to `path`, whole or not at all; raises OutputError."""
     return write_bytes(path, text.encode("utf-8"))
