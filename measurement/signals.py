@@ -7,7 +7,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,19 @@ class EvenSignals:
     tau: Float
     gap: NDArray[np.bool_]
     rate: float
+
+    @cached_property
+    def spectrum(self) -> tuple[Float, Float]:
+        """Frequencies (F,) in Hz and power (F, J) in rad²/Hz of the angles; every cut-off is judged by it."""
+        length = min(len(self.q), int(10.0 * self.rate))
+        frequency, power = welch(self.q, self.rate, nperseg=length, detrend="linear", axis=0)
+        return frequency, power
+
+    @cached_property
+    def despiked(self) -> Float:
+        """Torque (N, J) in N·m without spikes of a few milliseconds, which decimation would smear."""
+        spiky, middle = spikes(self.tau, 0.03, self.rate, 8.0)
+        return np.where(spiky, middle, self.tau)
 
 
 def even_clock(recording: Recording) -> EvenSignals:
@@ -131,10 +144,10 @@ def derivatives(q: Float, rate: float) -> tuple[Float, Float]:
     return dq, ddq
 
 
-def noise_density(x: Float, rate: float) -> Float:
-    """Return the one-sided white noise density of each channel, unit²/Hz, from the top fifth of the spectrum."""
-    frequency, power = welch(x, rate, nperseg=min(len(x), int(10.0 * rate)), detrend="linear", axis=0)
-    return np.median(power[frequency > 0.4 * rate], axis=0)
+def noise_density(even: EvenSignals) -> Float:
+    """Return the one-sided white noise density (J,) of the angles, rad²/Hz, from the top fifth of the spectrum."""
+    frequency, power = even.spectrum
+    return np.asarray(np.median(power[frequency > 0.4 * even.rate], axis=0))
 
 
 def quiet_noise(x: Float, rate: float, cutoff: float) -> Float:
@@ -147,21 +160,21 @@ def quiet_noise(x: Float, rate: float, cutoff: float) -> Float:
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
 
 
-def acceleration_quality(q: Float, rate: float, cutoff: float) -> Float:
+def acceleration_quality(even: EvenSignals, cutoff: float) -> Float:
     """Return the share (J,) of noise in the variance of the second derivative below `cutoff` Hz.
 
     White angle noise of density S leaves S (2π)⁴ f⁵ / 5 in the acceleration; this share is the relative bias of
     an inertia towards zero (errors in variables).
     """
-    frequency, power = welch(q, rate, nperseg=min(len(q), int(10.0 * rate)), detrend="linear", axis=0)
+    frequency, power = even.spectrum
     inside = frequency <= cutoff
     total = np.sum(power[inside] * (2 * np.pi * frequency[inside, None]) ** 4, axis=0) * frequency[1]
-    return np.asarray(acceleration_noise(q, rate, cutoff) ** 2 / np.maximum(total, 1e-300))
+    return np.asarray(acceleration_noise(even, cutoff) ** 2 / np.maximum(total, 1e-300))
 
 
-def acceleration_noise(q: Float, rate: float, cutoff: float) -> Float:
+def acceleration_noise(even: EvenSignals, cutoff: float) -> Float:
     """Return the standard deviation (J,) of the acceleration noise left below `cutoff` Hz, rad/s²."""
-    return np.sqrt(noise_density(q, rate) * (2 * np.pi) ** 4 * cutoff**5 / 5.0)
+    return np.asarray(np.sqrt(noise_density(even) * (2 * np.pi) ** 4 * cutoff**5 / 5.0))
 
 
 def velocity_noise(density: Float, cutoff: float) -> Float:

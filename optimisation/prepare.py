@@ -197,14 +197,12 @@ def prepare(
 def _prepare_one(base: Model, name: str, even: EvenSignals, cutoff: float, beta: Float | None) -> PreparedRecording:
     """Prepare one recording; without `beta` the outliers are judged by the torque's own running median."""
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
-    spiky, middle = spikes(even.tau, 0.03 if factor > 1 else 0.05, even.rate, 8.0)
-    raw = np.where(spiky, middle, even.tau) if factor > 1 else even.tau
-    tau = np.array(decimate(raw, factor, even.rate))
+    tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
     rate = even.rate / factor
     inner = min(INNER * cutoff, 0.4 * even.rate)
     q = np.array(low_pass(even.q, inner, even.rate)[::factor])
     dq, ddq = derivatives(q, rate)
-    noise = noise_density(even.q, even.rate)
+    noise = noise_density(even)
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)))
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
@@ -278,7 +276,7 @@ def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta
             square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
         errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
         # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
-        shares.append(float(np.max(np.min([acceleration_quality(e.q, e.rate, cutoff) for e in even], axis=0))))
+        shares.append(float(np.max(np.min([acceleration_quality(e, cutoff) for e in even], axis=0))))
         carried.append(_carried_noise(beta, even, cutoff, _noise_floor(prepared, cutoff)))
     relative = np.max(np.array(errors) / np.min(errors, axis=0), axis=1)
     predicts = relative <= 1.0 + TOLERANCE
@@ -292,7 +290,7 @@ def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta
 def _carried_noise(beta: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
     """Return the noise power that accelerations carry into the model's torque, relative to the torque's own."""
     first, second, coupling = abs(beta[0]), abs(beta[1]), abs(beta[2])
-    hip, knee = np.median([acceleration_noise(e.q, e.rate, cutoff) for e in even], axis=0) ** 2
+    hip, knee = np.median([acceleration_noise(e, cutoff) for e in even], axis=0) ** 2
     power = np.array(
         [
             (first + 2.0 * coupling) ** 2 * hip + (second + coupling) ** 2 * knee,

@@ -1,0 +1,151 @@
+"""An hour at 1 kHz through reading, preparing, fitting and `exoid discover`: seconds and peak memory of each.
+
+    python benchmarks/large.py [--minutes 60] [--formats csv npz h5] [--discover]
+
+The recording is a minute of the virtual bench (a periodic motion, so that the copies join), repeated, with sensor noise
+of its own in every copy. Each stage runs in a process of its own, because peak memory never goes down within one; its
+figure contains the interpreter, the libraries and the stages before it. Nothing is asserted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+import numpy as np  # noqa: E402 - the number of threads must be set first
+
+RATE, PERIOD = 1000.0, 10.0
+STAGES = ("import", "read", "prepare", "identify")
+
+
+def write(folder: Path, minutes: int, formats: list[str]) -> None:
+    """Write the recording in each format; text goes out a minute at a time."""
+    from measurement.bench import Bench, run
+    from measurement.sensors import Sensors
+    from measurement.trajectory import random_trajectory
+
+    path = random_trajectory(np.random.default_rng(3), period=PERIOD)
+    true = run(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
+    sensors, rng = Sensors(), np.random.default_rng(4)
+    blocks = []
+    for minute in range(minutes):
+        q, tau = sensors.angle(true.motion.q, rng), sensors.torque(true.torque, RATE, rng)
+        t = np.arange(len(q)) / RATE + 60.0 * minute
+        blocks.append(np.column_stack([t, sensors.logged(q), sensors.logged(tau, fewer=2)]))
+    table = np.concatenate(blocks)
+    names = ("t", "q1", "q2", "tau1", "tau2")
+    for kind in formats:
+        file = folder / f"hour.{kind}"
+        if kind == "csv":
+            with file.open("w") as stream:
+                stream.write(",".join(names) + "\n")
+                for block in blocks:
+                    np.savetxt(stream, block, fmt="%.6f", delimiter=",")
+        elif kind == "npz":
+            np.savez(file, **dict(zip(names, table.T, strict=True)))
+        elif kind == "mat":
+            import scipy.io
+
+            scipy.io.savemat(file, dict(zip(names, table.T, strict=True)))
+        elif kind == "h5":
+            import h5py
+
+            with h5py.File(file, "w") as store:
+                for name, column in zip(names, table.T, strict=True):
+                    store[name] = column
+        else:
+            import pandas as pd
+
+            pd.DataFrame(table, columns=names).to_parquet(file)
+
+
+def peak() -> float:
+    """Return the largest memory of this process so far in MB; where the system tells, without what its parent held."""
+    try:
+        text = Path("/proc/self/status").read_text()
+        return int(text.partition("VmHWM:")[2].split()[0]) / 1024
+    except (OSError, ValueError, IndexError):
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def stage(name: str, path: Path) -> None:
+    """Run the work up to the stage `name` and print the seconds it took, the peak memory in MB, and what came out."""
+    from measurement.read import read_recording
+    from optimisation.identify import identify
+    from optimisation.prepare import prepare
+    from symbolic.model import Model
+
+    said = ""
+    began = time.perf_counter()
+    if name != "import":
+        recording = read_recording(path)
+        said = f"{len(recording)} rows, {[f.check for f in recording.findings]}"
+    if name == "prepare":
+        began = time.perf_counter()
+        ready = prepare(Model.standard(), [recording])
+        said = f"{sum(len(one.t) for one in ready.all)} samples, {ready.choice.reason}"
+    if name == "identify":
+        began = time.perf_counter()
+        said = str(identify(Model.standard(), [recording])).splitlines()[0]
+    took = time.perf_counter() - began
+    print(f"{name:>10} {took:8.1f} s {peak():8.0f} MB   {said}", flush=True)
+
+
+def command(arguments: list[str]) -> None:
+    """Run one command as a user would, and print what it took."""
+    began = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "workbench.command", *arguments, "--quiet"], cwd=ROOT, stdout=subprocess.DEVNULL
+    )
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    took = time.perf_counter() - began
+    print(
+        f"{arguments[0]:>10} {took:8.1f} s {usage.ru_maxrss / 1024:8.0f} MB   exit status {process.returncode}",
+        flush=True,
+    )
+
+
+def main() -> None:
+    """Make the recording, then run every stage on every format."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--minutes", type=int, default=60)
+    parser.add_argument("--formats", nargs="+", default=["csv", "npz", "h5"])
+    parser.add_argument("--discover", action="store_true", help="also run exoid discover on the first format")
+    parser.add_argument("--keep", type=Path, help="make the files in this folder and leave them there")
+    parser.add_argument("--write", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--stage", nargs=2, help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if args.stage:
+        stage(args.stage[0], Path(args.stage[1]))
+        return
+    if args.write:
+        write(args.write, args.minutes, args.formats)
+        return
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = args.keep or Path(scratch)
+        files = [folder / f"hour.{kind}" for kind in args.formats]
+        if not all(file.exists() for file in files):
+            # In a process of its own: what this one holds would be counted with every process it starts.
+            given = ["--write", str(folder), "--minutes", str(args.minutes), "--formats", *args.formats]
+            subprocess.run([sys.executable, __file__, *given], check=True)
+        for index, file in enumerate(files):
+            print(f"{file.name}: {file.stat().st_size / 1e6:.0f} MB")
+            for name in STAGES if index == 0 else STAGES[1:2]:
+                subprocess.run([sys.executable, __file__, "--stage", name, str(file)], check=True)
+        if args.discover:
+            command(["discover", str(files[0])])
+
+
+if __name__ == "__main__":
+    main()
