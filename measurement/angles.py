@@ -45,7 +45,7 @@ def spikes(q: Float, valid: Mask) -> Mask:
     """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
 
     Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of
-    motion.
+    motion. A single sample needs only one and a half usual steps when its neighbours lie on one smooth curve without it.
     """
     out = np.zeros(q.shape[0], dtype=bool)
     at = np.flatnonzero(valid)
@@ -57,10 +57,27 @@ def spikes(q: Float, valid: Mask) -> Mask:
     usual = float(np.percentile(np.abs(np.diff(values)), 90))
     reach = float(np.ptp(np.percentile(values, [1, 99])))
     far = off > max(12 * spread, 8 * usual, 0.005 * reach)
+    far |= _needles(values, max(1.5 * usual, 0.005 * reach))
     # The edges have no two sides to compare with; and what happens more than once in twenty rows is no spike.
     far[:2] = far[-2:] = False
     if 0 < far.mean() < 0.05:
         out[at[far]] = True
+    return out
+
+
+def _needles(values: Float, least: float) -> Mask:
+    """Return where (N,) one sample stands by more than `least` off the cubic through the two before and two after.
+
+    Such a sample shows in the same way at its neighbours, two thirds as large and with the other sign; a step or a
+    kink of the true motion does not.
+    """
+    out = np.zeros(values.shape[0], dtype=bool)
+    off = values[2:-2] - (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
+    size = np.abs(off)
+    limit = max(least, 12 * 1.4826 * float(np.median(size)))
+    before, at, after = off[:-2], off[1:-1], off[2:]
+    sides = np.stack([before, after]) * -np.sign(at)
+    out[3:-3] = (np.abs(at) > limit) & (sides.min(axis=0) > 0.4 * np.abs(at)) & (sides.max(axis=0) < 0.9 * np.abs(at))
     return out
 
 

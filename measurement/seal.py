@@ -26,6 +26,9 @@ KIND = "exoid seal 1"
 LARGEST = 4_000_000
 """Bytes. A truth has a few hundred; anything bigger is not a seal of ours, and is not unpacked."""
 
+EVEN = 1200
+"""Characters that truth and filler have together: a short seal would tell that little or nothing is hidden."""
+
 DAMAGE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, binascii.Error, zlib.error)
 """What unpacking a file raises that is no seal."""
 
@@ -93,7 +96,8 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
         "note": NOTE,
         "recordings": sums,
         "sha256": hashlib.sha256(content).hexdigest(),
-        "truth": base64.b85encode(zlib.compress(content, 9)).decode("ascii"),
+        "truth": (packed := base64.b85encode(zlib.compress(content, 9)).decode("ascii")),
+        "filler": _filler(content, -len(packed) % EVEN),
     }
     temporary = ""
     try:
@@ -112,6 +116,11 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
             remedy="check that the folder exists and may be written to",
         ) from error
     return target
+
+
+def _filler(content: bytes, count: int) -> str:
+    """Return `count` characters that look like packed truth; the same for the same truth."""
+    return base64.b85encode(hashlib.shake_256(content).digest(count)).decode("ascii")[:count]
 
 
 def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> OpenedSeal:
@@ -163,9 +172,7 @@ def _check_belongs(file: Path, opened: OpenedSeal, where: str) -> None:
 
 def _truth(fields: Mapping[str, Any]) -> Truth:
     effects = tuple(
-        HiddenTruth(
-            str(entry["id"]), entry["joint"], {key: float(value) for key, value in entry["values"].items()}
-        )
+        HiddenTruth(str(entry["id"]), entry["joint"], {key: float(value) for key, value in entry["values"].items()})
         for entry in fields["effects"]
     )
     return Truth(str(fields["leg"]), tuple(float(x) for x in fields["base"]), effects, int(fields["seed"]))

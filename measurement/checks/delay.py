@@ -9,7 +9,7 @@ from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.rough import smooth, unexplained
 
-TRIED = np.arange(-40, 41, 5) * 1e-3
+TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
 LEAST, GAIN, FITS = 0.005, 0.15, 0.2
 

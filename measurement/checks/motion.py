@@ -48,11 +48,11 @@ def check(recording: Recording) -> list[Finding]:
             )
     constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) == 0.0]
     if len(constant) == 2:
-        what = f"both torques are constant ({constant[0].values[0]:.4g} and {constant[1].values[0]:.4g} N·m)"
+        what = f"both torques are constant ({constant[0].values[0] + 0.0:.4g} and {constant[1].values[0] + 0.0:.4g} N·m)"
         remedy = "are these the torque columns? --map tau1=COLUMN,tau2=COLUMN"
         return [*found, Finding("motion", "refused", what, where, 0.0, 0.0, remedy)]
     for channel in constant:
-        what = f"the {channel.label} is {channel.values[0]:.4g} N·m throughout"
+        what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} N·m throughout"
         consequence = "right for a joint without a drive; otherwise this joint's parameters mean nothing"
         remedy = f"if the joint has a drive, check the sensor and --map {channel.name}=COLUMN"
         found.append(
