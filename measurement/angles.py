@@ -45,7 +45,8 @@ def spikes(q: Float, valid: Mask) -> Mask:
     """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
 
     Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of
-    motion. A single sample needs only one and a half usual steps when its neighbours lie on one smooth curve without it.
+    motion. A single sample needs only one and a half usual steps when its neighbours lie on one smooth curve
+    without it.
     """
     out = np.zeros(q.shape[0], dtype=bool)
     at = np.flatnonzero(valid)

@@ -48,7 +48,8 @@ def check(recording: Recording) -> list[Finding]:
             )
     constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) == 0.0]
     if len(constant) == 2:
-        what = f"both torques are constant ({constant[0].values[0] + 0.0:.4g} and {constant[1].values[0] + 0.0:.4g} N·m)"
+        first, second = (channel.values[0] + 0.0 for channel in constant)
+        what = f"both torques are constant ({first:.4g} and {second:.4g} N·m)"
         remedy = "are these the torque columns? --map tau1=COLUMN,tau2=COLUMN"
         return [*found, Finding("motion", "refused", what, where, 0.0, 0.0, remedy)]
     for channel in constant:
