@@ -12,6 +12,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from measurement.raw import RawColumn, RawTable
 from measurement.units import QUANTITIES, factor
 from symbolic.errors import RecordingError
@@ -23,18 +25,19 @@ SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f":
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
-          "stamp", "rowtimes"),
+          "stamp", "rowtimes", "datetime"),
     "q": ("q", "theta", "angle", "angles", "pos", "position", "phi", "winkel", "th"),
     "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
            "speed", "w", "anglevelocity", "angularvelocity", "anglerate", "dth"),
     "ddq": ("ddq", "qdd", "qddot", "qpp", "ddtheta", "thetaddot", "thetadd", "acc", "acceleration",
             "angularacceleration", "ddth"),
-    "tau": ("tau", "torque", "torques", "trq", "moment", "drehmoment", "u"),
+    "tau": ("tau", "torque", "torques", "trq", "moment", "drehmoment", "effort", "efforts", "u"),
     "f": ("f", "force", "cuffforce", "interactionforce", "fint", "fdis", "fcuff", "kraft"),
 }  # fmt: skip
 JOINTS: Mapping[str, int] = {"1": 1, "2": 2, "01": 1, "02": 2, "hip": 1, "h": 1, "knee": 2, "k": 2, "kn": 2,
                              "thigh": 1, "shank": 2, "hüfte": 1, "huefte": 1, "knie": 2}  # fmt: skip
-FILLERS = frozenset({"joint", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder"})
+FILLERS = frozenset({"joint", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder",
+                     "data", "value", "values", "signal"})
 FOREIGN = frozenset(
     {
         "ref",
@@ -140,24 +143,26 @@ def assign(
     _check_keys(units, (*SI, *CANONICAL, *table.names), "--units", where)
     chosen = _mapped(table, mapping, where)
     taken = {id(column) for column in chosen.values()}
+    aliases = _counted_from_one(table.names)
     offers: dict[str, list[tuple[int, RawColumn]]] = {}
     hidden: dict[int, str] = {}
     for column in table.columns:
-        found = None if id(column) in taken else recognise(column.name)
+        found = None if id(column) in taken else recognise(aliases.get(column.name, column.name))
         if found:
-            offers.setdefault(found[0], []).append((found[2], column))
+            offers.setdefault(found[0], []).append((found[2] + 100 * column.rank, column))
             hidden[id(column)] = found[1]
     for name, columns in offers.items():
         if name in chosen:
             continue
         fewest = min(rank for rank, _ in columns)
         best = [column for rank, column in columns if rank == fewest]
-        if len(best) > 1:
-            names = ", ".join(repr(column.name) for column in best)
+        # Time series of Simulink each carry the same time.
+        if any(not np.array_equal(best[0].values, other.values, equal_nan=True) for other in best[1:]):
+            names = ", ".join(repr(name) for name in numbered([column.name for column in best]))
             raise RecordingError(
                 f"more than one column can be {name}: {names}",
                 where=where,
-                remedy=f"say which: --map {name}=COLUMN",
+                remedy=f"say which: --map {name}={numbered([column.name for column in best])[0]}",
             )
         chosen[name] = best[0]
     _check_missing(chosen, table, where)
@@ -179,12 +184,13 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
 def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str, RawColumn]:
     chosen: dict[str, RawColumn] = {}
     for name, wanted in mapping.items():
-        found = [c for c in table.columns if c.name == wanted]
+        found = [c for c, n in zip(table.columns, numbered(table.names), strict=True) if wanted in (c.name, n)]
         found = found or [c for c in table.columns if c.name.lower() == wanted.strip().lower()]
         if len(found) != 1:
             close = difflib.get_close_matches(wanted, table.names, 1, cutoff=0.5)
             hint = f"did you mean {close[0]!r}? " if close and not found else ""
             what = "is not in the file" if not found else f"stands {len(found)} times in the file"
+            hint = f"write {wanted}#1 for the first of them. " if found else hint
             raise RecordingError(
                 f"column {wanted!r} ({name}) {what}",
                 where=where,
@@ -214,6 +220,24 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str)
         where=where,
         remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close),
     )
+
+
+def numbered(names: Sequence[str]) -> list[str]:
+    """Return names that can be told apart: of several alike, the second is "name#2"."""
+    return [f"{name}#{names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
+
+
+def _counted_from_one(names: Sequence[str]) -> dict[str, str]:
+    """Return {name: the same counted from 1} for joints counted from 0: there is a 0 and a 1, but no 2."""
+    out: dict[str, str] = {}
+    for name in names:
+        found = re.fullmatch(r"(.*?)(?<!\d)0(\D*)", name)
+        if not found:
+            continue
+        first, second = (f"{found[1]}{k}{found[2]}" for k in (1, 2))
+        if first in names and second not in names:
+            out |= {name: first, first: second}
+    return out
 
 
 def listed(names: Sequence[str], most: int = 20) -> str:

@@ -28,6 +28,8 @@ class RawColumn:
     unit: str = ""
     texts: Mapping[int, str] = field(default_factory=dict)
     text_count: int = 0
+    rank: int = 0
+    """Where several columns could be the same quantity, the one of smaller rank is taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,37 +62,39 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
     types = pd.api.types
     if types.is_numeric_dtype(cells) and not types.is_bool_dtype(cells) and not types.is_complex_dtype(cells):
         return RawColumn(name, cells.to_numpy(dtype=float, na_value=np.nan), unit)
+    from measurement.stamps import seconds, since_first
+
     if types.is_datetime64_any_dtype(cells) or types.is_timedelta64_dtype(cells):
-        return RawColumn(name, _seconds(cells), "s")
+        return RawColumn(name, since_first(cells), "s")
     texts = ["" if cell is None or cell != cell else str(cell).strip() for cell in cells]
-    first = next((text for text in texts if text), "")
-    if DATE.match(first):
-        stamps = pd.to_datetime(pd.Series(texts), errors="coerce", format="ISO8601", utc=True)
-        return RawColumn(name, _seconds(stamps), "s")
-    if CLOCK.fullmatch(first):
-        return RawColumn(name, _seconds(pd.to_timedelta(pd.Series(texts), errors="coerce")), "s")
+    stamps = seconds(texts)
+    if stamps is not None:
+        return RawColumn(name, stamps, "s")
     values = np.array([_number(text) for text in texts], dtype=float)
     missing = ("", "nan", "na", "n/a", "null", "none", "nat")
     wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in missing]
     return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong))
 
 
-DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", re.ASCII)
-CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d([.]\d+)?", re.ASCII)
+GROUPS = re.compile(r"([+-]?[1-9]\d{0,2})((?:,\d{3})+(?=[.])|(?:[ '’\u00a0\u2009\u202f]\d{3})+)([.]\d*)?", re.ASCII)
+"""A number with thousands separators. Commas need a decimal point behind them: "1,234" alone may be a decimal comma."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?", re.ASCII | re.IGNORECASE)
 
 
 def _number(text: str) -> float:
     """Return the number written in `text`, NaN unless it is a plain ASCII decimal number ("1_000" is not)."""
-    if len(text) > 60 or not NUMBER.fullmatch(text):
+    if len(text) > 60:
+        return float("nan")
+    text = ungrouped(text)
+    if not NUMBER.fullmatch(text):
         return float("nan")
     return float(text if "inf" in text.lower() else text.replace("d", "e").replace("D", "e"))
 
 
-def _seconds(series: Any) -> Float:
-    """Return seconds since the first stamp for a datetime or duration column (N,)."""
-    first = series.dropna().iloc[0] if series.notna().any() else series.iloc[0]
-    return np.asarray((series - first).dt.total_seconds(), dtype=float)
+def ungrouped(text: str) -> str:
+    """Return the text of a number without its thousands separators; any other text as it is."""
+    found = GROUPS.fullmatch(text)
+    return found[1] + re.sub(r"\D", "", found[2]) + (found[3] or "") if found else text
 
 
 def table_from_arrays(
@@ -136,6 +140,8 @@ def split_unit(name: str) -> tuple[str, str]:
     # Names end up in messages on a terminal, where control characters could do anything.
     name = "".join(c if c.isprintable() else "?" for c in name.strip().strip("\"'").strip())
     found = UNIT_IN_NAME.match(name)
+    if INDEX.fullmatch(name):  # position[0] of an array is no unit
+        return re.sub(r"[\[\]()]", "", name), ""
     return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
 
 
@@ -144,6 +150,7 @@ def _named(name: str, cells: Any, unit: str) -> RawColumn:
     return column_from_cells(name, cells, unit or written)
 
 
+INDEX = re.compile(r".*[^\W\d][\[(]\d{1,2}[\])]")
 UNIT_IN_NAME = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*$")
 
 

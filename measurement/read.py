@@ -20,6 +20,7 @@ from measurement.finding import Finding
 from measurement.raw import RawTable
 from measurement.recording import Recording, Source
 from measurement.repair import repaired
+from measurement.stamps import join_split
 from measurement.unusable import mask_unusable
 from symbolic.errors import RecordingError
 
@@ -43,7 +44,7 @@ def read_recording(
     """
     path = Path(path)
     digest = _digest(path)
-    table = read_table(path)
+    table = join_split(read_table(path))
     assigned = assign(table, columns, units, where=str(path))
     recording = repaired(table, assigned, name=path.stem, source=Source(str(path), digest))
     recording = mask_unusable(recording)

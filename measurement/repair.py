@@ -286,7 +286,7 @@ def _clock_unit(draft: Draft) -> Draft:
     draft = draft.noted(
         "time",
         "repaired",
-        f"the median time step is {step:.4g}, impossible in seconds for angles this smooth: the clock "
+        f"the median time step is {step:.4g}, impossible in seconds for these angles: the clock "
         f"was read in {unit} ({1 / (step * scale):.4g} Hz)",
         "column t",
         value=step,

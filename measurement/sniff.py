@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from measurement.columns import recognise
 from measurement.finding import Finding
-from measurement.raw import split_unit
+from measurement.raw import split_unit, ungrouped
 from measurement.units import is_unit
 from symbolic.errors import RecordingError
 
@@ -74,6 +74,8 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
             remedy="give a CSV, TSV, NPZ, MAT, HDF5 or Parquet file under its proper suffix",
         )
     text = text.lstrip("\ufeff")
+    if "\u2212" in text:
+        text = text.replace("\u2212", "-")  # the minus of typography
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     return text.rstrip("\n \x1a") + "\n", tuple(notes)
@@ -94,9 +96,10 @@ def split_line(line: str, delimiter: str) -> list[str]:
 def is_number(cell: str, decimal: str) -> bool:
     """Whether `cell` is empty or a number written with this decimal mark."""
     if decimal == ",":
-        if "." in cell:
+        if "." in cell and not re.fullmatch(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", cell):
             return False
-        cell = cell.replace(",", ".")
+        cell = cell.replace(".", "").replace(",", ".")
+    cell = ungrouped(cell)
     return NUMBER.fullmatch(cell) is not None
 
 

@@ -8,6 +8,7 @@ keeping track of the lines, so that a message can name the line an editor shows.
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,8 @@ from symbolic.errors import RecordingError
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
 SIGNATURES: tuple[bytes, ...] = ()
+APART = "\u2009"
+"""Stands for a delimiter inside quotes: a thin space, which also parts thousands."""
 UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
 
 
@@ -89,7 +92,13 @@ def _parse(body: str, layout: Layout) -> Any | None:
 
 
 def _with_point(cell: object) -> object:
-    return cell.replace(",", ".") if isinstance(cell, str) else cell
+    if not isinstance(cell, str):
+        return cell
+    return (cell.strip().replace(".", "") if GROUPED.fullmatch(cell.strip()) else cell).replace(",", ".")
+
+
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
+"""A number with points between the thousands and a decimal comma."""
 
 
 def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int64], tuple[Finding, ...]]:
@@ -113,7 +122,7 @@ def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int6
             ragged.append(number)
         if delimiter == "," == layout.decimal:
             cells = [cell.replace(",", ".") for cell in cells]
-        tidy = delimiter.join(cell.replace(delimiter, "_") if cell else "nan" for cell in cells)
+        tidy = delimiter.join(cell.replace(delimiter, APART) if cell else "nan" for cell in cells)
         lines.append(tidy if len(cells) <= width else empty)
         row.append(number)
     places = row_ranges(np.array(ragged))

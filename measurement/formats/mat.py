@@ -16,6 +16,8 @@ from symbolic.errors import RecordingError
 
 SUFFIXES = (".mat",)
 SIGNATURES = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
+LABELS = ("label", "Name", "name", "blockName")
+"""Fields of a struct array that say which signal an element holds."""
 DAMAGE = (
     ValueError,
     TypeError,
@@ -69,10 +71,17 @@ def _flatten(name: str, value: Any, arrays: dict[str, Any], labels: dict[str, li
     array = np.asarray(value)
     if depth > 20 or not array.size:
         return
+    if array.dtype.names and array.ndim == 1 and 1 < array.size <= 64 and set(LABELS) & set(array.dtype.names):
+        for i, element in enumerate(array):  # one struct per signal, as Simulink logs them
+            label = next((str(element[key]) for key in LABELS if key in array.dtype.names and str(element[key])), i + 1)
+            _flatten(f"{name}.{label}", element, arrays, labels, depth + 1)
+        return
     if array.dtype.names:
         for key in array.dtype.names:
             field = array[key]
             if array.ndim == 1 and array.size > 1 and all(np.size(cell) == 1 for cell in field):
+                if any(isinstance(cell, str) for cell in field):
+                    continue
                 arrays[f"{name}.{key}"] = np.array([np.ravel(cell)[0] for cell in field])  # one struct per sample
             elif array.size == 1:
                 _flatten(f"{name}.{key}", np.ravel(field)[0], arrays, labels, depth + 1)

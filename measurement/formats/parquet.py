@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def read(path: Path) -> RawTable:
             table = file.read()
         columns = tuple(
             column_from_cells(
-                split_unit(field.name)[0],
+                "time" if _is_index_of_time(field) else split_unit(field.name)[0],
                 table.column(i).to_pandas(),
                 _unit(field.metadata) or split_unit(field.name)[1],
             )
@@ -46,6 +47,11 @@ def read(path: Path) -> RawTable:
     if not columns or not table.num_rows:
         raise RecordingError("the table has no rows", where=str(path), remedy="record again")
     return RawTable(columns, np.arange(1, table.num_rows + 1))
+
+
+def _is_index_of_time(field: Any) -> bool:
+    """Whether this is the unnamed index of a pandas table with one time stamp per row."""
+    return str(field.name).startswith("__index_level_") and str(field.type).startswith(("timestamp", "duration"))
 
 
 def _unit(metadata: dict[bytes, bytes] | None) -> str:
