@@ -38,7 +38,7 @@ CASES = {
     "too brief": (table(t=T / 20), {}, "lasts 0.4 s: too short", "at least 10 s"),
     "missing column": (table("t,q1,qq2,tau1,tau2"), {}, "q2 was found (columns found: t, q1, qq2,", "--map q2=qq2?"),
     "no names": (table("")[1:], {}, "no column for t, q1, q2", "--map t=COLUMN"),
-    "twice the same name": (table("t,q1,q1,tau1,tau2"), {}, "more than one column can be q1", "--map q1=COLUMN"),
+    "twice the same name": (table("t,q1,q1,tau1,tau2"), {}, "more than one column can be q1", "--map q1=q1#1"),
     "two candidates": (
         table("t,q1,theta1,tau1,tau2"),
         {},
