@@ -36,6 +36,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
 import blind  # noqa: E402 - the repository must be on the path first
+
 from diagnosis.discover import discover  # noqa: E402
 from diagnosis.score import match  # noqa: E402
 from measurement.blind import draw  # noqa: E402
@@ -43,9 +44,9 @@ from measurement.hidden import Hidden, true_model  # noqa: E402
 from measurement.leg import Leg  # noqa: E402
 from measurement.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from measurement.signals import derivatives, even_clock, low_pass  # noqa: E402
+from measurement.signals import derivatives, even_clock, low_pass, widen  # noqa: E402
 from optimisation.identify import identify  # noqa: E402
-from optimisation.prepare import prepare  # noqa: E402
+from optimisation.prepare import STICK, STICK_REACH, prepare  # noqa: E402
 from symbolic.catalogue import catalogue  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 from symbolic.motion import Float, Motion  # noqa: E402
@@ -95,15 +96,21 @@ def with_effect(recording: Recording, motion: Motion, torque: Float) -> Recordin
 
 
 def left_over(base: Model, motions: Sequence[Motion], torques: Sequence[Float]) -> float:
-    """Return the RMS in N·m of what a refitted base model cannot imitate below the band, at the joint with more."""
-    rows, values = [], []
+    """Return the RMS in N·m of what a refitted base model cannot imitate below the band, at the joint with more.
+
+    Where a joint may be sticking nobody can tell anything; there it does not count.
+    """
+    rows, values, moving = [], [], []
     for motion, torque in zip(motions, torques, strict=True):
         rate = 1.0 / float(motion.t[1] - motion.t[0])
-        rows.append(low_pass(np.moveaxis(base.columns(motion), 1, 0), blind.BAND, rate).reshape(-1, 8))
-        values.append(low_pass(torque, blind.BAND, rate).ravel())
-    x, y = np.concatenate(rows), np.concatenate(values)
-    rest = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
-    return float(np.sqrt(np.mean(rest.reshape(-1, 2) ** 2, axis=0)).max()) + 1e-12
+        rows.append(low_pass(np.moveaxis(base.columns(motion), 1, 0), blind.BAND, rate))
+        values.append(low_pass(torque, blind.BAND, rate))
+        reach = int(np.ceil(STICK_REACH * rate / blind.BAND))
+        moving.append(np.column_stack([~widen(np.abs(v) < STICK, reach) for v in motion.dq.T]))
+    x, y, use = (np.concatenate(parts) for parts in (rows, values, moving))
+    rest = np.where(use, y, 0.0)
+    rest[use] -= x[use] @ np.linalg.lstsq(x[use], y[use], rcond=None)[0]
+    return float(np.sqrt(np.sum(rest**2, axis=0) / np.maximum(use.sum(axis=0), 1)).max()) + 1e-12
 
 
 def own_leg(task: Task, recordings: Sequence[Recording]) -> Leg:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import cast
 
+from diagnosis.by_recording import differing
 from diagnosis.candidates import build_library
 from diagnosis.results import Accepted, Diagnosis, Step, Suspect
 from diagnosis.search import MOST_TERMS, Progress, Search, Stage
@@ -122,6 +123,7 @@ def _write_up(
     )
     conclusion = conclude(accepted, left, stages[0], last, bool(verify), len(recordings), most)
     alike = {a.name: a.look_alikes for a in accepted}
+    told_apart = differing(last.now, last.now.evidence(seed=0, draws=0))
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
@@ -140,6 +142,7 @@ def _write_up(
         cutoff=prepared.choice.reason,
         stopped_because=conclusion.stopped_because,
         biased=biased_parameters(stages[0].fit, last.fit),
+        differing=told_apart,
     )
 
 

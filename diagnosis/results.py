@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from diagnosis.by_recording import Differing
 from diagnosis.unexplained import Remainder
 from measurement.finding import Finding
 from optimisation.fit import Fit
@@ -107,7 +108,8 @@ class Diagnosis:
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
     `verdict` is "adequate", "missing", "ambiguous" or "unexplained"; `rule` says which rule led to it, `sentence`
-    says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m.
+    says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m. `differing`
+    names what a single recording wants different from all the others.
     """
 
     verdict: str
@@ -127,6 +129,7 @@ class Diagnosis:
     cutoff: str = ""
     stopped_because: str = ""
     biased: tuple[str, ...] = ()
+    differing: tuple[Differing, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
@@ -142,6 +145,7 @@ class Diagnosis:
             "unexplained": self._unexplained_json(),
             "next_experiment": self.next_experiment,
             "biased": list(self.biased),
+            "differing": [d.to_json() for d in self.differing],
             "filter": self.cutoff,
             "stopped_because": self.stopped_because,
             "parameters": {e.name: e.to_json() for e in self.fit.estimates},
@@ -201,6 +205,7 @@ class Diagnosis:
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
             + steps_table(self.steps, self.noise_floor)
             + (suspects if rows else "")
+            + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
 

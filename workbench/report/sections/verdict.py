@@ -36,6 +36,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "accepted": [accepted_entry(one, material.model) for one in accepted],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
+        "differing": [] if found is None else [d["sentence"] for d in found.to_json().get("differing", ())],
         "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
     }
