@@ -32,6 +32,8 @@ MERGED = 0.97
 """Part of the gain of two accepted terms that a single one must have to take their place."""
 MANY_NUMBERS = 4
 """A term with so many numbers is only believed if plainer ones do not do as well."""
+SURE = 0.01
+"""p-value that an accepted term must still reach beside the others."""
 NEAR = 0.8
 """Part of the best gain from which on a candidate is refitted too: on a grid it may have been off its best place."""
 REFITTED = 5
@@ -99,7 +101,7 @@ class Search:
         dropped: set[str] = set()
         while True:
             longer = self.forward(stages, banned | dropped)
-            stages = self.merge(self.prune(longer), banned)
+            stages = self.exchange(self.merge(self.prune(longer), banned), banned)
             fewer = {*_names(longer)} - {*_names(stages)}
             if not fewer:
                 return stages
@@ -237,7 +239,7 @@ class Search:
                 break
             without = self._without(last, [score])
             again = self._again(without, score)
-            if not (again.helps and again.p_value is not None and again.p_value <= 0.01):
+            if not (again.helps and again.p_value is not None and again.p_value <= SURE):
                 terms = [t for t in terms if t.name != score.name]
                 last = without
         if len(terms) == len(stages) - 1:
@@ -263,6 +265,46 @@ class Search:
             if found is not None and fresh and _unseen_gain(stages[-1], found) > -2.0 * LEAST_SHARE:
                 return self.merge([*shorter, found], banned)
         return stages
+
+    def exchange(self, stages: list[Stage], banned: set[str]) -> list[Stage]:
+        """Hold every accepted term but the last against its rivals once more, now that the others are there.
+
+        The first terms were chosen while other effects were still missing: a rival that could imitate a little of those
+        too had an advantage then. What these data cannot tell apart is counted anew as well.
+        """
+        for score in [s.added for s in stages[1:-1] if s.added is not None]:
+            self.tick(0.87, f"holding {score.name} against its rivals once more")
+            without, evidence = self._without_them(stages[-1], [score])
+            taken = {*_names(stages), *banned} - {score.name}
+            wanted = [score.name, *(n for n in self._rivals(score) if n not in taken)]
+            weighed = [self._weighed(without, evidence, self.library.find(name)) for name in wanted]
+            refined = [self._refine(evidence, without, s) for s in weighed if s.helps and not s.caution]
+            refined.sort(key=lambda pair: -pair[0].share)
+            if not refined:
+                continue
+            alike = look_alikes(evidence, refined[0], refined[1:])
+            near = [p[0] for p in refined if p[0].name in alike or p[0].share >= NEAR * refined[0][0].share]
+            chosen = self._refitted(without, evidence, near, alike)
+            if chosen is None or chosen.added is None:
+                continue
+            if chosen.added.name == score.name:
+                stages = [replace(s, alike=chosen.alike, never=chosen.never) if s.added is score else s for s in stages]
+                continue
+            again = self._again(without, chosen.added)
+            if again.helps and again.p_value is not None and again.p_value <= SURE:
+                rest = self._replay(stages, [n for n in _names(stages) if n != score.name])
+                stages = [*rest, replace(chosen, added=replace(chosen.added, p_value=again.p_value))]
+        return stages
+
+    def _rivals(self, score: Score) -> list[str]:
+        """Return the candidates that came close to an accepted one when it stood out most."""
+        best: tuple[float, list[str]] = 0.0, []
+        for _, scores in self._ranked.values():
+            own = next((s.share for s in scores if s.name == score.name), 0.0)
+            lead = own / max(s.share for s in scores) if scores and own > 0.0 else 0.0
+            if lead > best[0]:
+                best = lead, [s.name for s in scores if s.share >= CLOSE * own and s.name != score.name]
+        return best[1]
 
     def _one_would_do(self, stage: Stage, pair: Sequence[Score], banned: set[str]) -> bool:
         """Whether a single candidate gains nearly what the two of `pair` gain together."""
