@@ -187,7 +187,7 @@ def candidate_columns(
     else:
         raw = _texts(candidate, nodes, one, model, linear, shape)
     # (V, A, N, m) -> time first, filter all nodes in one pass, and back
-    filtered = one.smooth(np.moveaxis(raw, 2, 0))
+    filtered = one.smooth(np.moveaxis(raw, 2, 0), candidate.joints, 2)
     return Columns(candidate.joints, np.ascontiguousarray(np.moveaxis(filtered, 0, 2)))
 
 

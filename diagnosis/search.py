@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from diagnosis.candidates import Candidate, Columns, Library, stacked
-from diagnosis.evidence import Evidence
+from diagnosis.evidence import Block, Evidence
 from diagnosis.look_alikes import BLOCK_SECONDS, CLEAR, CLOSE, TIED, columns_at, look_alikes, refine
 from diagnosis.present import Present, present
 from diagnosis.suspects import LEAST_SHARE, Score, placebo, rank, weigh
@@ -36,6 +36,8 @@ SURE = 0.01
 """p-value that an accepted term must still reach beside the others."""
 NEAR = 0.8
 """Part of the best gain from which on a candidate is refitted too: on a grid it may have been off its best place."""
+OWN_PLACE = 0.5
+"""Part of its gain that a candidate with places of its own must keep where every recording has zeros of its own."""
 REFITTED = 5
 """Rivals at most that are told apart by a refit of everything."""
 ROUNDS = 4
@@ -182,7 +184,7 @@ class Search:
             ((s, f) for s, f in tried if lag[s.name] < TIED),
             key=lambda p: (p[0].candidate.numbers, p[0].candidate.tangent),
         )
-        if not self._outlives_noise(stage, evidence, score):
+        if not (self._outlives_noise(stage, evidence, score) and self._outlives_zeros(stage, evidence, score)):
             return None
         others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < CLEAR and s.name in {*lag, *alike}]
         never = tuple(s.name for s in others if _same(s, score))
@@ -204,6 +206,26 @@ class Search:
         loss, rough_loss = float(evidence.fold_losses.sum()), float(rougher.fold_losses.sum())
         made_by_noise = max(with_noise.share * rough_loss - score.share * loss, 0.0) / loss
         return score.share - made_by_noise >= LEAST_SHARE
+
+    def _outlives_zeros(self, stage: Stage, evidence: Evidence, score: Score) -> bool:
+        """Whether a candidate with places of its own in every recording is more than other zeros of the sensors.
+
+        A stop that is met elsewhere in each recording can take the place of a torque that is a little higher in one
+        than in another. So means are taken off: recording by recording, of residual, model and candidate alike.
+        """
+        if not score.candidate.per_recording or len(evidence.blocks) < 2:
+            return True
+        count = len(evidence.train)
+        blocks = [_centred(block) for block in evidence.blocks]
+        level = Evidence(
+            blocks[:count], blocks[count:], seed=self.seed, draws=0, sigma=evidence.sigma, prior=evidence.prior
+        )
+        columns = [
+            replace(c, values=c.values - _mean(c.values, block.use[list(c.joints)][None, :, :, None], 2))
+            for c, block in zip(self._columns(score, stage), evidence.blocks, strict=True)
+        ]
+        gain = float(level.gain(level.plain(columns)).total[0]) / float(evidence.fold_losses.sum())
+        return gain >= max(LEAST_SHARE, OWN_PLACE * score.share)
 
     def noisy(self, stage: Stage) -> Present:
         """Return the model of `stage` on the recordings as they would be with the noise of their encoders doubled."""
@@ -413,6 +435,17 @@ class Search:
         found = remainders(stage.now, stage.now.evidence(seed=self.seed))
         best = next((r for r in found if significant(r)), None)
         return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _centred(block: Block) -> Block:
+    """Return a block of which every column and the residual have no mean at either joint."""
+    columns = block.columns - _mean(block.columns, block.use[:, :, None], 1)
+    return replace(block, columns=columns, residual=block.residual - _mean(block.residual, block.use, 1))
+
+
+def _mean(x: Float, use: np.ndarray, axis: int) -> Float:
+    """Return the mean of `x` over the usable samples along `axis`, kept as an axis of length one."""
+    return np.sum(x * use, axis=axis, keepdims=True) / np.maximum(use.sum(axis=axis, keepdims=True), 1)
 
 
 def _names(stages: Sequence[Stage]) -> list[str]:

@@ -77,4 +77,5 @@ def _cut(one: PreparedRecording, start: float, name: str) -> PreparedRecording:
         use=one.use[inside],
         kept=kept - first,
         wide_tau=one.wide_tau[first:last],
+        stuck=one.stuck[first:last],
     )

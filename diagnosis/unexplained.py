@@ -219,11 +219,15 @@ class _Splines:
 
 
 def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
+    """Return a judge for each recording, to whom the zeros of its torque sensors are no news."""
     out = []
+    prior = np.append(evidence.prior, np.zeros(len(JOINTS)))
     for index, block in enumerate(evidence.blocks):
         samples = block.residual.shape[1]
-        folded = replace(block, fold=np.arange(samples) * BLOCKS // samples)
-        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=evidence.prior)
+        zeros = np.repeat(np.eye(len(JOINTS))[:, None, :], samples, axis=1)
+        columns = np.concatenate([block.columns, zeros], axis=2)
+        folded = replace(block, columns=columns, fold=np.arange(samples) * BLOCKS // samples)
+        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior)
         out.append(_Judge(alone, (index,), index < len(now.prepared.train)))
     return out
 
@@ -418,7 +422,7 @@ def _splines(now: Present, variable: str, joint: int, factor: str) -> _Splines |
         raw = design(signal)
         if factor:
             raw = raw * (one.motion.sign if factor == "sign" else one.motion.dq)[:, [joint]]
-        out.append(Columns((joint,), one.smooth(raw)[None, None]))
+        out.append(Columns((joint,), one.smooth(raw[:, None], (joint,))[:, 0][None, None]))
     grid = np.linspace(low, high, 121)
     return _Splines(tuple(out), grid, design(grid))
 

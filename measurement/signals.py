@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.signal import butter, sosfiltfilt, welch
+from scipy.sparse import csr_array
 
 from measurement.recording import Recording
 from symbolic.errors import NotEnoughDataError
@@ -21,6 +22,8 @@ from symbolic.motion import Float
 ORDER = 4
 STRETCH = 48
 """Kept samples that one matrix product gives."""
+BRIDGE_ENDS = 0.03
+"""Seconds beside a bridged run over which its ends are averaged."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
 
@@ -112,6 +115,36 @@ def low_pass_at(x: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) ->
         width = step * (count - 1) + response.size
         np.matmul(band[:count, :width], flat[start : start + width], out=out[first : first + count])
     return out.reshape(kept.size, *x.shape[1:])
+
+
+def bridging(hidden: NDArray[np.bool_], rate: float) -> csr_array:
+    """Return the matrix (H, N) that puts a straight line across every run of `hidden` (N,) samples, H of them.
+
+    Its ends are means over a few samples beside the run (`BRIDGE_ENDS` s). Being linear, it may be applied to a torque
+    and to the columns of its regressor alike, and what holds between them goes on to hold. A run at an end of the
+    recording gets the level of its other side.
+    """
+    count = hidden.size
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hidden, [False]]).astype(int))).reshape(-1, 2)
+    most = max(1, int(BRIDGE_ENDS * rate))
+    rows, columns, values = [], [], []
+    row = 0
+    for k, (first, last) in enumerate(edges):
+        before = np.arange(max(first - most, edges[k - 1][1] if k else 0), first)
+        after = np.arange(last, min(last + most, edges[k + 1][0] if k + 1 < len(edges) else count))
+        share = (np.arange(first, last) - first + 1.0) / (last - first + 1.0)
+        if not before.size or not after.size:
+            share = np.full(share.size, 0.0 if before.size else 1.0)
+        for side, weight in ((before, 1.0 - share), (after, share)):
+            if side.size:
+                rows.append(np.repeat(np.arange(row, row + share.size), side.size))
+                columns.append(np.tile(side, share.size))
+                values.append(np.repeat(weight / side.size, side.size))
+        row += share.size
+    if not rows:
+        return csr_array((row, count))
+    parts = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return csr_array(parts, shape=(row, count))
 
 
 def response_seconds(cutoff: float) -> float:

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from measurement.finding import Finding
 from measurement.recording import Recording
@@ -19,6 +21,7 @@ from measurement.signals import (
     EvenSignals,
     acceleration_noise,
     acceleration_quality,
+    bridging,
     decimate,
     derivatives,
     even_clock,
@@ -71,7 +74,9 @@ STICK = 0.03
 """Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
 function of the motion can tell, so these samples of that joint are not fitted."""
 STICK_REACH = 0.5
-"""Periods of the cut-off by which the filter carries such samples into their neighbours."""
+"""Periods of the angles' cut-off by which these samples reach into their neighbours: there velocity and direction are
+smeared. The torque of all of them, and every column of a model alike, is replaced by a straight line before the common
+filter, so that nothing of it gets into the samples that are fitted."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -82,7 +87,8 @@ class PreparedRecording:
 
     `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
     `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
-    encoders' noise and `band` in Hz what the angles contain of it.
+    encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
+    may be sticking; its torque there is bridged.
     """
 
     name: str
@@ -96,6 +102,7 @@ class PreparedRecording:
     wide_tau: Float
     angle_noise: Float
     band: float
+    stuck: Bool
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -110,9 +117,17 @@ class PreparedRecording:
         motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width))
         return replace(self, motion=motion)
 
-    def smooth(self, x: Float) -> Float:
-        """Filter `x` (N, ...) over time exactly as the torque was filtered; return the kept samples (K, ...)."""
-        return low_pass_at(x, self.cutoff, self.rate, self.kept)
+    def smooth(self, x: Float, joints: Sequence[int] = (0, 1), axis: int = 1) -> Float:
+        """Bridge and filter `x` (N, ...) exactly as the torque was; return the kept samples (K, ...).
+
+        `axis` of `x` has the rows of `joints`.
+        """
+        return low_pass_at(_bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
+
+    @cached_property
+    def _bridges(self) -> list[tuple[np.ndarray, csr_array]]:
+        """For each joint the samples that are bridged, and what bridges them."""
+        return _bridges(self.stuck, self.rate)
 
     @property
     def t(self) -> Float:
@@ -221,13 +236,14 @@ def _prepare_one(
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    near = int(np.ceil(STICK_REACH * rate / min(cutoff, reach)))
+    near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
     stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
     use = ~gap[kept, None] & ~stuck[kept]
+    bridged = _bridged(tau, _bridges(stuck, rate), (0, 1), 1)
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=low_pass_at(tau, cutoff, rate, kept),
+        tau=low_pass_at(bridged, cutoff, rate, kept),
         use=use,
         kept=kept,
         cutoff=cutoff,
@@ -236,7 +252,23 @@ def _prepare_one(
         wide_tau=tau,
         angle_noise=noise,
         band=min(inner, 0.4 * rate),
+        stuck=stuck,
     )
+
+
+def _bridges(stuck: Bool, rate: float) -> list[tuple[np.ndarray, csr_array]]:
+    return [(np.flatnonzero(column), bridging(column, rate)) for column in stuck.T]
+
+
+def _bridged(x: Float, bridges: Sequence[tuple[np.ndarray, csr_array]], joints: Sequence[int], axis: int) -> Float:
+    """Return `x` (N, ...) with the rows of each of `joints`, along `axis`, bridged where that joint may stick."""
+    out = np.array(np.moveaxis(x, axis, 1), dtype=float)
+    for place, joint in enumerate(joints):
+        rows, matrix = bridges[joint]
+        if rows.size:
+            part = out[:, place]
+            part[rows] = (matrix @ part.reshape(len(part), -1)).reshape(rows.size, *part.shape[1:])
+    return np.moveaxis(out, 1, axis)
 
 
 def sign_width(noise: Float, band: float) -> Float:

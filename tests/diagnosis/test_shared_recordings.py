@@ -62,6 +62,18 @@ def test_real_rig_rotor_inertia(shared_data):
         assert np.sum(after.verify_rms**2 / before.verify_rms**2) < 2.0, "a step that does not help unseen runs"
 
 
+@pytest.mark.slow
+def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared_data):
+    """Single runs of the rig ask for offsets of either sign, which help no other: that is no missing effect."""
+    train, verify = rig(shared_data)
+    found = discover(Model.standard(thigh_length=0.30), [*train, *verify])
+    names = {a.name for a in found.accepted}
+    assert "rotor_inertia:knee" in names
+    assert not {n.partition(":")[0] for n in names} & {"torque_offset", "end_stop", "gravity_tilt", "stribeck"}
+    zeros = [d for d in found.differing if d.name.startswith("zero:")]
+    assert {np.sign(d.value) for d in zeros} == {-1.0, 1.0}
+
+
 def test_adding_what_is_not_missing_is_told(shared_data):
     train, verify = leg(shared_data, "b")
     wrong = add(Model.standard(), "joint_spring", "knee", train, verify)

@@ -1,0 +1,60 @@
+"""Around standstill dry friction takes any value: whatever the torque does there must not reach the samples fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from measurement.bench import simulate_runs
+from measurement.leg import standard_leg
+from measurement.signals import BRIDGE_ENDS, bridging
+from optimisation.assemble import assemble
+from optimisation.linear import solve_sse
+from optimisation.prepare import prepare
+from symbolic.model import Model
+
+RATE = 100.0
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=60))
+@settings(max_examples=60, deadline=None)
+def test_a_bridge_uses_only_what_is_beside_it_and_keeps_what_is_level(hidden):
+    hidden = np.array(hidden)
+    matrix = bridging(hidden, RATE)
+    assert matrix.shape == (hidden.sum(), hidden.size)
+    assert not matrix[:, np.flatnonzero(hidden)].toarray().any()
+    if not hidden.all():
+        assert matrix.sum(axis=1) == pytest.approx(np.ones(hidden.sum()))
+
+
+def test_a_straight_line_goes_on_straight():
+    hidden = np.zeros(40, bool)
+    hidden[15:22] = True
+    ends = round(BRIDGE_ENDS * RATE)
+    line = np.arange(40.0)
+    bridged = bridging(hidden, RATE) @ line
+    assert np.all(np.diff(bridged) > 0.0)
+    assert bridged[0] > 15 - ends and bridged[-1] < 21 + ends
+    assert bridged.mean() == pytest.approx(18.0)
+
+
+def test_torque_near_standstill_is_of_no_consequence():
+    model = Model.standard()
+    recording = simulate_runs(1, None, standard_leg(), seed=2)[0].recording
+    (one,) = prepare(model, [recording], cutoff=5.0).train
+    beta = np.array([1.8, 0.4, 0.5, 0.2, 4.0, 2.0, 3.0, 1.2])
+    exact = model.torque(one.motion, beta)
+    rng = np.random.default_rng(0)
+    wild = np.where(one.stuck, exact + rng.normal(0.0, 50.0, exact.shape), exact)
+    assert one.stuck.any(axis=0).all()
+    np.testing.assert_allclose(one.smooth(wild), one.smooth(exact), atol=1e-10)
+    fitted = solve_sse(assemble(model, [replace(one, tau=one.smooth(wild))]))
+    np.testing.assert_allclose(fitted, beta, rtol=1e-8)
+    other = rng.normal(size=(len(one.motion), 3, 1, 2))
+    np.testing.assert_allclose(
+        one.smooth(other[:, :, 0], (0, 1), 2), one.smooth(np.moveaxis(other, 3, 1))[..., 0].transpose(0, 2, 1)
+    )
