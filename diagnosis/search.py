@@ -306,6 +306,9 @@ class Search:
                 continue
             alike = look_alikes(evidence, refined[0], refined[1:])
             near = [p[0] for p in refined if p[0].name in alike or p[0].share >= NEAR * refined[0][0].share]
+            if [s.name for s in near] == [score.name]:
+                stages = [replace(s, alike=(), never=()) if s.added is score else s for s in stages]
+                continue
             chosen = self._refitted(without, evidence, near, alike)
             if chosen is None or chosen.added is None:
                 continue

@@ -125,8 +125,8 @@ class PreparedRecording:
         return low_pass_at(_bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
 
     @cached_property
-    def _bridges(self) -> list[tuple[np.ndarray, csr_array]]:
-        """For each joint the samples that are bridged, and what bridges them."""
+    def _bridges(self) -> list[Bridge]:
+        """For each joint what bridges the samples at which it may be sticking."""
         return _bridges(self.stuck, self.rate)
 
     @property
@@ -256,19 +256,29 @@ def _prepare_one(
     )
 
 
-def _bridges(stuck: Bool, rate: float) -> list[tuple[np.ndarray, csr_array]]:
-    return [(np.flatnonzero(column), bridging(column, rate)) for column in stuck.T]
+Bridge = tuple[np.ndarray, np.ndarray, csr_array]
+"""Samples that are bridged (H,), samples beside them that the bridges stand on (E,), and the matrix (H, E)."""
 
 
-def _bridged(x: Float, bridges: Sequence[tuple[np.ndarray, csr_array]], joints: Sequence[int], axis: int) -> Float:
+def _bridges(stuck: Bool, rate: float) -> list[Bridge]:
+    out = []
+    for column in stuck.T:
+        matrix = bridging(column, rate).tocsc()
+        beside = np.flatnonzero(np.diff(matrix.indptr))
+        out.append((np.flatnonzero(column), beside, matrix[:, beside].tocsr()))
+    return out
+
+
+def _bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: int) -> Float:
     """Return `x` (N, ...) with the rows of each of `joints`, along `axis`, bridged where that joint may stick."""
-    out = np.array(np.moveaxis(x, axis, 1), dtype=float)
+    out = np.array(x, dtype=float, order="C")
     for place, joint in enumerate(joints):
-        rows, matrix = bridges[joint]
+        rows, beside, matrix = bridges[joint]
         if rows.size:
-            part = out[:, place]
-            part[rows] = (matrix @ part.reshape(len(part), -1)).reshape(rows.size, *part.shape[1:])
-    return np.moveaxis(out, 1, axis)
+            part = np.moveaxis(out, axis, 1)[:, place]
+            ends = part[beside]
+            part[rows] = (matrix @ ends.reshape(beside.size, -1)).reshape(rows.size, *ends.shape[1:])
+    return out
 
 
 def sign_width(noise: Float, band: float) -> Float:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -61,12 +62,26 @@ def columns(model: Model, motion: Motion, shape: Float | None, reference: Float 
     return out
 
 
+_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float], Float]] = WeakKeyDictionary()
+"""Base columns of the plain leg along motions that are still in use, with its (thigh length, gravity)."""
+LONGEST_KEPT = 400_000
+"""Samples of a motion whose base columns are kept, at most: 50 MB."""
+
+
 def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapping[str, float]) -> None:
     """Write the columns of mechanism and friction into `out`."""
     from symbolic.kernel import compiled
 
-    bare = rigid_model(model)
     chosen = base_places(model)
+    if not model.derived and len(motion) <= LONGEST_KEPT:
+        # A search asks for the same motion thousands of times, each time with another effect.
+        size = model.thigh_length, model.gravity
+        kept = _KEPT.get(motion)
+        if kept is None or kept[0] != size:
+            kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, np.zeros(BASE), np.zeros(0))
+        out[:, :, chosen] = kept[1]
+        return
+    bare = rigid_model(model)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
     out[:, :, chosen] = compiled(bare).pointwise(motion, linear[chosen], shapes)
 
