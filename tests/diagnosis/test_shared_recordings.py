@@ -81,3 +81,15 @@ def test_adding_what_is_not_missing_is_told(shared_data):
     right = add(Model.standard(), "stribeck", "hip", train, verify)
     assert right.helped
     assert right.after.estimate("stribeck:hip.c").low < 2.65 < right.after.estimate("stribeck:hip.c").high + 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", ["rig", "practice"])
+def test_placebos_are_significant_as_often_as_chance_says(shared_data, machine):
+    """Entries shifted in time have nothing to do with a recording; nominally 5 % of them look significant."""
+    from benchmarks.placebo_rate import p_values
+
+    train, verify = rig(shared_data) if machine == "rig" else leg(shared_data, "a")
+    found = p_values(Model.standard(thigh_length=0.30 if machine == "rig" else 0.40), train, verify, 4, seed=3)
+    assert found.size >= 150
+    assert 0.015 <= np.mean(found <= 0.05) <= 0.09  # 5 % and what so few placebos leave open
