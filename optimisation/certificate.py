@@ -73,21 +73,22 @@ def certify(
     primal = huber(data.residual(linear), delta)
     left = basis.T @ u
     slack = float(np.abs(left) @ np.abs(data.factor.forward @ linear))
-    lack = _fenchel(residual, u, limit) + slack
+    lack = fenchel(residual, u, limit) + slack
     # The scale keeps a perfect fit (loss at rounding level) from being judged by the digits of its rounding.
     scale = max(primal, 1e-12 * huber(data.tau, delta), np.finfo(float).tiny)
     return Certificate(
         primal=primal,
         dual=primal - lack,
         gap=lack / scale,
-        kkt=_ratio(np.linalg.norm(basis.T @ score), np.linalg.norm(score)),
-        infeasibility=_ratio(np.linalg.norm(left), np.linalg.norm(u)),
+        kkt=ratio(np.linalg.norm(basis.T @ score), np.linalg.norm(score)),
+        infeasibility=ratio(np.linalg.norm(left), np.linalg.norm(u)),
         tolerance=tolerance,
         scope=scope,
     )
 
 
-def _ratio(part: Any, whole: Any) -> float:
+def ratio(part: Any, whole: Any) -> float:
+    """Return part/whole, 0 where there is nothing to be a part of."""
     return float(part / whole) if whole > 0.0 else 0.0
 
 
@@ -117,7 +118,7 @@ def _feasible(basis: Float, u: Float, bound: Float) -> Float:
     return u * shrink
 
 
-def _fenchel(residual: Float, u: Float, limit: Float) -> float:
+def fenchel(residual: Float, u: Float, limit: Float) -> float:
     """Return Σ [h(r) - u r + u²/4], written so that each term is a sum of non-negative parts."""
     size = np.abs(residual)
     inside = size <= limit

@@ -11,6 +11,7 @@ from measurement.finding import Finding
 from optimisation.assemble import FittableModel
 from optimisation.certificate import Certificate
 from optimisation.optimiser import Run
+from optimisation.physical import Held
 from optimisation.problem import LinearData
 from optimisation.reference import Reference
 from symbolic.html import bullets, lines, table
@@ -57,7 +58,8 @@ class Fit:
     intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each recording, which
     differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
     `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
-    `plausibility` is what to be careful about.
+    `plausibility` is what to be careful about. `held` says what asking for a possible leg changed; None where nobody
+    asked for one.
     """
 
     model: FittableModel
@@ -79,6 +81,7 @@ class Fit:
     lag: int
     seconds: float
     recordings: tuple[str, ...]
+    held: Held | None = None
 
     @property
     def residual(self) -> Float:
@@ -146,6 +149,7 @@ class Fit:
             "certificate": self.certificate.to_json(),
             "sse": self.sse.to_json(),
             "plausibility": [c.to_json() for c in self.plausibility],
+            "physical": None if self.held is None else self.held.to_json([p.name for p in self.model.parameters]),
             "seconds": self.seconds,
         }
 

@@ -26,6 +26,7 @@ from optimisation.local_shape import descend, own_shapes
 from optimisation.loss import huber
 from optimisation.optimiser import Optimiser, Run, minimise
 from optimisation.optimisers.nfo import NFO
+from optimisation.physical import Held, Physics, certify_physical, physical_reference, physics, solve_physical
 from optimisation.plausibility import check_plausibility
 from optimisation.problem import LinearData, huber_problem, sse_problem
 from optimisation.reference import Reference, solve_reference
@@ -64,13 +65,16 @@ def identify(
     start: Float | None = None,
     delta: Float | None = None,
     seed: int = 0,
+    physical: bool = False,
     progress: Progress | None = None,
 ) -> Fit:
     """Fit `model` to recordings, prepared or as they were read (they are then prepared), and return the Fit.
 
     `optimisers=()` is the light mode: no NFO and no IPOPT, the exact solution only. `shape` (S,) fixes the
     shape parameters instead of searching them, `start` ((S,) or (R, S)) searches them only from there,
-    `delta` (J,) fixes the thresholds instead of the 14 % rule.
+    `delta` (J,) fixes the thresholds instead of the 14 % rule. `physical` looks for the best parameters that some leg
+    could have (`optimisation.physical`), by IPOPT with our certificate; NFO, which knows no such conditions, is then
+    left out. `Fit.held` says what that changed.
     Refuses data that cannot determine as many parameters as the model has.
     """
     began = time.perf_counter()
@@ -78,34 +82,37 @@ def identify(
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
     data = _prepared(model, data)
     say = progress or _silent
-    searches = dict(optimisers)
+    searches = {} if physical else dict(optimisers)
+    possible = physics(model) if physical else None
     infinite = np.full(2, np.inf)
 
     assembly = Assembly(model, data)
     scope = _scope(model, shape is not None)
 
     say("least squares")
-    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, start)
+    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, start, possible=possible)
     first.data.require_enough()
-    sse = _stage("sse", first, _middle(first_shape), infinite, first.linear, searches, seed, say, scope)
+    sse = _stage("sse", first, _middle(first_shape), infinite, first.linear, searches, seed, say, scope, possible)
     limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
-        best_shape, best, _ = _solve_shape(assembly, limits, shape, leaders, first.linear)
+        best_shape, best, _ = _solve_shape(assembly, limits, shape, leaders, first.linear, possible)
     else:  # the columns stay what they were
         best_shape = first_shape
-        best = replace(first, linear=solve_huber(first.data, limits, first.linear))
+        best = replace(first, linear=_solution(first.data, limits, possible, first.linear))
     # δ and the box of the Huber search come from least squares on the columns of the shape found last.
     centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = _stage("huber", best, _middle(best_shape), limits, centre, searches, seed, say, scope)
+    stage = _stage("huber", best, _middle(best_shape), limits, centre, searches, seed, say, scope, possible)
+    held = None if possible is None else _held(best, limits, possible)
 
     spread = _spread(assembly, best, best_shape, limits)
-    estimates = _estimates(model, best.linear, best_shape, spread)
+    estimates = _estimates(model, best.linear, best_shape, spread, possible)
     middle = _middle(best_shape)
     cautions = (
         *_numerical(model, best, middle, bool(model.shapes) and shape is None),
         *_unproven(stage),
+        *_price(model, held),
         *check_plausibility(model, best.linear, estimates, middle),
     )
     return Fit(
@@ -128,7 +135,33 @@ def identify(
         lag=spread.lag,
         seconds=time.perf_counter() - began,
         recordings=tuple(one.name for one in data),
+        held=held,
     )
+
+
+def _solution(data: LinearData, delta: Float, possible: Physics | None, start: Float | None = None) -> Float:
+    """Return the exact linear parameters (P,), among the possible ones where these are given."""
+    if possible is not None:
+        return solve_physical(data, delta, possible, start)
+    return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta, start)
+
+
+def _held(found: Settled, delta: Float, possible: Physics) -> Held:
+    free = solve_huber(found.data, delta, found.linear)
+    least = huber(found.data.residual(free), delta)
+    cost = huber(found.data.residual(found.linear), delta) / max(least, np.finfo(float).tiny) - 1.0
+    return Held(free, possible.broken(free), max(cost, 0.0))
+
+
+def _price(model: FittableModel, held: Held | None) -> list[Finding]:
+    """Return in words what asking for a possible leg has changed."""
+    if held is None or not held.broken:
+        return []
+    value = {p.name: f" ({v:.4g} {p.unit})" for p, v in zip(model.parameters, held.free, strict=True)}
+    broken = ", ".join(name + value.get(name, "") for name in held.broken)
+    what = f"without the demand for a possible leg the fit would violate: {broken}; the loss is {held.cost:.2%} higher"
+    remedy = "an effect that is missing or a wrong sign hides in it: run `exoid diagnose`"
+    return [Finding("possible", "warning", what, "physical", held.cost, 0.0, remedy)]
 
 
 def _prepared(model: FittableModel, data: Sequence[Prepared] | Sequence[Recording]) -> Sequence[Prepared]:
@@ -164,13 +197,14 @@ def _solve_shape(
     fixed: Float | None,
     starts: Sequence[Float] | Float | None,
     reference: Float | None = None,
+    possible: Physics | None = None,
 ) -> tuple[Float, Settled, Sequence[Float] | Float]:
     """Return the best shape values ((S,), or (R, S) where recordings have their own), the linear solution
     there, and where a next stage may start.
     """
 
     def solve(data: LinearData) -> Float:
-        return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta)
+        return _solution(data, delta, possible)
 
     def solved(shape: Float) -> Settled:
         return settle(assembly, shape, solve, reference)
@@ -232,12 +266,21 @@ def _stage(
     seed: int,
     say: Progress,
     scope: str,
+    possible: Physics | None = None,
 ) -> Stage:
     """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
     data = found.data
-    certificate = certify(data, found.linear, delta, scope=scope)
     runs: dict[str, Run] = {}
     reference: Reference | None = None
+    if possible is not None:
+        scope = f"{scope}, among those a leg can have"
+        certificate = certify_physical(data, found.linear, delta, possible, scope=scope)
+        say(f"IPOPT ({kind})")
+        reference = physical_reference(data, delta, possible, solve_sse(data))
+        floor = max(certificate.primal, np.finfo(float).tiny)
+        reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
+        return Stage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
+    certificate = certify(data, found.linear, delta, scope=scope)
     if searches:
         compiled = population_fitness(data)
         if kind == "sse":
@@ -293,12 +336,18 @@ def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> C
     return covariance(jacobian, found.data.residual(linear), delta, found.data.groups, instruments)
 
 
-def _estimates(model: FittableModel, linear: Float, shape: Float, spread: Covariance) -> tuple[Estimate, ...]:
+def _estimates(
+    model: FittableModel, linear: Float, shape: Float, spread: Covariance, possible: Physics | None = None
+) -> tuple[Estimate, ...]:
     half = spread.half_widths()
     middle = _middle(shape)
     named = [(p.name, p.unit) for p in model.parameters] + [(s.name, s.shape.unit) for s in model.shapes]
     values = np.concatenate([linear, middle])
     low, high = values - half, values + half
+    if possible is not None:  # an interval goes no further than a leg can
+        count = linear.size
+        low[:count] = np.clip(low[:count], possible.low, possible.high)
+        high[:count] = np.clip(high[:count], possible.low, possible.high)
     for index, entry in enumerate(model.shapes):
         place = linear.size + index
         # A choice is not estimated by a derivative; what each recording has to itself spans a range.

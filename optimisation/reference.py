@@ -52,24 +52,11 @@ def solve_reference(data: LinearData, delta: Float, start: Float | None = None) 
     import casadi as ca
 
     began = time.perf_counter()
-    matrix, vector = data.matrix, data.vector
-    length = np.linalg.norm(matrix, axis=0)
-    # The loss is divided by its value at zero, so that IPOPT's absolute tolerances mean relative ones.
-    scale = np.where(length > 0.0, np.linalg.norm(vector) / np.where(length > 0.0, length, 1.0), 1.0)
-    size = huber(data.tau, delta) or 1.0
-    limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
-    x = ca.MX.sym("x", matrix.shape[1])
-    columns = ca.sparsify(ca.DM(matrix * scale))
-    residual = ca.DM(vector) - columns @ x
-    if np.isinf(limit).all():
-        loss = ca.sumsqr(residual)
-    else:
-        miss = ca.fabs(residual)
-        inner = ca.fmin(miss, ca.DM(np.minimum(limit, 1e300)))
-        loss = ca.dot(inner, 2 * miss - inner)
-    problem: Any = {"x": x, "f": loss / size}
+    scale = column_scale(data)
+    x = ca.MX.sym("x", scale.size)
+    problem: Any = {"x": x, "f": loss_expression(data, delta, x, scale)}
     solver = ca.nlpsol("reference", "ipopt", problem, OPTIONS)
-    first = np.zeros(matrix.shape[1]) if start is None else np.asarray(start, dtype=float) / scale
+    first = np.zeros(scale.size) if start is None else np.asarray(start, dtype=float) / scale
     found = np.asarray(solver(x0=first)["x"]).reshape(-1) * scale
     stats = solver.stats()
     return Reference(
@@ -79,3 +66,26 @@ def solve_reference(data: LinearData, delta: Float, start: Float | None = None) 
         seconds=time.perf_counter() - began,
         status=str(stats["return_status"]),
     )
+
+
+def column_scale(data: LinearData) -> Float:
+    """Return the size (P,) of each parameter at which its column alone is as long as the torque."""
+    length = np.linalg.norm(data.matrix, axis=0)
+    return np.where(length > 0.0, np.linalg.norm(data.vector) / np.where(length > 0.0, length, 1.0), 1.0)
+
+
+def loss_expression(data: LinearData, delta: Float, x: Any, scale: Float) -> Any:
+    """Return the loss of parameters `x` (CasADi, in units of `scale`), divided by its value at zero.
+
+    So IPOPT's absolute tolerances mean relative ones.
+    """
+    import casadi as ca
+
+    limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
+    residual = ca.DM(data.vector) - ca.sparsify(ca.DM(data.matrix * scale)) @ x
+    size = huber(data.tau, delta) or 1.0
+    if np.isinf(limit).all():
+        return ca.sumsqr(residual) / size
+    miss = ca.fabs(residual)
+    inner = ca.fmin(miss, ca.DM(np.minimum(limit, 1e300)))
+    return ca.dot(inner, 2 * miss - inner) / size

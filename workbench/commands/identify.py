@@ -18,6 +18,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser)
     add_model(parser)
+    parser.add_argument(
+        "--physical", action="store_true",
+        help="only parameters that some leg could have: positive masses and inertias, friction that brakes",
+    )  # fmt: skip
     parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
@@ -38,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
         prepared = prepare(given.model, given.recordings, given.verify, cutoff=given.cutoff)
         steps = iter(range(1, 100))
         fit = identify(
-            given.model, prepared.train, seed=args.seed,
+            given.model, prepared.train, seed=args.seed, physical=args.physical,
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
         from diagnosis.compare import verification
