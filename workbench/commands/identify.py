@@ -45,9 +45,15 @@ def run(args: argparse.Namespace) -> int:
             given.model, prepared.train, seed=args.seed, physical=args.physical,
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
+        from dataclasses import replace
+
         from diagnosis.compare import verification
+        from optimisation.neighbours import neighbours
 
         unseen = verification(fit, prepared)
+        report(0.97, "neighbouring cut-offs")
+        near = neighbours(fit, given.model, prepared, given.recordings)
+        fit = replace(fit, plausibility=(*fit.plausibility, *near.findings()))
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.screen import per_joint
     from workbench.showing import above, show_fit
@@ -56,6 +62,9 @@ def run(args: argparse.Namespace) -> int:
     show_fit(screen, fit)
     if unseen is not None:
         screen.say(f"error (RMS) on unseen motion: {per_joint(unseen.huber)} by Huber, {per_joint(unseen.sse)} by SSE")
+    if near.cutoffs and near.agree:
+        tried = " and ".join(f"{cutoff:g}" for cutoff in near.cutoffs)
+        screen.say(f"cut-off {near.cutoff:g} Hz; at {tried} Hz every parameter stays within its interval")
     if args.write:
         from symbolic.model_file import write_model
 
@@ -66,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
     checked = {} if unseen is None else unseen.to_json()
     beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber)}"
-    payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked}
+    payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
     deliver(args, screen, payload, lambda: Material(
         title="Identified parameters",
         answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS){beyond}.",
