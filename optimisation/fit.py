@@ -59,7 +59,7 @@ class Fit:
     differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
     `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
     `plausibility` is what to be careful about. `held` says what asking for a possible leg changed; None where nobody
-    asked for one.
+    asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
     """
 
     model: FittableModel
@@ -82,11 +82,20 @@ class Fit:
     seconds: float
     recordings: tuple[str, ...]
     held: Held | None = None
+    agreeing: tuple[int, int] | None = None
 
     @property
     def residual(self) -> Float:
         """Residual torque (J, N), N·m; zero where a sample was not used."""
         return self.data.residual(self.linear)
+
+    @property
+    def shapes_known(self) -> str:
+        """How well the shape parameters are known, in words; empty for a model without any."""
+        if not self.best_known:
+            return ""
+        text = "shape parameters: best known of a wide and of local searches, not proven"
+        return text if self.agreeing is None else f"{text}; {self.agreeing[0]} of {self.agreeing[1]} starts agree"
 
     def estimate(self, name: str) -> Estimate:
         """Return the estimate called `name`."""
@@ -101,7 +110,7 @@ class Fit:
         rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
         lines.append(f"  rms residual [N·m]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
         if self.best_known:
-            lines.append("  shape parameters: best known of a grid and local searches, not proven")
+            lines.append(f"  {self.shapes_known}")
         for name, run in self.runs.items():
             lines.append(f"  {name}: relative gap {run.gap:.1e}, {run.evaluations} evaluations, {run.seconds:.2f} s")
         if self.reference is not None:
@@ -144,6 +153,7 @@ class Fit:
             "rms": self.rms.tolist(),
             "loss": self.loss,
             "best_known": self.best_known,
+            "starts_agreeing": None if self.agreeing is None else list(self.agreeing),
             "runs": {name: run.to_json() for name, run in self.runs.items()},
             "reference": None if self.reference is None else self.reference.to_json(),
             "certificate": self.certificate.to_json(),

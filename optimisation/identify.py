@@ -25,14 +25,15 @@ from optimisation.linear import delta_rule, solve_huber, solve_sse
 from optimisation.local_shape import descend, own_shapes
 from optimisation.loss import huber
 from optimisation.optimiser import Optimiser, Run, minimise
+from optimisation.optimisers import optimisers as optimiser_kinds
 from optimisation.optimisers.nfo import NFO
 from optimisation.physical import Held, Physics, certify_physical, physical_reference, physics, solve_physical
 from optimisation.plausibility import check_plausibility
 from optimisation.problem import LinearData, huber_problem, sse_problem
 from optimisation.reference import Reference, solve_reference
-from optimisation.shape_search import search_shape, to_unit
+from optimisation.shape_search import GRID, STARTS, ShapeMethod, search_shape, to_unit
 from optimisation.uncertainty import Covariance, covariance
-from symbolic.errors import ExpressionError, NotEnoughDataError
+from symbolic.errors import ExoidError, ExpressionError, NotEnoughDataError
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -66,6 +67,7 @@ def identify(
     delta: Float | None = None,
     seed: int = 0,
     physical: bool = False,
+    shape_search: str = "multistart",
     progress: Progress | None = None,
 ) -> Fit:
     """Fit `model` to recordings, prepared or as they were read (they are then prepared), and return the Fit.
@@ -74,7 +76,9 @@ def identify(
     shape parameters instead of searching them, `start` ((S,) or (R, S)) searches them only from there,
     `delta` (J,) fixes the thresholds instead of the 14 % rule. `physical` looks for the best parameters that some leg
     could have (`optimisation.physical`), by IPOPT with our certificate; NFO, which knows no such conditions, is then
-    left out. `Fit.held` says what that changed.
+    left out. `Fit.held` says what that changed. `shape_search` is how shape parameters are looked for before the local
+    searches: "multistart" (on a grid) or the name of an optimiser such as "nfo"; `Fit.agreeing` says how many of them
+    ended in the same place.
     Refuses data that cannot determine as many parameters as the model has.
     """
     began = time.perf_counter()
@@ -84,20 +88,25 @@ def identify(
     say = progress or _silent
     searches = {} if physical else dict(optimisers)
     possible = physics(model) if physical else None
+    method = _shape_method(shape_search, bool(optimisers), seed)
     infinite = np.full(2, np.inf)
 
     assembly = Assembly(model, data)
     scope = _scope(model, shape is not None)
 
     say("least squares")
-    first_shape, first, leaders = _solve_shape(assembly, infinite, shape, start, possible=possible)
+    first_shape, first, leaders, agreeing = _solve_shape(
+        assembly, infinite, shape, start, possible=possible, method=replace(method, refined=STARTS)
+    )
     first.data.require_enough()
     sse = _stage("sse", first, _middle(first_shape), infinite, first.linear, searches, seed, say, scope, possible)
     limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
-        best_shape, best, _ = _solve_shape(assembly, limits, shape, leaders, first.linear, possible)
+        best_shape, best, _, agreeing = _solve_shape(
+            assembly, limits, shape, leaders, first.linear, possible, method
+        )
     else:  # the columns stay what they were
         best_shape = first_shape
         best = replace(first, linear=_solution(first.data, limits, possible, first.linear))
@@ -136,7 +145,28 @@ def identify(
         seconds=time.perf_counter() - began,
         recordings=tuple(one.name for one in data),
         held=held,
+        agreeing=agreeing,
     )
+
+
+MULTISTART = "multistart"
+FULL_STARTS, FULL_APART = 6, 0.08
+"""Starts of the local searches, and how far apart they begin, when more is asked for than the light mode."""
+
+
+def _shape_method(name: str, full: bool, seed: int) -> ShapeMethod:
+    """Return how shapes are searched; refuses a name that is neither "multistart" nor an optimiser."""
+    known = optimiser_kinds()
+    if name != MULTISTART and name not in known:
+        raise ExoidError(
+            f"there is no way to search shapes called {name!r}",
+            where="shape_search",
+            remedy=f"use {MULTISTART}, {', '.join(known)}",
+        )
+    if name == MULTISTART and not full:
+        return GRID
+    optimiser = None if name == MULTISTART else known[name]()
+    return ShapeMethod(optimiser, FULL_STARTS, None, FULL_APART, seed)
 
 
 def _solution(data: LinearData, delta: Float, possible: Physics | None, start: Float | None = None) -> Float:
@@ -198,9 +228,10 @@ def _solve_shape(
     starts: Sequence[Float] | Float | None,
     reference: Float | None = None,
     possible: Physics | None = None,
-) -> tuple[Float, Settled, Sequence[Float] | Float]:
+    method: ShapeMethod = GRID,
+) -> tuple[Float, Settled, Sequence[Float] | Float, tuple[int, int] | None]:
     """Return the best shape values ((S,), or (R, S) where recordings have their own), the linear solution
-    there, and where a next stage may start.
+    there, where a next stage may start, and how many of how many starts agree.
     """
 
     def solve(data: LinearData) -> Float:
@@ -219,19 +250,21 @@ def _solve_shape(
     shapes = [s.shape for s in assembly.model.shapes]
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
-        return values, solved(values), [values]
+        return values, solved(values), [values], None
     model, prepared = assembly.model, assembly.prepared
     own = bool(own_shapes(model))
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
         if not began.size:
-            began = search_shape(loss, shapes, None).best
+            began = search_shape(loss, shapes, None, method).best
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
         found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
         best = found if own else found[0]
-        return best, solved(best), best
-    search = search_shape(loss, shapes, starts)
-    return search.best, solved(search.best), search.leaders(6)
+        return best, solved(best), best, None
+    search = search_shape(loss, shapes, starts, method)
+    # Far apart again, so that what they agree on is agreed on by starts of their own.
+    leaders = search.leaders(6) if method.apart <= 0.0 else [search.best, *search.began]
+    return search.best, solved(search.best), leaders, search.agreeing
 
 
 @dataclass(frozen=True, eq=False)

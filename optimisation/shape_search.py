@@ -1,8 +1,9 @@
 """Parameters the torque is *not* linear in: search them outside, solve the linear ones exactly inside.
 
 This is variable projection (Golub, Pereyra 1973). A grid as fine as each effect declares (`Shape.points`,
-`spacing`, `choices`) finds the valleys, a local search refines the best few. The loss over shape parameters
-is not convex, so the result is "best known", never "the optimum".
+`spacing`, `choices`) finds the valleys, or a population does (NFO, or any optimiser of the same interface); a local
+search refines the best few. The loss over shape parameters is not convex, so the result is "best known", never "the
+optimum"; how many starts end at it is a hint of how well it is known.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from optimisation.optimiser import Optimiser, minimise
+from optimisation.problem import Problem
 from symbolic.effect import Shape
 from symbolic.motion import Float
 
@@ -21,16 +24,31 @@ MAX_NODES = 400
 """Nodes of the grid at most; with many shape parameters each gets fewer points."""
 STARTS = 3
 """Valleys refined by the local search."""
+POPULATION, GENERATIONS = 20, 20
+"""Of a population that searches instead of the grid: as many evaluations as the grid has nodes."""
+SAME = 1e-6
+"""Relative difference of losses up to which two starts have ended in the same valley."""
 
 
 @dataclass(frozen=True, eq=False)
 class ShapeSearch:
-    """Best shape values `best` (S,), their `value`, every node tried (T, S) with its value (T,)."""
+    """Best shape values `best` (S,), their `value`, every node tried (T, S) with its value (T,).
+
+    The local searches `began` at (R, S) and `reached` values (R,).
+    """
 
     best: Float
     value: float
     nodes: Float
     values: Float
+    began: Float
+    reached: Float
+
+    @property
+    def agreeing(self) -> tuple[int, int]:
+        """How many starts ended at the best value, and how many there were."""
+        same = self.reached <= self.value + SAME * max(abs(self.value), np.finfo(float).tiny)
+        return int(np.count_nonzero(same)), len(self.reached)
 
     def leaders(self, count: int) -> list[Float]:
         """Return the `count` best nodes, the refined best first."""
@@ -68,19 +86,91 @@ def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
     return list(itertools.product(*axes))
 
 
+@dataclass(frozen=True)
+class ShapeMethod:
+    """How shapes are searched: by the grid, or by `optimiser`; of `starts` valleys found, `refined` (all) are refined.
+
+    `apart` is how far from each other these begin, as a share of the ranges; `seed` is that of the optimiser.
+    """
+
+    optimiser: Optimiser | None = None
+    starts: int = STARTS
+    refined: int | None = None
+    apart: float = 0.0
+    seed: int = 0
+
+
+GRID = ShapeMethod()
+
+
 def search_shape(
-    evaluate: Callable[[Float], float], shapes: Sequence[Shape], starts: Sequence[Float] | None = None
+    evaluate: Callable[[Float], float],
+    shapes: Sequence[Shape],
+    starts: Sequence[Float] | None = None,
+    method: ShapeMethod = GRID,
 ) -> ShapeSearch:
-    """Minimise `evaluate` ((S,) -> loss) over `shapes`: on the grid (or only from `starts`), then locally."""
-    nodes = np.array(grid(shapes) if starts is None else [tuple(s) for s in starts], dtype=float)
-    values = np.array([evaluate(node) for node in nodes])
+    """Minimise `evaluate` ((S,) -> loss) over `shapes`: everywhere (or only from `starts`), then locally."""
+    if starts is None and method.optimiser is not None:
+        nodes, values = _population(evaluate, shapes, method.optimiser, method.seed)
+    else:
+        nodes = np.array(grid(shapes) if starts is None else [tuple(s) for s in starts], dtype=float)
+        values = np.array([evaluate(node) for node in nodes])
     values = np.where(np.isnan(values), np.inf, values)
     best, value = nodes[int(np.argmin(values))], float(values.min())
-    for index in np.argsort(values, kind="stable")[:STARTS]:
-        found, reached = _refine(evaluate, shapes, nodes[index])
-        if reached < value:
-            best, value = found, reached
-    return ShapeSearch(best, value, nodes, values)
+    chosen = _apart(nodes, values, shapes, method)
+    reached = []
+    for index in chosen[: method.refined or method.starts]:
+        found, low = _refine(evaluate, shapes, nodes[index])
+        reached.append(low)
+        if low < value:
+            best, value = found, low
+    return ShapeSearch(best, value, nodes, values, nodes[chosen], np.array(reached))
+
+
+def _population(
+    evaluate: Callable[[Float], float], shapes: Sequence[Shape], optimiser: Optimiser, seed: int
+) -> tuple[Float, Float]:
+    """Return every point (T, S) an optimiser tried, and its value (T,)."""
+    points: list[Float] = []
+    values: list[float] = []
+
+    def fitness(units: Float) -> Float:
+        for unit in units:
+            points.append(np.array([_value(s, float(u)) for s, u in zip(shapes, unit, strict=True)]))
+            values.append(evaluate(points[-1]))
+        return np.array(values[-len(units) :])
+
+    count = len(shapes)
+    names = tuple(f"shape {k + 1}" for k in range(count))
+    problem = Problem(fitness, np.zeros(count), np.ones(count), names, ("1",) * count)
+    minimise(problem, optimiser, individuals=POPULATION, generations=GENERATIONS, seed=seed)
+    return np.array(points), np.array(values)
+
+
+def _value(shape: Shape, unit: float) -> float:
+    """Return the value at `unit` (0 to 1), a choice where there are choices."""
+    if shape.choices:
+        return float(shape.choices[min(int(unit * len(shape.choices)), len(shape.choices) - 1)])
+    return from_unit(shape, unit)
+
+
+def _apart(nodes: Float, values: Float, shapes: Sequence[Shape], method: ShapeMethod) -> list[int]:
+    """Return the best nodes that are far enough from each other to be starts of their own."""
+    order = [int(k) for k in np.argsort(values, kind="stable")]
+    if method.apart <= 0.0:
+        return order[: method.starts]
+    places = np.array(
+        [[float(v) if s.choices else to_unit(s, v) for s, v in zip(shapes, n, strict=True)] for n in nodes]
+    )
+    chosen: list[int] = []
+    for index in order:
+        if np.isfinite(values[index]) and all(
+            np.max(np.abs(places[index] - places[other])) >= method.apart for other in chosen
+        ):
+            chosen.append(index)
+        if len(chosen) == method.starts:
+            break
+    return chosen
 
 
 def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: Float) -> tuple[Float, float]:

@@ -23,6 +23,8 @@ def show_fit(screen: Screen, fit: Any) -> None:
     errors = ", ".join(f"{joint} {number(x)}" for joint, x in zip(JOINTS, fit.rms, strict=True))
     screen.say(f"error (RMS) on the fitted motion: {errors} N·m")
     screen.say(str(fit.certificate))
+    if fit.shapes_known:
+        screen.say(fit.shapes_known)
     if fit.runs:
         gaps = [(name, f"{run.gap:.1e}", f"{run.seconds:.2f}") for name, run in fit.runs.items()]
         if fit.reference is not None:

@@ -49,3 +49,13 @@ def test_a_cut_off_too_fast_for_the_clock_is_left_out(fitted):
     fit = identify(model, prepared.train, optimisers=())
     assert neighbours(fit, model, prepared, slow).cutoffs == (pytest.approx(7.2),)
     assert np.isfinite(neighbours(fit, model, prepared, slow).values[0]).all()
+
+
+@pytest.mark.parametrize("name", ["stribeck:knee", "end_stop:hip"])
+def test_shape_values_have_neighbours_too(fitted, name):
+    _, recordings, _, _ = fitted
+    model = Model.standard().with_effect(name)
+    prepared = prepare(model, recordings)
+    fit = identify(model, prepared.train, optimisers=())
+    near = neighbours(fit, model, prepared, recordings)
+    assert all(row.size == len(fit.estimates) for row in near.values) and len(near.values) == 2

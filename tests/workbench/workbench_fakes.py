@@ -72,6 +72,7 @@ class FakeFit:
         ),
     )
     best_known: bool = True
+    shapes_known: str = "shape parameters: best known, 3 of 6 starts agree"
     seconds: float = 0.3
 
     def to_json(self) -> dict[str, Any]:

@@ -22,6 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--physical", action="store_true",
         help="only parameters that some leg could have: positive masses and inertias, friction that brakes",
     )  # fmt: skip
+    parser.add_argument(
+        "--shape-search", metavar="HOW", default="multistart",
+        help="how shape parameters are looked for: multistart (a grid), nfo, or another optimiser (multistart)",
+    )  # fmt: skip
     parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
@@ -43,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
         steps = iter(range(1, 100))
         fit = identify(
             given.model, prepared.train, seed=args.seed, physical=args.physical,
+            shape_search=args.shape_search,
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
         from dataclasses import replace

@@ -1,0 +1,67 @@
+"""Shapes by a grid or by a population: both find a narrow valley, say how many starts agree, and refuse nonsense."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from measurement.bench import Bench, simulate_runs
+from measurement.hidden import parse_hidden
+from measurement.leg import standard_leg
+from optimisation.identify import identify
+from optimisation.optimisers import optimisers
+from optimisation.prepare import prepare
+from optimisation.shape_search import GRID, ShapeMethod, search_shape
+from symbolic.effect import Shape
+from symbolic.errors import ExoidError
+from symbolic.model import Model
+
+SHAPES = [
+    Shape("1", -1.0, 1.0, choices=(-1.0, 1.0)),
+    Shape("s", 0.0, 1.0),
+    Shape("s", 0.01, 1.0, spacing="log"),
+]
+
+
+def valleys(x):
+    """Two valleys; the lower one is narrow."""
+    away = (x[1] - 0.618) ** 2 + np.log(x[2] / 0.0773) ** 2
+    return (x[0] - 1.0) ** 2 + min(away, 0.3 + 0.1 * ((x[1] - 0.1) ** 2 + np.log(x[2] / 0.5) ** 2))
+
+
+@pytest.mark.parametrize("name", [None, *sorted(optimisers())])
+def test_every_method_keeps_the_contract(name):
+    method = ShapeMethod(None if name is None else optimisers()[name](), starts=4, apart=0.1, seed=1)
+    found, again = (search_shape(valleys, SHAPES, None, method) for _ in range(2))
+    assert found.value == again.value and np.array_equal(found.best, again.best)
+    assert set(found.nodes[:, 0]) <= {-1.0, 1.0}
+    assert all(s.min <= v <= s.max for row in found.nodes for s, v in zip(SHAPES, row, strict=True))
+    assert found.value <= found.values.min()
+    assert 1 <= found.agreeing[0] <= found.agreeing[1] <= 4
+    if name in (None, "nfo", "de"):
+        assert np.allclose(found.best, [1.0, 0.618, 0.0773], rtol=1e-2)
+
+
+def test_starts_in_two_valleys_do_not_agree():
+    found = search_shape(valleys, SHAPES, [np.array([1.0, 0.6, 0.08]), np.array([1.0, 0.1, 0.5])], GRID)
+    assert found.agreeing == (1, 2)
+
+
+@pytest.mark.parametrize("how", ["multistart", "nfo"])
+def test_identify_searches_as_it_is_told(how):
+    runs = simulate_runs(
+        1, None, standard_leg(), effects=[parse_hidden("stribeck:knee=c=3,v_s=0.15")], seed=2,
+        bench=Bench(duration=12.0),
+    )  # fmt: skip
+    model = Model.standard().with_effect("stribeck:knee")
+    train = prepare(model, [run.recording for run in runs]).train
+    fit = identify(model, train, shape_search=how)
+    assert fit.estimate("stribeck:knee.v_s").value == pytest.approx(0.15, rel=0.3)
+    assert fit.best_known and fit.agreeing is not None and "starts agree" in repr(fit)
+    assert fit.to_json()["starts_agreeing"] == list(fit.agreeing)
+
+
+def test_an_unknown_way_is_refused():
+    runs = simulate_runs(1, None, standard_leg(), seed=2, bench=Bench(duration=5.0))
+    with pytest.raises(ExoidError, match="simulated_annealing"):
+        identify(Model.standard(), [runs[0].recording], shape_search="simulated_annealing")
