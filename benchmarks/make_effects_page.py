@@ -15,6 +15,8 @@ sys.path.insert(0, str(ROOT))
 
 from symbolic.catalogue import catalogue  # noqa: E402 - the repository must be on the path first
 from symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
+from symbolic.model import Model  # noqa: E402
+from symbolic.structure import never_separable  # noqa: E402
 from workbench.commands.effects import joints  # noqa: E402
 from workbench.formula import formula  # noqa: E402
 
@@ -26,16 +28,18 @@ Written from the catalogue by `python benchmarks/make_effects_page.py`; do not e
 
 The torque of an effect stands on the left side of the equation of motion: it is torque that the drive has to supply.
 θ, θ′, θ″ are angle, velocity and acceleration of the effect's own joint. Letters and signs: [notation](notation.md).
+What no motion at all can tell from an effect is computed (exact rank at random states, `symbolic.structure`), not typed.
 """
 
 
 def page() -> str:
     effects = list(catalogue().values())
+    never = never_separable([name for effect in effects for name in names(effect)], Model.standard())
     lines = [HEAD, *overview(effects)]
     for family, members in groupby(effects, key=lambda effect: effect.family):
         lines += ["", f"## {family.capitalize()}"]
         for effect in members:
-            lines += ["", *entry(effect)]
+            lines += ["", *entry(effect, [(n, never[n]) for n in names(effect) if never[n]])]
     return "\n".join(lines) + "\n"
 
 
@@ -44,13 +48,18 @@ def overview(effects: list[Effect]) -> list[str]:
     return lines + [f"| [`{e.id}`](#{e.id}) | {joints(e)} | {cell(e.explains)} |" for e in effects]
 
 
-def entry(effect: Effect) -> list[str]:
+def names(effect: Effect) -> list[str]:
+    return [effect.id] if effect.on_both else [f"{effect.id}:{joint}" for joint in effect.joints]
+
+
+def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]:
     # The heading is the id alone, so that its anchor is the id.
     lines = [f"### {effect.id}", "", f"**{effect.title or effect.id}** ({joints(effect)}). {effect.explains}", ""]
     for joint, text in formula(effect).items():
         where = f" on the {joint}" if joint else ""
         lines.append(f"* Torque added{where}: " + (text if effect.derive else f"`{text}`"))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
+    lines += [f"* No motion at all tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
     if effect.coefficients or effect.shape:
         lines += ["", "| number | unit | range | typical | meaning |", "|---|---|---|---|---|"]
         lines += [row(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
