@@ -26,7 +26,7 @@ from optimisation.assemble import Assembly, settle
 from optimisation.criteria import Noise
 from optimisation.linear import solve_sse
 from optimisation.loss import Bool
-from optimisation.prepare import EDGE, STICK, STICK_REACH
+from optimisation.prepare import EDGE, INNER, STICK, STICK_REACH, bridged, bridges
 from optimisation.problem import LinearData
 from optimisation.shape_search import from_unit, search_shape
 from optimisation.uncertainty import block_length, block_outer
@@ -117,6 +117,7 @@ class Planned:
     kept: np.ndarray
     cutoff: float
     rate: float
+    stuck: Bool
 
     @property
     def kept_rate(self) -> float:
@@ -124,8 +125,8 @@ class Planned:
         return self.rate / float(self.kept[1] - self.kept[0])
 
     def smooth(self, x: Float) -> Float:
-        """Filter `x` (N, ...) over time as recordings are filtered; return the kept samples (K, ...)."""
-        return low_pass(x, self.cutoff, self.rate)[self.kept]
+        """Bridge and filter `x` (N, J, ...) over time as recordings are; return the kept samples (K, J, ...)."""
+        return low_pass(bridged(x, bridges(self.stuck, self.rate), (0, 1), 1), self.cutoff, self.rate)[self.kept]
 
 
 def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE) -> Planned:
@@ -136,9 +137,9 @@ def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = R
     kept = np.arange(edge, len(t) - edge, max(1, int(rate // (6.0 * cutoff))))
     if len(kept) < 2:
         raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="judge at least 5 s of motion")
-    reach = int(np.ceil(STICK_REACH * rate / cutoff))
+    reach = int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))
     stuck = np.column_stack([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
-    return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate)
+    return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate, stuck)
 
 
 def residual_noise(residual: Float, use: Bool, groups: NDArray[np.int64], rate: float, cutoff: float) -> Noise:

@@ -15,6 +15,7 @@ import numpy as np
 
 from diagnosis.present import Present, present
 from diagnosis.unexplained import VARIABLES, Remainder, remainders
+from measurement.derivatives import BUTTERWORTH
 from measurement.finding import Finding
 from measurement.recording import Recording
 from optimisation.fit import Fit
@@ -139,13 +140,14 @@ def compare(
     verify: Sequence[Recording] = (),
     *,
     cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
 ) -> Comparison:
     """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
 
     Refuses recordings that are too short or do not determine the model.
     """
     leg: Model = model.model if isinstance(model, Fit) else model  # type: ignore[assignment]
-    prepared = prepare(leg, recordings, verify, cutoff=cutoff)
+    prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
     fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())
     return compare_prepared(fit, prepared)
 

@@ -15,6 +15,7 @@ from diagnosis.stretches import searched, stretches
 from diagnosis.suspects import Score
 from diagnosis.unexplained import Remainder
 from diagnosis.verdict import biased_parameters, conclude, sentence_of
+from measurement.derivatives import BUTTERWORTH
 from measurement.recording import Recording
 from optimisation.fit import Fit
 from optimisation.prepare import Prepared, prepare
@@ -30,6 +31,7 @@ def discover(
     *,
     seed: int = 0,
     cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
     progress: Progress | None = None,
     most: int = MOST_TERMS,
@@ -43,7 +45,7 @@ def discover(
     model = cast("Model", model.model) if isinstance(model, Fit) else model
     tick = progress or _silent
     tick(0.02, "preparing the recordings")
-    prepared = prepare(model, recordings, verify, cutoff=cutoff)
+    prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
     part = stretches(prepared)
     library = build_library(model, part.all, (*extra, *_own_effects(model)))
     search = Search(part, library, seed, tick, most)
@@ -64,11 +66,15 @@ def diagnose(
     *,
     seed: int = 0,
     cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Find the effect that `model` misses most: `discover` that stops after one step."""
-    return discover(model, recordings, verify, seed=seed, cutoff=cutoff, extra=extra, progress=progress, most=1)
+    return discover(
+        model, recordings, verify, seed=seed, cutoff=cutoff, derivative=derivative, extra=extra, progress=progress,
+        most=1,
+    )  # fmt: skip
 
 
 def _silent(fraction: float, text: str) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from diagnosis.present import Present, present
 from diagnosis.results import Step, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
+from measurement.derivatives import BUTTERWORTH
 from measurement.recording import Recording
 from optimisation.fit import Fit
 from optimisation.identify import identify
@@ -135,11 +136,12 @@ def watch(
     verify: Sequence[Recording] = (),
     *,
     cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
 ) -> Waterfall:
     """Fit one model after the other to the same samples and return how the error falls."""
     if not models:
         raise ValueError("watch needs at least one model")
-    prepared = prepare(models[0], recordings, verify, cutoff=cutoff)
+    prepared = prepare(models[0], recordings, verify, cutoff=cutoff, derivative=derivative)
     fits = [identify(model, prepared.train, optimisers=()) for model in models]
     return _waterfall(fits, prepared)
 
@@ -152,6 +154,7 @@ def add(
     verify: Sequence[Recording] = (),
     *,
     cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
 ) -> Addition:
     """Extend `model` by `effect` at `joint` (None: both), generate and compile its code, refit, and compare.
 
@@ -159,7 +162,7 @@ def add(
     """
     extended = model.with_effect(effect, joint)
     code = compiled(extended)
-    prepared = prepare(model, recordings, verify, cutoff=cutoff)
+    prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
     before = identify(model, prepared.train, optimisers=())
     after = identify(extended, prepared.train, optimisers=())
     waterfall = _waterfall([before, after], prepared)

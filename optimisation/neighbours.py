@@ -91,7 +91,7 @@ def neighbours(fit: Fit, model: Model, prepared: Prepared, recordings: Sequence[
     for factor in FACTORS:
         cutoff = factor * prepared.choice.cutoff
         try:
-            again = prepare(model, recordings, cutoff=cutoff)
+            again = prepare(model, recordings, cutoff=cutoff, derivative=prepared.derivative)
             own = any(entry.shape.per_recording for entry in model.shapes)
             start = (fit.shapes if own else fit.shape) if fit.shape.size else None
             near = identify(model, again.train, optimisers=(), start=start, physical=fit.held is not None)

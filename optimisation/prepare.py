@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_array
 
+from measurement.derivatives import BUTTERWORTH, METHODS, check_method
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals import (
@@ -122,12 +123,12 @@ class PreparedRecording:
 
         `axis` of `x` has the rows of `joints`.
         """
-        return low_pass_at(_bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
+        return low_pass_at(bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
 
     @cached_property
     def _bridges(self) -> list[Bridge]:
         """For each joint what bridges the samples at which it may be sticking."""
-        return _bridges(self.stuck, self.rate)
+        return bridges(self.stuck, self.rate)
 
     @property
     def t(self) -> Float:
@@ -159,6 +160,7 @@ class Prepared:
     choice: CutoffChoice
     noise_floor: Float
     findings: tuple[Finding, ...] = ()
+    derivative: str = BUTTERWORTH
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
@@ -180,12 +182,19 @@ class Prepared:
 
 
 def prepare(
-    model: Model, recordings: Sequence[Recording], verify: Sequence[Recording] = (), *, cutoff: float | None = None
+    model: Model,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
 ) -> Prepared:
     """Prepare `recordings` and `verify` for `model`, whose geometry (not whose effects) is used to find outliers.
 
-    `cutoff` in Hz; None chooses it. Refuses recordings that are too short or too slow for the cut-off.
+    `cutoff` in Hz; None chooses it. `derivative` is one of `measurement.derivatives.METHODS`. Refuses recordings that
+    are too short or too slow for the cut-off, and motion that does not repeat where periods are to be averaged.
     """
+    check_method(derivative)
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
     base = model.base()
@@ -198,25 +207,33 @@ def prepare(
             remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
         )
     count = len(recordings)
+    inputs = list(zip(names, even, strict=True))
     beta = _robust_base(
-        base, [_prepare_one(base, n, e, COMMON_BAND, None) for n, e in zip(names, even, strict=True)][:count]
+        base, [_prepare_one(base, n, e, COMMON_BAND, None, derivative=derivative) for n, e in inputs[:count]]
     )
     if cutoff is None:
-        choice = _choose(base, names[:count], even[:count], beta)
+        choice = _choose(base, names[:count], even[:count], beta, derivative)
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
-    done = [_prepare_one(base, n, e, choice.cutoff, beta) for n, e in zip(names, even, strict=True)]
+    done = [_prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     return Prepared(
         train=tuple(done[:count]),
         verify=tuple(done[count:]),
         choice=choice,
         noise_floor=_noise_floor(done, choice.cutoff),
         findings=tuple(f for r in (*recordings, *verify) for f in r.findings) + _outlier_findings(done),
+        derivative=derivative,
     )
 
 
 def _prepare_one(
-    base: Model, name: str, even: EvenSignals, cutoff: float, beta: Float | None, reach: float = np.inf
+    base: Model,
+    name: str,
+    even: EvenSignals,
+    cutoff: float,
+    beta: Float | None,
+    reach: float = np.inf,
+    derivative: str = BUTTERWORTH,
 ) -> PreparedRecording:
     """Prepare one recording; without `beta` the outliers are judged by the torque's own running median.
 
@@ -226,9 +243,15 @@ def _prepare_one(
     tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
     rate = even.rate / factor
     inner = min(INNER * cutoff, 0.4 * even.rate)
-    q = np.array(low_pass(even.q, inner, even.rate)[::factor])
-    dq, ddq = derivatives(q, rate)
+    smoothed = METHODS[derivative]
     noise = noise_density(even)
+    if smoothed is None:
+        q = np.array(low_pass(even.q, inner, even.rate)[::factor])
+        dq, ddq = derivatives(q, rate)
+    else:
+        *parts, periods = smoothed(even, inner, name)
+        q, dq, ddq = (np.array(part[::factor]) for part in parts)
+        noise = noise / periods
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)))
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
@@ -239,11 +262,11 @@ def _prepare_one(
     near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
     stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
     use = ~gap[kept, None] & ~stuck[kept]
-    bridged = _bridged(tau, _bridges(stuck, rate), (0, 1), 1)
+    level = bridged(tau, bridges(stuck, rate), (0, 1), 1)
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=low_pass_at(bridged, cutoff, rate, kept),
+        tau=low_pass_at(level, cutoff, rate, kept),
         use=use,
         kept=kept,
         cutoff=cutoff,
@@ -260,7 +283,8 @@ Bridge = tuple[np.ndarray, np.ndarray, csr_array]
 """Samples that are bridged (H,), samples beside them that the bridges stand on (E,), and the matrix (H, E)."""
 
 
-def _bridges(stuck: Bool, rate: float) -> list[Bridge]:
+def bridges(stuck: Bool, rate: float) -> list[Bridge]:
+    """Return for each joint what bridges the samples at which it is `stuck` (N, J)."""
     out = []
     for column in stuck.T:
         matrix = bridging(column, rate).tocsc()
@@ -269,7 +293,7 @@ def _bridges(stuck: Bool, rate: float) -> list[Bridge]:
     return out
 
 
-def _bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: int) -> Float:
+def bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: int) -> Float:
     """Return `x` (N, ...) with the rows of each of `joints`, along `axis`, bridged where that joint may stick."""
     out = np.array(x, dtype=float, order="C")
     for place, joint in enumerate(joints):
@@ -313,18 +337,20 @@ def _folds(groups: np.ndarray) -> list[np.ndarray]:
     return [block == b for b in range(4)]
 
 
-def _choose(base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta: Float) -> CutoffChoice:
+def _choose(
+    base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta: Float, derivative: str
+) -> CutoffChoice:
     """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean."""
     slowest = min(e.rate for e in even)
     tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
-    judge = assemble(
-        base, [_prepare_one(base, n, e, min(COMMON_BAND, tried[0]), beta) for n, e in zip(names, even, strict=True)]
-    )
+    inputs = list(zip(names, even, strict=True))
+    slow = min(COMMON_BAND, tried[0])
+    judge = assemble(base, [_prepare_one(base, n, e, slow, beta, derivative=derivative) for n, e in inputs])
     errors, shares, carried = [], [], []
     for cutoff in tried:
         # All on motion equally far from standstill: nearer to it friction is more than the base model knows, and a
         # faster cut-off, which gets nearer, would be blamed for that.
-        prepared = [_prepare_one(base, n, e, cutoff, beta, COMMON_BAND) for n, e in zip(names, even, strict=True)]
+        prepared = [_prepare_one(base, n, e, cutoff, beta, COMMON_BAND, derivative) for n, e in inputs]
         data = assemble(base, prepared)
         square = np.zeros(2)
         for held, out in zip(_folds(data.groups), _folds(judge.groups), strict=True):

@@ -40,7 +40,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple
     """Return the answer, and the Comparison of the model it started from where a report is asked for."""
     with progress("fitting the model", quiet=args.quiet) as report:
         found = question(
-            given.model, given.recordings, verify=given.verify, seed=args.seed, cutoff=given.cutoff,
+            given.model, given.recordings, verify=given.verify, seed=args.seed, **given.filter,
             extra=unused_effects(given.model), progress=part(report, 0.0, 0.95),
         )  # fmt: skip
         comparison = None
@@ -48,7 +48,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple
             from diagnosis.compare import compare
 
             report(0.95, "looking where the model fails")
-            comparison = compare(given.model, given.recordings, verify=given.verify, cutoff=given.cutoff)
+            comparison = compare(given.model, given.recordings, verify=given.verify, **given.filter)
     return found, comparison
 
 

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from symbolic.quantity import JOINTS
 from workbench.options import merged
@@ -21,12 +21,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """What a question about recordings starts from; `cutoff` in Hz of the common filter, None: chosen."""
+    """What a question about recordings starts from.
+
+    `cutoff` in Hz is that of the common filter, None: chosen; `derivative` how accelerations come from angles.
+    """
 
     model: Model
     recordings: tuple[Recording, ...]
     verify: tuple[Recording, ...] = ()
     cutoff: float | None = None
+    derivative: str = "butterworth"
+
+    @property
+    def filter(self) -> dict[str, Any]:
+        """What `prepare`, and whatever prepares, takes about filtering."""
+        return {"cutoff": self.cutoff, "derivative": self.derivative}
 
 
 def load_model(path: str | None) -> Model:
@@ -41,14 +50,14 @@ def load_model(path: str | None) -> Model:
 
 
 def load(args: argparse.Namespace) -> Inputs:
-    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff."""
+    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff, --derivative."""
     model = load_model(getattr(args, "model", None))
     columns, units = merged(args.map, "--map"), merged(args.units, "--units")
     unseen = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, unseen)
     recordings = tuple(read(path, columns, units) for path in args.recordings)
     verify = tuple(read(path, columns, units) for path in unseen)
-    return Inputs(model, recordings, verify, args.cutoff)
+    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
 
 
 def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None) -> Recording:

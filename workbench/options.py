@@ -56,6 +56,15 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_derivative(parser: argparse.ArgumentParser) -> None:
+    """Add --derivative: how velocities and accelerations come from angles."""
+    parser.add_argument(
+        "--derivative", choices=("butterworth", "savgol", "fourier"), default="butterworth",
+        help="how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose "
+        "periods are averaged (butterworth)",
+    )  # fmt: skip
+
+
 def add_limit(parser: argparse.ArgumentParser, what: str) -> None:
     """Add --limit: an error in N·m above which the exit status is 1."""
     parser.add_argument(

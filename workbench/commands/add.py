@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_model, add_recordings
+from workbench.options import add_common, add_derivative, add_model, add_recordings
 from workbench.progress import progress
 from workbench.screen import Screen
 
@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("effect", metavar="EFFECT[:joint]", help="what to add, for example stribeck:knee")
     add_recordings(parser)
+    add_derivative(parser)
     add_model(parser)
     parser.add_argument(
         "--write", metavar="FILE", help="the extended model (default: next to the model, under a new name)"
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     with progress(f"adding {args.effect}", quiet=args.quiet):
         from diagnosis.extend import add
 
-        found = add(given.model, effect, joint, given.recordings, given.verify, cutoff=given.cutoff)
+        found = add(given.model, effect, joint, given.recordings, given.verify, **given.filter)
     from symbolic.model_file import write_model
 
     write_model(found.model, target, found.after)

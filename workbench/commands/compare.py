@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 
 from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_limit, add_model, add_recordings
+from workbench.options import add_common, add_derivative, add_limit, add_model, add_recordings
 from workbench.progress import progress
 from workbench.screen import Screen
 
@@ -18,6 +18,7 @@ exoid compare run1.csv run2.csv --verify run3.csv --out report"""
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser)
+    add_derivative(parser)
     add_model(parser)
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
@@ -32,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     with progress("comparing", quiet=args.quiet):
         from diagnosis.compare import compare
 
-        found = compare(given.model, given.recordings, verify=given.verify, cutoff=given.cutoff)
+        found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
     from workbench.report.material import Material, command_of, pictures_of, settings_of
     from workbench.showing import above, show_comparison
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from workbench.asking import ask
-from workbench.options import add_common, add_model, add_recordings
+from workbench.options import add_common, add_derivative, add_model, add_recordings
 
 HELP = """add missing effects one after the other until the verdict says stop
 
@@ -15,6 +15,7 @@ exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_exte
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser)
+    add_derivative(parser)
     add_model(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
     add_common(parser)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_limit, add_model, add_recordings
+from workbench.options import add_common, add_derivative, add_limit, add_model, add_recordings
 from workbench.progress import progress
 from workbench.screen import Screen
 
@@ -17,6 +17,7 @@ exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser)
+    add_derivative(parser)
     add_model(parser)
     parser.add_argument(
         "--physical", action="store_true",
@@ -43,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
         from optimisation.identify import identify
         from optimisation.prepare import prepare
 
-        prepared = prepare(given.model, given.recordings, given.verify, cutoff=given.cutoff)
+        prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
         steps = iter(range(1, 100))
         fit = identify(
             given.model, prepared.train, seed=args.seed, physical=args.physical,
