@@ -334,7 +334,7 @@ class Search:
     def _one_would_do(self, stage: Stage, pair: Sequence[Score], banned: set[str]) -> bool:
         """Whether a single candidate gains nearly what the two of `pair` gain together."""
         without, evidence = self._without_them(stage, pair)
-        columns = [self._columns(score, without) for score in pair]
+        columns = [self._columns(_as_fitted(score, stage), without) for score in pair]
         together = evidence.plain([stacked(each) for each in zip(*columns, strict=True)])
         wanted = float(evidence.gain(together).total[0]) / float(evidence.fold_losses.sum())
         taken = {term.name for term in without.now.model.terms} | banned | {score.name for score in pair}
@@ -393,7 +393,7 @@ class Search:
                 self.tick(0.9, f"holding {' and '.join(group)} against a curve without physics")
                 without, evidence = self._without_them(stages[-1], [scores[n] for n in group])
                 numbers = sum(scores[n].candidate.numbers for n in group)
-                columns = [self._columns(scores[n], without) for n in group]
+                columns = [self._columns(_as_fitted(scores[n], stages[-1]), without) for n in group]
                 together = [stacked(each) for each in zip(*columns, strict=True)]
                 winner = beaten(without.now, evidence, joint, together, numbers)
                 if winner is not None:
@@ -438,6 +438,19 @@ class Search:
         found = remainders(stage.now, stage.now.evidence(seed=self.seed))
         best = next((r for r in found if significant(r)), None)
         return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _as_fitted(score: Score, stage: Stage) -> Score:
+    """Return the score of an accepted candidate at the shape values that the model of `stage` ended at.
+
+    It was weighed on a grid; held against a curve that bends freely, it must stand where it fits best.
+    """
+    own = [k for k, entry in enumerate(stage.now.model.shapes) if entry.term == score.name]
+    if not own or score.candidate.tangent:
+        return score
+    shapes = stage.now.shapes[:, own]
+    nodes = replace(score.candidate, nodes=shapes[:, None, :])
+    return replace(score, candidate=nodes, nodes=np.zeros(len(shapes), dtype=int))
 
 
 def _centred(block: Block) -> Block:
