@@ -46,15 +46,20 @@ def problem(samples: int):
     return fitness(columns, rng.normal(scale=100.0, size=(2, samples))), rng.normal(scale=20.0, size=(CANDIDATES, 8))
 
 
+def lines(made):
+    """Entries and torques (K + J, N), each in one line."""
+    return np.swapaxes(made.chunks, 0, 1).reshape(made.chunks.shape[1], -1)[:, : made.samples]
+
+
 def in_place(made, population):
     """The best NumPy known: entries that are zero left out, a joint's population at once, no new arrays."""
-    count = len(made.entries)
-    size, clipped = (np.empty((len(population), made.data.shape[1])) for _ in range(2))
+    count, whole = len(made.entries), lines(made)
+    size, clipped = (np.empty((len(population), made.samples)) for _ in range(2))
     parts = []
     for joint in range(2):
         chosen = [k for k, (j, _) in enumerate(made.entries) if j == joint]
         numbers = np.ascontiguousarray(population[:, [made.entries[k][1] for k in chosen]])
-        parts.append((numbers, np.ascontiguousarray(made.data[chosen]), made.data[count + joint], DELTA[joint]))
+        parts.append((numbers, np.ascontiguousarray(whole[chosen]), whole[count + joint], DELTA[joint]))
 
     def run():
         total = np.zeros(len(population))
@@ -76,7 +81,7 @@ def machine(made, population):
     import casadi
 
     count = len(made.entries)
-    data, phi = casadi.MX.sym("data", made.data.shape[1], count + 2), casadi.MX.sym("phi", 8)
+    data, phi = casadi.MX.sym("data", made.samples, count + 2), casadi.MX.sym("phi", 8)
     columns = casadi.horzsplit(data)
     loss = casadi.MX(0)
     for joint in range(2):
@@ -88,7 +93,7 @@ def machine(made, population):
         clipped = casadi.fmin(size, DELTA[joint])
         loss += casadi.dot(clipped, 2 * size - clipped)
     function = casadi.Function("loss", [data, phi], [loss])
-    rows = casadi.DM(made.data.T)
+    rows = casadi.DM(lines(made).T)
     return lambda: np.array([float(function(rows, one)) for one in population[:4]])
 
 

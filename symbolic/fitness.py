@@ -3,13 +3,15 @@
 For the residual r = τ - YΦ and c = min(|r|, δ) the Huber term is c (2|r| - c), free of branches. CasADi
 writes the terms of one sample and four candidates as scalar C over the non-zero entries only (10 of 16 for
 the plain leg); a small loop over contiguous arrays inlines it, and the compiler vectorises over the
-samples.
+samples. The data lie chunk after chunk, so that a long recording is read from memory in one straight line.
 """
 
 from __future__ import annotations
 
 import ctypes
+import itertools
 import re
+import threading
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,21 +25,29 @@ LANES = 4
 """Candidates per pass: each entry is loaded once for all of them. More lanes spill registers."""
 
 CHUNK = 512
-"""Samples per pass: entries and torque of one chunk (12 x 4 kB) stay in the nearest cache for all
-candidates.
-"""
+"""Samples per pass: entries and torque of one chunk (12 x 4 kB) stay in the nearest caches for all candidates."""
+
+STRETCH = 64
+"""Chunks whose loss is summed on its own: what threads share, and short sums round less."""
+
+EVEN = 8
+"""Stretches per thread from which threads share them: fewer cannot be shared evenly, and caches hold them for all."""
 
 Entries = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Fitness:
-    """The loss of populations for fixed `data`: the non-zero entries (K, N), then the torque (J, N)."""
+    """The loss of populations for fixed data of N `samples`.
+
+    `chunks` (C, K + J, CHUNK) holds the non-zero entries, then the torques; after the last sample it is zero.
+    """
 
     entries: Entries
     size: int
     joints: int
-    data: Float
+    samples: int
+    chunks: Float
     library: Library | None
 
     @property
@@ -48,7 +58,8 @@ class Fitness:
     def sse(self, population: Any, threads: int = 1) -> Float:
         """Return the sum of squared residuals (I,) over samples and joints for `population` (I, P).
 
-        `threads` share the candidates; the result is the same to the last bit for any number of them.
+        `threads` share the samples of a long recording, the candidates otherwise; the result is the same to the last
+        bit for any number of them.
         """
         return self._evaluate(population, None, threads)
 
@@ -77,15 +88,42 @@ class Fitness:
             return self._in_numpy(candidates, delta)
         # A threshold of infinity is beyond any finite residual, but not beyond -ffast-math.
         bounded = None if delta is None else np.minimum(delta, np.finfo(float).max / 4)
-        _shared(self.library.c, self.data, candidates, bounded, out, threads)
-        return out
+        return self._in_c(self.library.c, candidates, bounded, threads)
+
+    def _in_c(self, library: ctypes.CDLL, candidates: Float, delta: Float | None, threads: int) -> Float:
+        """Sum each stretch apart and then the stretches in order, however many threads there are."""
+        count = -(-len(self.chunks) // STRETCH)
+        parts = np.zeros((count, len(candidates)))
+        if EVEN * threads <= count:
+            borders = [count * k // threads for k in range(threads + 1)]
+            tasks = [(part, slice(None)) for part in _runs(borders)]
+        else:  # whole passes of LANES, so that every candidate meets the same instructions
+            borders = [min(-(-len(candidates) // LANES) * k // threads * LANES, len(candidates)) for k in range(threads)]
+            tasks = [(slice(0, count), part) for part in _runs([*borders, len(candidates)])]
+
+        def work(task: tuple[slice, slice]) -> None:
+            mine = np.ascontiguousarray(candidates[task[1]])
+            for stretch in range(task[0].start, task[0].stop):
+                data = self.chunks[stretch * STRETCH : (stretch + 1) * STRETCH]
+                samples = min(self.samples - stretch * STRETCH * CHUNK, STRETCH * CHUNK)
+                _call(library, samples, data, mine, delta, parts[stretch, task[1]])
+
+        others = [threading.Thread(target=work, args=(task,)) for task in tasks[1:]]
+        for other in others:
+            other.start()
+        work(tasks[0])
+        for other in others:
+            other.join()
+        total = np.zeros(len(candidates))
+        for part in parts:
+            total += part
+        return total
 
     def _in_numpy(self, candidates: Float, delta: Float | None) -> Float:
         """Do the same in NumPy, a chunk of samples at a time."""
         out = np.zeros(len(candidates))
         count = len(self.entries)
-        for start in range(0, self.data.shape[1], CHUNK):
-            block = self.data[:, start : start + CHUNK]
+        for block in self.chunks:
             for joint in range(self.joints):
                 chosen = [k for k, (j, _) in enumerate(self.entries) if j == joint]
                 used = [self.entries[k][1] for k in chosen]
@@ -112,11 +150,14 @@ def fitness(columns: Any, tau: Any) -> Fitness:
         raise ValueError("columns or tau hold values that are not finite; leave those rows out")
     joints, _, size = regressor.shape
     entries = tuple((j, p) for j in range(joints) for p in range(size) if np.any(regressor[j, :, p]))
-    data = np.empty((len(entries) + joints, regressor.shape[1]))
-    for k, (j, p) in enumerate(entries):
-        data[k] = regressor[j, :, p]
-    data[len(entries) :] = torque
-    return Fitness(entries, size, joints, data, kernel_for(entries, size, joints))
+    rows = [regressor[j, :, p] for j, p in entries] + [*torque]
+    samples = regressor.shape[1]
+    whole = samples // CHUNK
+    chunks = np.zeros((-(-samples // CHUNK), len(rows), CHUNK))
+    for k, row in enumerate(rows):
+        chunks[:whole, k] = row[: whole * CHUNK].reshape(whole, CHUNK)
+        chunks[whole:, k, : samples - whole * CHUNK] = row[whole * CHUNK :]
+    return Fitness(entries, size, joints, samples, chunks, kernel_for(entries, size, joints))
 
 
 _LOADED: dict[Any, Library] = {}
@@ -136,38 +177,23 @@ def kernel_for(entries: Entries, size: int, joints: int) -> Library | None:
     return _LOADED[key]
 
 
-def _shared(
-    library: ctypes.CDLL, data: Float, candidates: Float, delta: Float | None, out: Float, threads: int
+def _runs(borders: list[int]) -> list[slice]:
+    """Return the stretches between `borders` that are not empty; one empty where all are."""
+    runs = [slice(a, b) for a, b in itertools.pairwise(borders) if b > a]
+    return runs or [slice(0, 0)]
+
+
+def _call(
+    library: ctypes.CDLL, samples: int, chunks: Float, candidates: Float, delta: Float | None, out: Float
 ) -> None:
-    """Let `threads` evaluate one run of candidates each; ctypes lets go of the interpreter during the call.
-
-    Runs are whole passes of LANES, so that every candidate meets the same instructions however many threads there are.
-    """
-    passes = -(-len(candidates) // LANES)
-    share = -(-passes // threads) * LANES
-    if share >= len(candidates):
-        _call(library, data, candidates, delta, out)
-        return
-    from concurrent.futures import ThreadPoolExecutor
-
-    parts = [slice(k, k + share) for k in range(0, len(candidates), share)]
-    with ThreadPoolExecutor(len(parts)) as pool:
-        list(pool.map(lambda part: _call(library, data, candidates[part], delta, out[part]), parts))
-
-
-def _call(library: ctypes.CDLL, data: Float, candidates: Float, delta: Float | None, out: Float) -> None:
+    """Add losses to `out`; ctypes lets go of the interpreter meanwhile, so that threads work side by side."""
     pointer = ctypes.POINTER(ctypes.c_double)
 
     def at(array: Float | None) -> Any:
         return None if array is None else array.ctypes.data_as(pointer)
 
     library.exoid_fitness(
-        ctypes.c_long(data.shape[1]),
-        at(data),
-        ctypes.c_long(len(candidates)),
-        at(candidates),
-        at(delta),
-        at(out),
+        ctypes.c_long(samples), at(chunks), ctypes.c_long(len(candidates)), at(candidates), at(delta), at(out)
     )
 
 
@@ -179,7 +205,7 @@ def kernel_source(entries: Entries, size: int, joints: int) -> str:
         passes.append(
             _PASS.format(
                 name=name,
-                loads="\n".join(f"    const double y{k} = data[{k} * samples + n];" for k in inputs),
+                loads="\n".join(f"    const double y{k} = data[{k} * {CHUNK} + n];" for k in inputs),
                 numbers="\n".join(f"  const double p{k} = phi[{k}];" for k in range(size * LANES)),
                 thresholds="\n".join(f"  const double d{j} = delta ? delta[{j}] : 0;" for j in range(joints)),
                 sums=", ".join(f"s{k} = 0" for k in lanes),
@@ -248,13 +274,13 @@ static inline double casadi_fabs(double x) { return fabs(x); }
 """
 
 _PASS = """
-static void {name}_pass(long samples, long from, long to, const double *restrict data,
-                        const double *restrict phi, const double *restrict delta, double *restrict out) {{
+static void {name}_pass(long samples, const double *restrict data, const double *restrict phi,
+                        const double *restrict delta, double *restrict out) {{
 {numbers}
 {thresholds}
   double {sums};
 #pragma omp simd reduction(+:{reduction})
-  for (long n = from; n < to; ++n) {{
+  for (long n = 0; n < samples; ++n) {{
 {loads}
 {body}
   }}
@@ -263,22 +289,21 @@ static void {name}_pass(long samples, long from, long to, const double *restrict
 """
 
 _ENTRY = """
-void exoid_fitness(long samples, const double *data, long count, const double *population, const double
-*delta,
+#define SIZE {size}
+#define LANES {lanes}
+#define CHUNK {chunk}
+#define BLOCK ({rows} * CHUNK)
+
+void exoid_fitness(long samples, const double *data, long count, const double *population, const double *delta,
                    double *out) {{
-  for (long from = 0; from < samples; from += {chunk}) {{
-    long to = from + {chunk} < samples ? from + {chunk} : samples;
-    for (long i = 0; i < count; i += {lanes}) {{
-      double phi[{size} * {lanes}] = {{0}}, loss[{lanes}] = {{0}};
-      long lanes = count - i < {lanes} ? count - i : {lanes};
-      /* Fetch a share of the next chunk meanwhile: a long recording comes from memory, not from a cache. */
-      long ahead = to + {chunk} * i / count, until = to + {chunk} * (i + lanes) / count;
-      if (until > samples) until = samples;
-      for (long k = 0; k < {rows}; ++k)
-        for (long n = ahead; n < until; n += 8) __builtin_prefetch(data + k * samples + n);
-      for (long k = 0; k < lanes * {size}; ++k) phi[k] = population[i * {size} + k];
-      if (delta) huber_pass(samples, from, to, data, phi, delta, loss);
-      else sse_pass(samples, from, to, data, phi, delta, loss);
+  for (long from = 0; from < samples; from += CHUNK, data += BLOCK) {{
+    const long here = samples - from < CHUNK ? samples - from : CHUNK;
+    for (long i = 0; i < count; i += LANES) {{
+      double phi[SIZE * LANES] = {{0}}, loss[LANES] = {{0}};
+      const long lanes = count - i < LANES ? count - i : LANES;
+      for (long k = 0; k < lanes * SIZE; ++k) phi[k] = population[i * SIZE + k];
+      if (delta) huber_pass(here, data, phi, delta, loss);
+      else sse_pass(here, data, phi, delta, loss);
       for (long k = 0; k < lanes; ++k) out[i + k] += loss[k];
     }}
   }}

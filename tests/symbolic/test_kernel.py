@@ -13,6 +13,7 @@ import pytest
 from symbolic import Coefficient, Effect, Model, Motion, Shape, compiler, library
 from symbolic import fitness as fitness_module
 from symbolic.errors import ExpressionError
+from symbolic.fitness import CHUNK, STRETCH
 from symbolic.kernel import NoCompilerWarning, compiled, fitness
 
 ROOT = Path(__file__).parents[2]
@@ -148,6 +149,18 @@ def test_threads_change_no_bit(count):
         assert np.array_equal(made.sse(population, threads=threads), made.sse(population))
     with pytest.raises(ValueError, match="at least one"):
         made.sse(population, threads=0)
+
+
+@pytest.mark.parametrize("samples", [STRETCH * CHUNK - 1, 3 * STRETCH * CHUNK + 1])
+def test_long_recordings_are_shared_by_samples(samples):
+    rng = np.random.default_rng(3)
+    columns, tau = rng.normal(size=(2, samples, 2)), rng.normal(size=(2, samples))
+    made, population = fitness(columns, tau), rng.normal(size=(5, 2))
+    one = made.huber(population, [1.0, 2.0])
+    for threads in (2, 3, 16):
+        assert np.array_equal(made.huber(population, [1.0, 2.0], threads=threads), one)
+    residual = tau - np.einsum("jnp,ip->ijn", columns, population)
+    assert made.sse(population) == pytest.approx((residual**2).sum(axis=(1, 2)), rel=1e-11)
 
 
 def test_a_full_disk_falls_back_with_a_warning_and_leaves_nothing(fresh_cache, monkeypatch):
