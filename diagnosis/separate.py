@@ -22,8 +22,9 @@ from measurement.extremes import bounds, margin, uses
 from measurement.recording import Recording
 from measurement.trajectory import Fourier, paper_trajectory, random_trajectory
 from optimisation.criteria import Noise
-from optimisation.excitation import GRID, Remembering, shrunk
+from optimisation.excitation import GRID, shrunk
 from optimisation.identify import identify
+from optimisation.motion_search import Remembering
 from optimisation.motion_space import MotionSpace, motion_space
 from optimisation.nominal import nominal
 from optimisation.optimiser import minimise

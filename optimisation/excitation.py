@@ -2,36 +2,25 @@
 
     θ_i(t) = θ_i0 + Σ_{k=1..K} a_ik sin(kωt) + b_ik cos(kωt)                          (13) of the paper
 
-NFO searches the coefficients, 20 individuals × 400 generations. A fitness of Inf outside the limits, as the paper has
-it, starves the search: nearly every individual is at Inf. Here every candidate is stretched to the first limit it
-meets, so that the search stays among motions that a leg can make ("feasible by construction"); the printed variant is
-kept for comparison. Individuals are the stretched motions themselves, shifted in time to resemble each other where the
-start does not matter, so that near neighbours are near motions. The first part of the budget explores with a smooth
-stand-in of cond(Ȳ), because its kinks hide the valleys; the rest goes on with the criterion itself. IPOPT, started
-from short searches, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
+NFO searches the coefficients, 20 individuals × 400 generations (optimisation/motion_search.py). IPOPT, started from
+short searches, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from measurement.extremes import bounds, margin, uses
 from measurement.trajectory import Fourier, paper_trajectory
-from optimisation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det, softened
+from optimisation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
 from optimisation.excitation_result import Candidate, Excitation, Precision
-from optimisation.motion_reference import solve_motions
-from optimisation.motion_space import MotionSpace, motion_space
+from optimisation.motion_search import DesignError, MotionSearch, NoMotionError, Progress
+from optimisation.motion_space import motion_space
 from optimisation.nominal import Nominal, nominal, sizes
-from optimisation.optimiser import Box, Optimiser, minimise
-from optimisation.optimisers.nfo import NFO
 from optimisation.prepare import STICK
-from optimisation.problem import Problem
-from symbolic.errors import ExoidError
 from symbolic.gram import Information, information
 from symbolic.memory import memory_operations
 from symbolic.model import Model
@@ -39,74 +28,18 @@ from symbolic.model_file import Numbers
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
+__all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper"]
+
 GRID = 500
 """Samples per period in a search; its sums differ from those of 4000 by 1e-4, its proof of the limits costs 0.05 %."""
 INDIVIDUALS, GENERATIONS = 20, 400
 """The paper's population and generations for this problem."""
-EXPLORING = 150
-"""Generations, of the same budget, that explore with the smooth stand-in."""
-SHORT = 60
-"""Generations of the search from whose result IPOPT starts."""
-WIDE = 2.0
-"""Half-width of the box around stretched motions: a mixture of harmonics may exceed what each alone may do."""
 STARTS = 3
 """Starts of IPOPT."""
 DURATION = 30.0
 """s of recording for which standard deviations are predicted."""
 MOST_CREEP = 0.1
 """Share of time in which a joint may creep before that is said."""
-
-Progress = Callable[[float, str], None]
-
-
-class DesignError(ExoidError):
-    """A design that cannot be made: unknown words, or no motion inside the limits."""
-
-
-class NoMotionError(DesignError):
-    """A search that met no motion inside the limits."""
-
-
-@dataclass(frozen=True)
-class Remembering:
-    """An optimiser whose candidates are brought into a common form, and which keeps its last population.
-
-    `form` turns points (I, n) into points (I, n) that stand for the same motions, so that near points are near motions.
-    """
-
-    optimiser: Optimiser
-    form: Callable[[Float], Float]
-    last: list[Any] = field(default_factory=list)
-
-    @property
-    def boundary(self) -> str:
-        """As the optimiser's own."""
-        return self.optimiser.boundary
-
-    @property
-    def invariances(self) -> frozenset[str]:
-        """As the optimiser's own."""
-        return self.optimiser.invariances
-
-    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Any:
-        """Start it."""
-        return self._keep(self.optimiser.start(x, f, box, rng))
-
-    def ask(self, state: Any, rng: np.random.Generator) -> Float:
-        """Ask it."""
-        return self.form(self.optimiser.ask(state, rng))
-
-    def tell(self, state: Any, x: Float, f: Float) -> Any:
-        """Tell it."""
-        return self._keep(self.optimiser.tell(state, x, f))
-
-    def _keep(self, state: Any) -> Any:
-        self.last[:] = [state]
-        return state
-
-
-RECIPE = NFO(alpha=0.9, crossover=0.95)
-"""NFO with almost every component taken: coefficients act together, a motion is no sum of independent choices."""
 
 
 def design(
@@ -150,7 +83,7 @@ def design(
     at = nominal(model, numbers)
     aim = Aim(sizes(model, at), noise or Noise.white(), duration)
     info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
-    search = _Search(info, space, aim, criterion, printed, box, individuals, generations, seed, say)
+    search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
     found = search.run()
     references: list[Candidate] = []
     if starts > 0 and not printed and not memory_operations(model):
@@ -208,125 +141,6 @@ def shrunk(room: Float, share: float) -> Float:
     """Return limits (J, 4) drawn in about the middle of each range to `share`: what values on the grid may use."""
     middle, half = 0.5 * (room[:, 0] + room[:, 1]), 0.5 * (room[:, 1] - room[:, 0]) * share
     return np.column_stack([middle - half, middle + half, room[:, 2:] * share])
-
-
-@dataclass(frozen=True, eq=False)
-class _Search:
-    """What stays the same during one design."""
-
-    info: Information
-    space: MotionSpace
-    aim: Aim
-    criterion: str
-    printed: bool
-    box: float
-    individuals: int
-    generations: int
-    seed: int
-    say: Progress
-
-    def value(self, y: Float) -> Float:
-        """Return the criterion (I,) of points `y` (I, n), stretched to the limits or Inf outside them."""
-        swings, offsets = self.space.split(y)
-        sums = self.info.sums(swings, offsets, rescale=not self.printed)
-        value = CRITERIA[self.criterion](sums.gram, self.aim)
-        return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.printed else value
-
-    def smooth(self, y: Float) -> Float:
-        """Return the smooth stand-in (I,) of cond(Ȳ)."""
-        swings, offsets = self.space.split(y)
-        return softened(self.info.sums(swings, offsets, rescale=True).gram)
-
-    def run(self) -> Candidate:
-        """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
-        began = time.perf_counter()
-        if self.printed:
-            run = minimise(
-                self._problem(self.value, self.box), NFO(), individuals=self.individuals, generations=self.generations,
-                seed=self.seed,
-            )  # fmt: skip
-            best = run.x, run.fitness
-        else:
-            best = self._formed(self.generations, EXPLORING, self.seed)
-        if not np.isfinite(best[1]):
-            raise NoMotionError(
-                f"not one of {self.individuals * self.generations} motions was inside the limits: Inf outside starves "
-                "the search",
-                where=f"NFO as printed, box {self.box:g}",
-                remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
-            )
-        spent = self.individuals * self.generations
-        name = "NFO as printed" if self.printed else "NFO"
-        return self._candidate(name, best[0][None], best[1], spent, time.perf_counter() - began)
-
-    def _formed(self, generations: int, exploring: int, seed: int) -> tuple[Float, float]:
-        """Return the best point and its value after a search among motions in a common form."""
-        rng = np.random.default_rng(seed)
-        x = self.stretched(rng.uniform(-1.0, 1.0, (self.individuals, self.space.size)))
-        first = x[int(np.argmin(self.value(x)))]
-
-        def form(y: Float) -> Float:
-            return self.stretched(self.space.aligned(y, first) if self.shiftable else y)
-
-        remember = Remembering(RECIPE, form)
-        x = form(x)
-        if self.criterion == "condition" and generations > 2 * exploring > 0:
-            self.say(0.05, "NFO explores")
-            minimise(
-                self._problem(self.smooth, WIDE), remember, individuals=self.individuals, generations=exploring,
-                seed=seed, start=x,
-            )  # fmt: skip
-            x, generations = remember.last[0].x, generations - exploring
-        self.say(0.3, "NFO")
-        run = minimise(
-            self._problem(self.value, WIDE), remember, individuals=self.individuals, generations=generations,
-            seed=seed, start=x,
-        )  # fmt: skip
-        return run.x, run.fitness
-
-    def stretched(self, y: Float) -> Float:
-        """Return points (I, n) as the motions they stand for: stretched to the first limit they meet."""
-        swings, offsets = self.space.split(y)
-        factor = self.info.sums(swings, offsets, rescale=False).factor
-        width = self.space.basis.shape[2]
-        out = y.copy()
-        out[:, : 2 * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
-        return out
-
-    def reference(self, starts: int) -> list[Candidate]:
-        """Return where IPOPT ends from what short searches of its own find, best first."""
-        began = time.perf_counter()
-        points = [self._formed(SHORT, 0, self._seed(k))[0] for k in range(starts)]
-        ended = solve_motions(self.info, self.space, self.aim, self.criterion, np.array(points))
-        sums = self.info.sums(ended.swings, ended.offsets, rescale=True)
-        values = CRITERIA[self.criterion](sums.gram, self.aim)
-        each = (time.perf_counter() - began) / starts
-        out = []
-        for k, value in enumerate(values):
-            swing = ended.swings[k] * sums.factor[k][:, None]
-            motion = self.space.trajectory(swing, ended.offsets[k])
-            out.append(Candidate(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k]))
-        return sorted(out, key=lambda one: one.value if np.isfinite(one.value) else np.inf)
-
-    @property
-    def shiftable(self) -> bool:
-        """Whether a motion that starts later, or runs backwards, is the same motion to the criterion."""
-        return not self.info.model.terms and self.space.whole
-
-    def _problem(self, fitness: Callable[[Float], Float], width: float) -> Problem:
-        edge = np.full(self.space.size, width)
-        if self.space.centre is None:
-            edge[-2:] = 1.0
-        return Problem(fitness, -edge, edge, self.space.names, ("1",) * self.space.size)
-
-    def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> Candidate:
-        swings, offsets = self.space.split(y)
-        factor = self.info.sums(swings, offsets, rescale=False).factor[0] if not self.printed else np.ones(2)
-        motion = self.space.trajectory(swings[0] * factor[:, None], offsets[0])
-        return Candidate(name, motion, value, evaluations, seconds, "")
-
-    def _seed(self, k: int) -> int:
-        return int(np.random.SeedSequence([self.seed, k]).generate_state(1)[0])
 
 
 def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:

@@ -64,8 +64,7 @@ class Fitness:
         return self._evaluate(population, None, threads)
 
     def huber(self, population: Any, delta: Any, threads: int = 1) -> Float:
-        """Return the Huber loss (I,) of `population` (I, P) with thresholds `delta` (J,) in N·m; `threads` as of sse.
-        """
+        """Return the Huber loss (I,) of `population` (I, P) with thresholds `delta` (J,) in N·m; threads as in sse."""
         threshold = np.ascontiguousarray(delta, dtype=float)
         if threshold.shape != (self.joints,) or not np.all(threshold > 0.0):
             raise ValueError(f"delta is {delta!r}; it must hold a positive threshold for each of {self.joints} joints")
@@ -98,8 +97,9 @@ class Fitness:
             borders = [count * k // threads for k in range(threads + 1)]
             tasks = [(part, slice(None)) for part in _runs(borders)]
         else:  # whole passes of LANES, so that every candidate meets the same instructions
-            borders = [min(-(-len(candidates) // LANES) * k // threads * LANES, len(candidates)) for k in range(threads)]
-            tasks = [(slice(0, count), part) for part in _runs([*borders, len(candidates)])]
+            passes = -(-len(candidates) // LANES)
+            borders = [min(passes * k // threads * LANES, len(candidates)) for k in range(threads + 1)]
+            tasks = [(slice(0, count), part) for part in _runs(borders)]
 
         def work(task: tuple[slice, slice]) -> None:
             mine = np.ascontiguousarray(candidates[task[1]])

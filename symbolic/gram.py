@@ -67,10 +67,12 @@ class Information:
         """The grid (N,) in s, one period without its end."""
         return np.asarray(np.arange(self.grid) * (self.period / self.grid), dtype=float)
 
-    def sums(self, swings: Any, offsets: Any, *, rescale: bool) -> Sums:
+    def sums(self, swings: Any, offsets: Any, *, rescale: bool, doublings: int = 0) -> Sums:
         """Return the sums of motions with `swings` (I, J, 2K: sines, then cosines) about `offsets` (I, J) in rad.
 
-        `rescale` stretches or shrinks every swing to the first limit it meets, before the sums are made.
+        `rescale` stretches or shrinks every swing to the first limit it meets, before the sums are made. With
+        `doublings` the largest use of a limit is replaced by the norm of order 2^doublings over all samples and limits,
+        which has no kinks where another sample becomes the largest (and may leave the limits a little).
         """
         swing = np.ascontiguousarray(swings, dtype=float)
         centre = np.ascontiguousarray(offsets, dtype=float)
@@ -78,10 +80,10 @@ class Information:
         if swing.shape != wanted or centre.shape != wanted[:2]:
             raise ValueError(f"swings {swing.shape} and offsets {centre.shape} do not fit, expected {wanted}")
         if self.library is None:
-            return self._slowly(swing, centre, rescale)
-        return self._in_c(self.library.c, swing, centre, rescale)
+            return self._slowly(swing, centre, rescale, doublings)
+        return self._in_c(self.library.c, swing, centre, rescale, doublings)
 
-    def _in_c(self, library: ctypes.CDLL, swing: Float, centre: Float, rescale: bool) -> Sums:
+    def _in_c(self, library: ctypes.CDLL, swing: Float, centre: Float, rescale: bool, doublings: int) -> Sums:
         count, size = len(swing), len(self.names)
         factor, packed = np.empty((count, len(JOINTS))), np.zeros((count, len(self.entries)))
         angle = np.outer(self.rates, self.times)
@@ -91,7 +93,7 @@ class Information:
         arrays = (self.times, table, self.rates, swing, centre, self.limits, numbers, scratch, factor, packed)
         held = [np.ascontiguousarray(a) for a in arrays]
         library.exoid_gram(
-            ctypes.c_long(count), ctypes.c_long(self.grid), ctypes.c_int(int(rescale)),
+            ctypes.c_long(count), ctypes.c_long(self.grid), ctypes.c_int(int(rescale)), ctypes.c_int(doublings),
             *(a.ctypes.data_as(_DOUBLES) for a in held),
         )  # fmt: skip
         gram = np.zeros((count, len(JOINTS), size, size))
@@ -99,7 +101,7 @@ class Information:
             gram[:, joint, p, r] = gram[:, joint, r, p] = held[-1][:, k]
         return Sums(gram / self.grid, held[-2])
 
-    def _slowly(self, swing: Float, centre: Float, rescale: bool) -> Sums:
+    def _slowly(self, swing: Float, centre: Float, rescale: bool, doublings: int) -> Sums:
         """Do the same in NumPy, one motion at a time."""
         angle = np.outer(self.times, self.rates)
         sine, cosine, count = np.sin(angle), np.cos(angle), len(self.rates)
@@ -111,6 +113,8 @@ class Information:
             speed = cosine @ (rate * a) - sine @ (rate * b)
             pull = -sine @ (rate**2 * a) - cosine @ (rate**2 * b)
             factor = largest_factor(swung, speed, pull, about, self.limits)
+            if doublings:
+                factor = _softer(factor, swung, speed, pull, about, self.limits, doublings)
             scale = factor if rescale else np.ones(len(JOINTS))
             q, dq, ddq = about + scale * swung, scale * speed, scale * pull
             grams.append(self._gram(q, dq, ddq))
@@ -258,6 +262,19 @@ def largest_factor(swung: Float, speed: Float, pull: Float, centre: Float, limit
     return np.minimum(ratio.min(axis=0), 1e300)
 
 
+def _softer(
+    factor: Float, swung: Float, speed: Float, pull: Float, centre: Float, limits: Float, doublings: int
+) -> Float:
+    """Return the factor (J,) that brings the norm of all uses of the limits to one, from the `largest_factor`."""
+    low, high, fastest, strongest = limits.T
+    scale = np.minimum(factor, 1e200)  # without a swing nothing is met
+    room = np.maximum(np.where(swung > 0.0, high - centre, centre - low), 1e-300)
+    uses = scale * np.array([swung / room, speed / fastest, pull / strongest])
+    order = 2**doublings
+    norm = np.maximum((np.abs(uses) ** order).mean(axis=1).sum(axis=0), 1e-300) ** (1.0 / order)
+    return np.where(factor > 1e200, factor, factor / norm)
+
+
 def products(model: Model) -> tuple[Entries, Any]:
     """Return the (joint, number, number) of every product that is not zero, and the CasADi function of their values.
 
@@ -303,7 +320,7 @@ _C = """/* Written by exoid: sums of products of a model's sensitivities along F
 #define WAVES {waves}
 
 static double swing(long grid, const double *restrict table, const double *restrict rates, const double *restrict c,
-                    double centre, const double *limits, double *restrict q, double *restrict dq,
+                    double centre, const double *limits, int doublings, double *restrict q, double *restrict dq,
                     double *restrict ddq) {{
   double up = 0, down = 0, fast = 0, strong = 0;
 #pragma omp simd reduction(max:up,down,fast,strong)
@@ -328,7 +345,19 @@ static double swing(long grid, const double *restrict table, const double *restr
     const double ratio = (room[k] > 0 ? room[k] : 0) / (use[k] > 1e-300 ? use[k] : 1e-300);
     factor = ratio < factor ? ratio : factor;
   }}
-  return factor;
+  if (doublings == 0 || factor > 1e200) return factor; /* without a swing nothing is met */
+  const double above = factor / (room[0] > 1e-300 ? room[0] : 1e-300);
+  const double below = factor / (room[1] > 1e-300 ? room[1] : 1e-300);
+  const double speed = factor / room[2], pull = factor / room[3];
+  double sum = 0;
+#pragma omp simd reduction(+:sum)
+  for (long n = 0; n < grid; ++n) {{
+    double x = q[n] > 0 ? q[n] * above : -q[n] * below, v = dq[n] * speed, a = ddq[n] * pull;
+    for (int k = 0; k < doublings; ++k) {{ x *= x; v *= v; a *= a; }}
+    sum += x + v + a;
+  }}
+  sum = sum / grid;
+  return factor * pow(sum > 1e-300 ? sum : 1e-300, -1.0 / (double)(1L << doublings));
 }}
 
 /* The sign of a velocity v, averaged over the cell of its sample, in which it changes by +-reach. */
@@ -338,8 +367,9 @@ static inline double mean_sign(double v, double reach) {{
   return ratio > 1 ? 1 : ratio < -1 ? -1 : ratio;
 }}
 
-void exoid_gram(long count, long grid, int rescale, const double *restrict t, const double *restrict table,
-                const double *restrict rates, const double *restrict swings, const double *restrict offsets,
+void exoid_gram(long count, long grid, int rescale, int doublings, const double *restrict t,
+                const double *restrict table, const double *restrict rates,
+                const double *restrict swings, const double *restrict offsets,
                 const double *restrict limits, const double *restrict numbers, double *restrict scratch,
                 double *restrict factors, double *restrict out) {{
   double *restrict q1 = scratch, *restrict v1 = scratch + grid, *restrict a1 = scratch + 2 * grid;
@@ -347,8 +377,8 @@ void exoid_gram(long count, long grid, int rescale, const double *restrict t, co
   const double step = 0.5 * (t[1] - t[0]);
   for (long i = 0; i < count; ++i) {{
     const double *c = swings + i * 4 * WAVES, o1 = offsets[2 * i], o2 = offsets[2 * i + 1];
-    const double f1 = swing(grid, table, rates, c, o1, limits, q1, v1, a1);
-    const double f2 = swing(grid, table, rates, c + 2 * WAVES, o2, limits + 4, q2, v2, a2);
+    const double f1 = swing(grid, table, rates, c, o1, limits, doublings, q1, v1, a1);
+    const double f2 = swing(grid, table, rates, c + 2 * WAVES, o2, limits + 4, doublings, q2, v2, a2);
     const double scale1 = rescale ? f1 : 1, scale2 = rescale ? f2 : 1;
     factors[2 * i] = f1;
     factors[2 * i + 1] = f2;

@@ -34,8 +34,8 @@ def made(model, backend="auto", grid=200):
 @pytest.mark.parametrize(
     "names", [(), ("stribeck:knee", "load_friction:hip"), ("torque_ripple:knee",), ("gravity_tilt",)]
 )
-@pytest.mark.parametrize("rescale", [True, False])
-def test_c_and_virtual_machine_agree(names, rescale):
+@pytest.mark.parametrize(("rescale", "doublings"), [(True, 0), (False, 0), (True, 4), (False, 5)])
+def test_c_and_virtual_machine_agree(names, rescale, doublings):
     model = Model.standard()
     for name in names:
         model = model.with_effect(name)
@@ -43,7 +43,7 @@ def test_c_and_virtual_machine_agree(names, rescale):
     if fast.backend != "c":
         pytest.skip("no C compiler")
     assert slow.backend == "vm"
-    one, other = fast.sums(*motions(), rescale=rescale), slow.sums(*motions(), rescale=rescale)
+    one, other = (info.sums(*motions(), rescale=rescale, doublings=doublings) for info in (fast, slow))
     np.testing.assert_allclose(one.gram, other.gram, rtol=1e-11, atol=1e-12 * np.abs(other.gram).max())
     np.testing.assert_allclose(one.factor, other.factor, rtol=1e-12)
 
@@ -80,6 +80,21 @@ def test_rescaling_ends_at_the_first_limit():
     again = info.sums(swing * factor[:, :, None], offset, rescale=False).factor
     np.testing.assert_allclose(again, 1.0, rtol=1e-12)
     outside = info.sums(swing, offset + 5.0, rescale=False).factor
+    assert np.all(outside == 0.0)
+
+
+def test_soft_limits_are_norms_and_become_the_limits():
+    info = made(Model.standard())
+    swing, offset = motions()
+    hard = info.sums(swing, offset, rescale=False).factor
+    for doublings in (2, 4, 6, 12):
+        factor = info.sums(swing, offset, rescale=False, doublings=doublings).factor
+        order = 2**doublings
+        # The largest of N samples and three limits is at most their norm times N^(1/p), and at least norm / 3^(1/p).
+        assert np.all(factor <= hard * info.grid ** (1.0 / order) * (1.0 + 1e-12))
+        assert np.all(factor >= hard * 3.0 ** (-1.0 / order) * (1.0 - 1e-12))
+    np.testing.assert_allclose(factor, hard, rtol=2e-3)
+    outside = info.sums(swing, offset + 5.0, rescale=False, doublings=3).factor
     assert np.all(outside == 0.0)
 
 
