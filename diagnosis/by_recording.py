@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from diagnosis.evidence import Block, Evidence, robust_weight
 from diagnosis.present import Present
@@ -107,7 +107,7 @@ def differing(now: Present, evidence: Evidence) -> tuple[Differing, ...]:
     blocks, questions = list(evidence.blocks), _questions(now.model, now.linear, now.shapes)
     if not 2 <= len(blocks) <= MOST:
         return ()
-    strict = norm.isf(0.025 / (len(questions) * len(blocks))) / norm.isf(0.025)
+    strict = ndtri(0.025 / (len(questions) * len(blocks))) / ndtri(0.025)
     prior = evidence.prior
     out: dict[tuple[int, str], Differing] = {}
     while len(out) < MOST_NAMED:

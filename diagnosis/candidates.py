@@ -7,6 +7,7 @@ change with it, at the present parameters. Nothing here ever looks at the measur
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ import numpy as np
 from optimisation.prepare import PreparedRecording
 from optimisation.shape_search import from_unit
 from symbolic.catalogue import catalogue
-from symbolic.columns import environment, evaluate
+from symbolic.columns import derived_columns, environment, evaluate
 from symbolic.effect import Effect, Shape
 from symbolic.errors import ExpressionError
 from symbolic.model import Model
@@ -79,6 +80,20 @@ class Columns:
 
     joints: tuple[int, ...]
     values: Float
+
+    @property
+    def flat(self) -> Float:
+        """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
+        nodes, _, _, width = self.values.shape
+        return np.moveaxis(self.values, 3, 1).reshape(nodes, width, -1)
+
+    @property
+    def largest(self) -> Float:
+        """The largest magnitude (V, K) of each node's columns at each sample."""
+        _, count, samples, width = self.values.shape
+        size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
+        parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
+        return functools.reduce(np.maximum, parts)
 
     def full(self, node: int) -> Float:
         """Return the columns (J, K, m) of one node, zero at joints it does not act on."""
@@ -183,7 +198,7 @@ def candidate_columns(
     if candidate.tangent:
         raw = _tangent(candidate.term, one, model, linear, shape)[None]
     elif candidate.term.effect.derive is not None:
-        raw = np.stack([_derived(candidate.term, one, model, linear, shape, node) for node in nodes])
+        raw = _derived(candidate.term, one, model, linear, shape, nodes)
     else:
         raw = _texts(candidate, nodes, one, model, linear, shape)
     # (V, A, N, m) -> time first, filter all nodes in one pass, and back
@@ -257,11 +272,12 @@ def _tangent(term: Term, one: PreparedRecording, model: Model, linear: Float, sh
     return slope.T[list(joints)][:, :, None]
 
 
-def _derived(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float, node: Float) -> Float:
-    """Return the new columns (A, N, m) that a changed mechanism brings."""
+def _derived(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float, nodes: Float) -> Float:
+    """Return the new columns (V, A, N, m) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
     extended = model.with_effect(term.effect, term.joint)
-    count = len(model.parameters)
-    new = len(extended.parameters) - count
-    columns = extended.columns(one.motion, np.concatenate([shape, node]), np.concatenate([linear, np.zeros(new)]))
-    joints = (0, 1) if term.joint is None else (JOINTS.index(term.joint),)
-    return np.moveaxis(columns[list(joints)][:, :, count:], 1, 1)
+    new = len(extended.parameters) - len(model.parameters)
+    reference = np.concatenate([linear, np.zeros(new)])
+    joints = [0, 1] if term.joint is None else [JOINTS.index(term.joint)]
+    return np.stack(
+        [derived_columns(extended, one.motion, np.concatenate([shape, node]), reference)[joints] for node in nodes]
+    )

@@ -175,11 +175,13 @@ class Evidence:
         for index, weight in self._units:
             block, x = self.blocks[index], columns[index]
             joints = list(x.joints)
-            weighted = x.values * weight[joints][None, :, :, None]
-            g = np.einsum("akp,vakm->vpm", block.columns[joints], weighted, optimize=True)
-            h = np.einsum("vakm,vakn->vmn", weighted, x.values, optimize=True)
-            a = np.einsum("vakm,ak->vm", weighted, block.residual[joints], optimize=True)
-            out.append(Gram(g, h, a))
+            weighted = x.flat * weight[joints].ravel()
+            nodes, width, samples = weighted.shape
+            # Plain products: for so many small ones the overhead of einsum was the larger part.
+            own = np.column_stack([block.columns[joints].reshape(samples, -1), block.residual[joints].ravel()])
+            both = (weighted.reshape(-1, samples) @ own).reshape(nodes, width, -1)
+            g, a = np.swapaxes(both[:, :, :-1], 1, 2), both[:, :, -1]
+            out.append(Gram(g, weighted @ np.swapaxes(x.flat, 1, 2), a))
         return out
 
     def shifted(self, columns: Sequence[Columns], node: int) -> list[Gram]:
@@ -339,9 +341,10 @@ def _fit_candidate(
     # A column that the fitted units hardly show must not escape the ridge by being small.
     scale = np.maximum(scale, LEAST_SCALE * scale.max(axis=1, keepdims=True))
     normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge * np.eye(schur.shape[1])
-    right = a - np.einsum("dpm,p->dm", g, step)
+    right = a - step @ g
     coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale
-    return coefficients, step - np.einsum("dpm,dm->dp", projected, coefficients), np.sum(coefficients * right, axis=1)
+    base = step - (projected @ coefficients[:, :, None])[:, :, 0]
+    return coefficients, base, np.sum(coefficients * right, axis=1)
 
 
 def _split_gain(split: tuple, grams: Sequence[Gram], ridge: float) -> tuple[Float, Float]:
@@ -355,7 +358,7 @@ def _split_gain(split: tuple, grams: Sequence[Gram], ridge: float) -> tuple[Floa
         - 2.0 * base @ slope
         - 2.0 * np.sum(coefficients * a, axis=1)
         + np.sum((base @ gram) * base, axis=1)
-        + 2.0 * np.einsum("dp,dpm,dm->d", base, g, coefficients, optimize=True)
-        + np.einsum("dm,dmn,dn->d", coefficients, h, coefficients, optimize=True)
+        + 2.0 * np.sum(base * (g @ coefficients[:, :, None])[:, :, 0], axis=1)
+        + np.sum(coefficients * (h @ coefficients[:, :, None])[:, :, 0], axis=1)
     )
     return loss - after, coefficients

@@ -133,14 +133,14 @@ def admissible(candidate: Candidate, coefficients: Float) -> np.ndarray:
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
     train = columns[: len(evidence.train)]
-    peak = np.max([np.abs(c.values).max(axis=(1, 2, 3)) for c in train], axis=0)
-    live = [np.mean(np.abs(c.values).max(axis=(1, 3)) > 1e-3 * peak[:, None], axis=1) for c in train]
-    squares = [np.square(c.values).sum(axis=3) for c in train]
-    whole = np.sum([s.sum(axis=(1, 2)) for s in squares], axis=0)
-    seen = np.sum(
-        [(s * b.use[list(c.joints)]).sum(axis=(1, 2)) for s, c, b in zip(squares, train, evidence.train, strict=True)],
-        axis=0,
-    )
+    largest = [c.largest for c in train]
+    peak = np.max([size.max(axis=1) for size in largest], axis=0)
+    live = [np.mean(size > 1e-3 * peak[:, None], axis=1) for size in largest]
+    whole = seen = 0.0
+    for c, block in zip(train, evidence.train, strict=True):
+        squares = np.square(c.flat).sum(axis=1)
+        whole = whole + squares.sum(axis=1)
+        seen = seen + squares @ block.use[list(c.joints)].ravel()
     return np.where((peak > 0.0) & (seen >= LEAST_SEEN * whole), np.mean(live, axis=0), 0.0)
 
 
@@ -157,14 +157,22 @@ def _groups(candidate: Candidate) -> list[np.ndarray]:
 def _choices(
     evidence: Evidence, candidate: Candidate, grams: Sequence[Gram], alive: np.ndarray
 ) -> list[tuple[np.ndarray, Gain]]:
-    """Return every (nodes (R,), Gain) the search may choose from."""
+    """Return (nodes (R,), Gain) of what the search may choose: of the nodes that are common to all recordings the best
+    with an admissible sign and the best with another, and the best of every group.
+    """
     recordings = len(evidence.blocks)
     gain = evidence.gain(grams)
-    out = [
-        (np.full(recordings, v), Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1]))
-        for v in np.intersect1d(candidate.common, np.flatnonzero(alive))
-    ]
+    common = np.intersect1d(candidate.common, np.flatnonzero(alive))
+    right = admissible(candidate, gain.coefficients[common])
+    out = []
+    for side in (common[right], common[~right]):
+        if side.size:
+            v = int(side[np.argmax(gain.total[side])])
+            one = Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1])
+            out.append((np.full(recordings, v), one))
     groups = _groups(candidate)
+    if not groups:
+        return out
     by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
     for group in groups:
         nodes = np.array([group[_local(evidence, candidate, grams, r, group)] for r in range(recordings)])

@@ -54,11 +54,9 @@ def _fit_own(
     model: Model, one: PreparedRecording, linear: Float, shape: Float, own: Sequence[int], delta: Float
 ) -> Float:
     """Return `shape` with the values of index `own` fitted to one recording, everything else fixed."""
-    from optimisation.assemble import assemble
 
     def loss(values: Float) -> float:
-        data = assemble(model, [one], values, linear if model.needs_reference else None)
-        return huber(data.residual(linear), delta)
+        return _own_loss(model, one, linear, values, delta)
 
     best = shape.copy()
     for _ in range(2 if len(own) > 1 else 1):
@@ -69,6 +67,13 @@ def _fit_own(
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
             best = _scan(loss, best, index, trials)
     return best
+
+
+def _own_loss(model: FittableModel, one: Working, linear: Float, shape: Float, delta: Float) -> float:
+    """Return the Huber loss on one recording, everything held; torques pass the filter, not columns: it is linear."""
+    columns = model.columns(one.motion, shape, linear if model.needs_reference else None)
+    residual = one.tau - one.smooth((columns @ linear).T)
+    return huber(np.where(one.use, residual, 0.0).T, delta)
 
 
 def _scan(loss: Callable[[Float], float], shape: Float, index: int, trials: Float) -> Float:
@@ -181,16 +186,12 @@ def _all(shapes: Float, index: int, bound: Callable[[float, float], float], edge
 
 def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
     """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
-    from optimisation.assemble import Assembly
-
-    assembly = Assembly(model, [one])
     best = shape.copy()
     for index in own_shapes(model):
         entry = model.shapes[index].shape
 
         def loss(v: float, base: Float = best, index: int = index) -> float:
-            data = assembly.data(_with(base, index, v), linear if model.needs_reference else None)
-            return huber(data.residual(linear), delta)
+            return _own_loss(model, one, linear, _with(base, index, v), delta)
 
         at = float(best[index])
         found = _minimum(loss, max(entry.min, at - far[index]), min(entry.max, at + far[index]))

@@ -62,6 +62,21 @@ def columns(model: Model, motion: Motion, shape: Float | None, reference: Float 
     return out
 
 
+def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float) -> Float:
+    """Return the columns (J, N, m) of the model's last effect alone, one that changes the mechanism; arguments as of
+    `columns`.
+    """
+    from symbolic.kernel import compiled
+
+    count = len(model.terms[-1].effect.coefficients)
+    if any(is_transform(term) for term in model.terms):
+        return columns(model, motion, shape, reference)[:, :, len(model.parameters) - count :]
+    bare, at = rigid_model(model), shape_values(model, shape)
+    shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
+    chosen = base_places(model)
+    return compiled(bare).pointwise(motion, reference[chosen], shapes, len(chosen) - count)
+
+
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float], Float]] = WeakKeyDictionary()
 """Base columns of the plain leg along motions that are still in use, with its (thigh length, gravity)."""
 LONGEST_KEPT = 400_000
@@ -79,7 +94,7 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
         kept = _KEPT.get(motion)
         if kept is None or kept[0] != size:
             kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, np.zeros(BASE), np.zeros(0))
-        out[:, :, chosen] = kept[1]
+        out[:, :, :BASE] = kept[1]
         return
     bare = rigid_model(model)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])

@@ -102,9 +102,11 @@ class Compiled:
         """Return J (N, 2, J) of the point on the shank `reach` m below the knee (rows: forward, upward)."""
         return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
 
-    def pointwise(self, motion: Motion, linear: Float, shape: Float) -> Float:
-        """Return the columns (J, N, P) with operators with memory at zero and without transforms."""
-        return self._pointwise(motion, linear, shape, None)
+    def pointwise(self, motion: Motion, linear: Float, shape: Float, first: int = 0) -> Float:
+        """Return the columns (J, N, P - first) from parameter `first` on, with operators with memory at zero and
+        without transforms.
+        """
+        return self._pointwise(motion, linear, shape, None, first)
 
     def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
         values, shapes = self._numbers(linear, shape)
@@ -122,11 +124,12 @@ class Compiled:
 
         return memory_signals(self.model, motion, shapes, linear, base_columns)
 
-    def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None) -> Float:
+    def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None, first: int = 0) -> Float:
         values = self._run("columns", _state(motion), linear, shapes, memory, None)
-        out = np.zeros((len(JOINTS), len(motion), len(self.model.parameters)))
+        out = np.zeros((len(JOINTS), len(motion), len(self.model.parameters) - first))
         for k, (joint, parameter) in enumerate(self.entries):
-            out[joint, :, parameter] += values[:, k]
+            if parameter >= first:
+                out[joint, :, parameter - first] += values[:, k]
         return out
 
     def _run(

@@ -91,6 +91,8 @@ def overview() -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `exoid` with `argv` (default: the arguments of the process) and return the exit status."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    # Before NumPy is loaded: its matrices are narrow here, and more threads would burn time and gain none.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     install()
     try:
         with warnings.catch_warnings():
