@@ -17,7 +17,7 @@ import numpy as np
 from optimisation.prepare import PreparedRecording
 from optimisation.shape_search import from_unit
 from symbolic.catalogue import catalogue
-from symbolic.columns import derived_columns, environment, evaluate
+from symbolic.columns import carrying, derived_columns, environment, evaluate
 from symbolic.effect import Effect, Shape
 from symbolic.errors import ExpressionError
 from symbolic.model import Model
@@ -250,11 +250,11 @@ def own_torques(model: Model, one: PreparedRecording, linear: Float, shape: Floa
     """Return tau_rigid and tau_model (N,) of both joints, from the parameters of the model (never measured)."""
     base = model.base()
     count = len(base.parameters)
-    columns = base.columns(one.motion)
+    columns, numbers = base.columns(one.motion), carrying(one.motion, linear[:count])
     out = {}
     for j in range(len(JOINTS)):
-        out[f"tau_rigid{j + 1}"] = columns[j][:, :4] @ linear[:4]
-        out[f"tau_model{j + 1}"] = columns[j] @ linear[:count]
+        out[f"tau_rigid{j + 1}"] = columns[j][:, :4] @ numbers[:4]
+        out[f"tau_model{j + 1}"] = columns[j] @ numbers
     return out
 
 

@@ -81,7 +81,7 @@ def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
     """Return what tells two rivals apart (or one from the model) that no motion can: computed, then the catalogue's."""
     out = []
     for text, load, lean in (
-        (f"hang a known mass on the shank (computed for {MASS:g} kg) and record the same motion again", True, False),
+        (f"hang a known mass on the shank (computed for {MASS:g} kg), record again, name it (--payload)", True, False),
         (f"tilt the stand by a known angle (computed for {LEAN:g} rad) and record again", False, True),
     ):
         apart = _apart(base, one, other, load, lean)

@@ -68,7 +68,8 @@ def _cut(one: PreparedRecording, start: float, name: str) -> PreparedRecording:
     reach = int(np.ceil(response_seconds(one.cutoff) * one.rate)) + 1
     first, last = max(0, int(kept[0]) - reach), min(len(one.motion), int(kept[-1]) + reach + 1)
     motion = one.motion
-    around = Motion(*(x[first:last] for x in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign)))
+    t, q, dq, ddq, sign = (x[first:last] for x in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign))
+    around = Motion(t, q, dq, ddq, sign, motion.payload)
     return replace(
         one,
         name=name,

@@ -9,11 +9,12 @@ m_th l_th²`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from symbolic.errors import ExoidError
+from symbolic.payload import Payload
 
 
 class LegError(ExoidError):
@@ -56,8 +57,7 @@ class Leg:
         # M must be positive definite in every pose; its determinant is smallest at cos θ2 = ±1.
         if min(phi1, phi2, phi1 * phi2 - phi2**2 - phi3**2) <= 0:
             raise LegError(
-                f"Φ1 = {phi1:g}, Φ2 = {phi2:g}, Φ3 = {phi3:g} kg·m² make a mass matrix that is not "
-                "positive definite",
+                f"Φ1 = {phi1:g}, Φ2 = {phi2:g}, Φ3 = {phi3:g} kg·m² make a mass matrix that is not positive definite",
                 where=self.name,
                 remedy="no real leg has such inertias: check the numbers, Φ1 > Φ2 > 0 and Φ2 (Φ1 - Φ2) > Φ3²",
             )
@@ -93,6 +93,13 @@ class Leg:
             thigh.mass * thigh_length * thigh.com - about_hip,
         )
         return cls(name, (*lumped, *friction), torque_limit, thigh_length, thigh, shank)
+
+    def with_payload(self, mass: float, along: float, link: str = "shank") -> Leg:
+        """Return the leg with a `mass` kg on the axis of `link`, `along` m from its upper joint; what is fastened to it
+        is no longer told apart from the segments.
+        """
+        rigid = np.add(self.base[:4], Payload(mass, along, link).numbers(self.thigh_length))
+        return replace(self, base=(*rigid.tolist(), *self.base[4:]), thigh=None, shank=None)
 
     def mass_matrix(self, knee: float) -> np.ndarray:
         """Return M (2, 2) in kg·m² at knee angle `knee` in rad, of the leg without any effect."""

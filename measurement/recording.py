@@ -15,6 +15,7 @@ from symbolic.errors import RecordingError
 from symbolic.files import write_whole
 from symbolic.html import bullets, lines, table
 from symbolic.motion import Float, read_only
+from symbolic.payload import Payload
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +38,7 @@ class Recording:
     `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
     (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
     `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
-    text files), for messages.
+    text files), for messages. `payloads` are known masses that hung on the leg meanwhile.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Recording:
     source: Source = Source()
     findings: tuple[Finding, ...] = ()
     row: NDArray[np.int64] = None  # type: ignore[assignment]
+    payloads: tuple[Payload, ...] = ()
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
@@ -91,6 +93,12 @@ class Recording:
     def with_findings(self, findings: tuple[Finding, ...]) -> Recording:
         """Return the same recording carrying `findings` instead of its own."""
         return replace(self, findings=findings)
+
+    def with_payload(self, mass: float, along: float, link: str = "shank") -> Recording:
+        """Return the same recording, made with a known `mass` kg on the leg, `along` m below the knee (or the hip, for
+        `link` "thigh"). PayloadError where such a mass cannot be.
+        """
+        return replace(self, payloads=(*self.payloads, Payload(mass, along, link)))
 
     def columns(self) -> dict[str, Float]:
         """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are

@@ -18,6 +18,7 @@ from scipy.sparse import csr_array
 from measurement.recording import Recording
 from symbolic.errors import NotEnoughDataError
 from symbolic.motion import Float
+from symbolic.payload import Payload
 
 ORDER = 4
 STRETCH = 48
@@ -40,6 +41,7 @@ class EvenSignals:
     tau: Float
     gap: NDArray[np.bool_]
     rate: float
+    payloads: tuple[Payload, ...] = ()
 
     @cached_property
     def spectrum(self) -> tuple[Float, Float]:
@@ -78,7 +80,7 @@ def even_clock(recording: Recording) -> EvenSignals:
         tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in (0, 1)])
     after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1]) > 2.5 * step
-    return EvenSignals(grid, q, tau, hole, 1.0 / step)
+    return EvenSignals(grid, q, tau, hole, 1.0 / step, recording.payloads)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

@@ -54,6 +54,9 @@ class FittableModel(Protocol):
     def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
         """Return the regressor (J, N, P)."""
 
+    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the torque (N, J) in N·m."""
+
 
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
@@ -76,12 +79,23 @@ class Assembly:
         columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
         return LinearData(
             columns=np.concatenate(columns, axis=1),
-            tau=self._tau,
+            tau=self._torque(columns),
             groups=self._groups,
             names=tuple(p.name for p in self.model.parameters),
             units=tuple(p.unit for p in self.model.parameters),
             use=self._use,
         )
+
+    def _torque(self, columns: Sequence[Float]) -> Float:
+        """Return the torque (J, K) that is left to explain: without that of known payloads, filtered as the columns."""
+        payloads = [one.motion.payload for one in self.prepared]
+        if all(payload is None for payload in payloads):
+            return self._tau
+        known = [
+            np.zeros(part.shape[:2]) if payload is None else part[:, :, : len(payload)] @ payload
+            for part, payload in zip(columns, payloads, strict=True)
+        ]
+        return np.asarray(self._tau - np.concatenate(known, axis=1))
 
     def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
         one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]

@@ -104,9 +104,7 @@ def identify(
 
     say("Huber")
     if model.needs_reference or (model.shapes and shape is None):
-        best_shape, best, _, agreeing = _solve_shape(
-            assembly, limits, shape, leaders, first.linear, possible, method
-        )
+        best_shape, best, _, agreeing = _solve_shape(assembly, limits, shape, leaders, first.linear, possible, method)
     else:  # the columns stay what they were
         best_shape = first_shape
         best = replace(first, linear=_solution(first.data, limits, possible, first.linear))
@@ -339,7 +337,7 @@ def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> C
         return covariance(columns, residual, delta, found.data.groups, factor=found.data.factor)
 
     def predicted(values: Float, at: Float) -> Float:
-        return assembly.data(at, values if model.needs_reference else None).columns @ values
+        return -assembly.data(at, values if model.needs_reference else None).residual(values)  # up to a constant
 
     slopes = []
     for index, entry in enumerate(model.shapes):

@@ -71,8 +71,7 @@ def _fit_own(
 
 def _own_loss(model: FittableModel, one: Working, linear: Float, shape: Float, delta: Float) -> float:
     """Return the Huber loss on one recording, everything held; torques pass the filter, not columns: it is linear."""
-    columns = model.columns(one.motion, shape, linear if model.needs_reference else None)
-    residual = one.tau - one.smooth((columns @ linear).T)
+    residual = one.tau - one.smooth(model.torque(one.motion, linear, shape))
     return huber(np.where(one.use, residual, 0.0).T, delta)
 
 
@@ -155,7 +154,7 @@ def _step(
         entry = model.shapes[index].shape
         h = DIFFERENCE * (entry.max - entry.min)
         up, down = _all(shapes, index, min, entry.max, h), _all(shapes, index, max, entry.min, -h)
-        rise = problem.data(up, linear).columns @ linear - problem.data(down, linear).columns @ linear
+        rise = problem.data(down, linear).residual(linear) - problem.data(up, linear).residual(linear)
         slopes.append(rise / (up[0, index] - down[0, index]))
     jacobian = np.concatenate([here.columns, np.stack(slopes, axis=2)], axis=2)
     weight = np.sqrt(np.minimum(1.0, delta[:, None] / np.maximum(np.abs(residual), 1e-300)))

@@ -115,7 +115,7 @@ class PreparedRecording:
         old = self.motion
         q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band)
-        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width))
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width), old.payload)
         return replace(self, motion=motion)
 
     def smooth(self, x: Float, joints: Sequence[int] = (0, 1), axis: int = 1) -> Float:
@@ -252,7 +252,8 @@ def _prepare_one(
         *parts, periods = smoothed(even, inner, name)
         q, dq, ddq = (np.array(part[::factor]) for part in parts)
         noise = noise / periods
-    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)))
+    payload = np.sum([p.numbers(base.thigh_length) for p in even.payloads], axis=0) if even.payloads else None
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)), payload)
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
     tau = np.where(bad, known + middle, tau)

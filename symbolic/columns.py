@@ -47,7 +47,7 @@ def rigid_model(model: Model) -> Model:
 def columns(model: Model, motion: Motion, shape: Float | None, reference: Float | None) -> Float:
     """Return the regressor (J, N, P); see Model.columns."""
     shapes = vector(shape, model.typical_shape, "shape")
-    linear = vector(reference, np.zeros(len(model.parameters)), "reference")
+    linear = carrying(motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
     at = shape_values(model, shapes)
     place = places(model)
     out = np.zeros((len(JOINTS), len(motion), len(place)))
@@ -62,6 +62,15 @@ def columns(model: Model, motion: Motion, shape: Float | None, reference: Float 
     return out
 
 
+def carrying(motion: Motion, linear: Float) -> Float:
+    """Return linear parameters (P,) with what known payloads of `motion` add to Φ1..Φ4."""
+    if motion.payload is None:
+        return linear
+    total = np.array(linear, dtype=float)
+    total[:RIGID] += motion.payload
+    return total
+
+
 def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float) -> Float:
     """Return the columns (J, N, m) of the model's last effect alone, one that changes the mechanism; arguments as of
     `columns`.
@@ -74,7 +83,7 @@ def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float
     bare, at = rigid_model(model), shape_values(model, shape)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
     chosen = base_places(model)
-    return compiled(bare).pointwise(motion, reference[chosen], shapes, len(chosen) - count)
+    return compiled(bare).pointwise(motion, carrying(motion, reference)[chosen], shapes, len(chosen) - count)
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float], Float]] = WeakKeyDictionary()

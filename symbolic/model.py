@@ -171,7 +171,9 @@ class Model:
         values = np.asarray(linear, dtype=float)
         if values.shape != (len(self.parameters),):
             raise ValueError(f"linear has shape {values.shape}, the model has {len(self.parameters)} parameters")
-        return np.asarray((self.columns(motion, shape, values) @ values).T)
+        from symbolic.columns import carrying
+
+        return np.asarray((self.columns(motion, shape, values) @ carrying(motion, values)).T)
 
     def key(self) -> str:
         """Return the content hash of the model: equal for equal models, in any process."""

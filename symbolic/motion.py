@@ -22,7 +22,8 @@ class Motion:
     """Time stamps `t` (N,) in s and, per joint, `q`, `dq`, `ddq` (N, J) in rad, rad/s, rad/s².
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
-    prepares a measurement knows how much of the sign can be believed.
+    prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
+    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.payload`), None where there were none.
     """
 
     t: Float
@@ -30,12 +31,15 @@ class Motion:
     dq: Float
     ddq: Float
     sign: Float = None  # type: ignore[assignment]
+    payload: Float | None = None
 
     def __post_init__(self) -> None:
         sign = np.sign(self.dq) if self.sign is None else self.sign
         for name, value in (("t", self.t), ("q", self.q), ("dq", self.dq), ("ddq", self.ddq), ("sign", sign)):
             object.__setattr__(self, name, read_only(value))
         shape = (self.t.shape[0], 2)
+        if self.payload is not None:
+            object.__setattr__(self, "payload", read_only(self.payload))
         for name in ("q", "dq", "ddq", "sign"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"motion.{name} has shape {getattr(self, name).shape}, expected {shape}")

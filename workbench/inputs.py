@@ -17,6 +17,7 @@ from workbench.suggest import did_you_mean
 if TYPE_CHECKING:
     from measurement.recording import Recording
     from symbolic.model import Model
+    from symbolic.payload import Payload
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,13 +51,14 @@ def load_model(path: str | None) -> Model:
 
 
 def load(args: argparse.Namespace) -> Inputs:
-    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff, --derivative."""
+    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff, --derivative, --payload."""
     model = load_model(getattr(args, "model", None))
     columns, units = merged(args.map, "--map"), merged(args.units, "--units")
     unseen = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, unseen)
-    recordings = tuple(read(path, columns, units) for path in args.recordings)
-    verify = tuple(read(path, columns, units) for path in unseen)
+    loads = payloads(getattr(args, "payload", []), [*args.recordings, *unseen])
+    recordings = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in args.recordings)
+    verify = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in unseen)
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
 
 
@@ -68,6 +70,50 @@ def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None
     for finding in recording.findings:
         if finding.severity != "info":
             warn(str(finding))
+    return recording
+
+
+def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:
+    """Return {path: its payloads} from texts such as run4.csv=2@0.35; UsageError where one names no recording of these.
+
+    A recording is named by its path or, where that is enough, by its file name.
+    """
+    found: dict[str, list[Payload]] = {}
+    for text in given:
+        name, _, load = text.rpartition("=")
+        if not name:
+            raise UsageError(
+                f"{text!r} is not FILE=KG@M", where="--payload", remedy="write for example run4.csv=2@0.35 (kg, m)"
+            )
+        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        if len(meant) != 1:
+            raise UsageError(
+                f"{name} is {'none' if not meant else 'more than one'} of the recordings given",
+                where="--payload",
+                remedy=did_you_mean(name, paths) or "name it as it is named among the recordings",
+            )
+        found.setdefault(meant[0], []).append(payload_of(load))
+    return found
+
+
+def payload_of(text: str) -> Payload:
+    """Return the payload that a text such as 2@0.35 or thigh:2@0.2 means; UsageError where it means none."""
+    from symbolic.payload import Payload
+
+    link, colon, load = text.rpartition(":")
+    mass, _, along = load.partition("@")
+    try:
+        numbers = float(mass), float(along)
+    except ValueError:
+        raise UsageError(
+            f"{text!r} is not KG@M", where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)"
+        ) from None
+    return Payload(*numbers, link if colon else "shank")
+
+
+def _loaded(recording: Recording, loads: Sequence[Payload]) -> Recording:
+    for load in loads:
+        recording = recording.with_payload(load.mass, load.along, load.link)
     return recording
 
 

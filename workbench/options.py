@@ -57,7 +57,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 
 
 def add_derivative(parser: argparse.ArgumentParser) -> None:
-    """Add --derivative: how velocities and accelerations come from angles."""
+    """Add --derivative, how velocities and accelerations come from angles, and --payload."""
+    parser.add_argument(
+        "--payload", metavar="FILE=KG@M", action="append", default=[],
+        help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
+        "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2",
+    )  # fmt: skip
     parser.add_argument(
         "--derivative", choices=("butterworth", "savgol", "fourier"), default="butterworth",
         help="how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose "

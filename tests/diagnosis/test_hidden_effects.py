@@ -8,7 +8,7 @@ import pytest
 from diagnosis.discover import discover
 from measurement.bench import simulate_runs
 from measurement.hidden import parse_hidden
-from measurement.leg import random_leg
+from measurement.leg import random_leg, standard_leg
 from symbolic.model import Model
 
 HIDDEN = (
@@ -50,6 +50,20 @@ def test_hidden_effect_is_found(text):
     assert len(named) == 1, f"more than was hidden: {found}"
     first, last = found.steps[0], found.steps[-1]
     assert np.min(last.verify_rms / first.verify_rms) < 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("joint", ["hip", "knee"])
+def test_a_known_mass_tells_whose_gain_is_wrong(joint):
+    hidden, leg = (parse_hidden(f"drive_gain:{joint}=0.08"),), standard_leg()
+    bare = [r.recording for r in simulate_runs(3, None, leg, effects=hidden, seed=5)]
+    heavy = simulate_runs(2, None, leg.with_payload(3.0, 0.35), effects=hidden, seed=6, name="heavy")
+    loaded = [r.recording.with_payload(3.0, 0.35) for r in heavy]
+    told = discover(Model.standard(), [*bare[:2], loaded[0]], [bare[2], loaded[1]])
+    assert [(a.name, a.look_alikes) for a in told.accepted] == [(f"drive_gain:{joint}", ())], told
+    (gain,) = told.accepted[0].parameters.values()
+    assert gain.low < 0.08 < gain.high
+    assert discover(Model.standard(), bare[:2], bare[2:]).verdict == "ambiguous"
 
 
 @pytest.mark.slow

@@ -33,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
+    parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the shank, M below the knee (2@0.35)")
     parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
     parser.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)")
     parser.add_argument("--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)")
@@ -51,7 +52,10 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError(f"--runs {args.runs} is not between 1 and 100")
     if args.trajectory and args.blind:
         raise UsageError("--trajectory and --blind exclude each other", remedy="blind runs draw motions of their own")
+    if args.payload and args.blind:
+        raise UsageError("--payload and --blind exclude each other", remedy="simulate the loaded runs without --blind")
     model = load_model(args.model)
+    leg = _loaded(standard_leg(), args.payload)
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, standard_leg().base, hidden)  # a wrong name is told before anything is written
     folder = Path(args.out or DEFAULT_FOLDER)
@@ -60,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
     if args.blind and not hidden:
         hidden = _draw(args.seed)
     with progress("simulating", quiet=args.quiet):
-        files, seal = _simulate(args, folder, model, hidden)
+        files, seal = _simulate(args, folder, model, leg, hidden)
     screen = Screen.of(args)
     for path in files:
         screen.say(f"wrote {path}")
@@ -77,7 +81,17 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _simulate(args: argparse.Namespace, folder: Path, model: Any, hidden: Any) -> tuple[list[Path], Path | None]:
+def _loaded(leg: Any, text: str | None) -> Any:
+    """Return `leg` with the payload that --payload names."""
+    from workbench.inputs import payload_of
+
+    load = payload_of(text) if text else None
+    return leg if load is None else leg.with_payload(load.mass, load.along, load.link)
+
+
+def _simulate(
+    args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any
+) -> tuple[list[Path], Path | None]:
     """Write the recordings, and the seal with --blind."""
     from measurement.bench import Bench, simulate_runs
     from measurement.blind import write_blind
@@ -92,7 +106,7 @@ def _simulate(args: argparse.Namespace, folder: Path, model: Any, hidden: Any) -
         from measurement.trajectory_file import read_trajectory
 
         path = read_trajectory(args.trajectory)
-    runs = simulate_runs(args.runs, model, effects=hidden, seed=args.seed, excitation=path, bench=bench)
+    runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
     return [write_recording(r.recording, folder / f"{r.recording.name}.csv") for r in runs], None
 
 

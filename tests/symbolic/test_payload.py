@@ -1,0 +1,87 @@
+"""A known mass on the leg: held against Newton and Euler's leg with that mass, and through the whole fit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from measurement.bench import Bench, simulate_runs
+from measurement.hidden import parse_hidden
+from measurement.leg import Leg, Segment, standard_leg
+from optimisation.identify import identify
+from symbolic import Model, Motion
+from symbolic.payload import Payload, PayloadError
+from tests import newton_euler
+
+OWN = newton_euler.Leg((9.0, 5.0), (0.14, 0.11), (0.18, 0.22))
+
+
+def loaded(link, mass, along):
+    """OWN with a point mass: one rigid body, by Steiner."""
+    k = ("thigh", "shank").index(link)
+    whole = OWN.m[k] + mass
+    centre = (OWN.m[k] * OWN.along[k] + mass * along) / whole
+    inertia = OWN.inertia[k] + OWN.m[k] * (OWN.along[k] - centre) ** 2 + mass * (along - centre) ** 2
+    change = lambda pair, value: tuple(value if j == k else old for j, old in enumerate(pair))  # noqa: E731
+    return replace(OWN, m=change(OWN.m, whole), along=change(OWN.along, centre), inertia=change(OWN.inertia, inertia))
+
+
+@settings(deadline=None)
+@given(st.sampled_from(["thigh", "shank"]), st.floats(0.1, 20.0), st.floats(-0.5, 0.9), st.integers(0, 10_000))
+def test_a_payload_is_newton_and_eulers(link, mass, along, seed):
+    q, dq, ddq = np.random.default_rng(seed).normal(size=(3, 4, 2))
+    payload = Payload(mass, along, link).numbers(OWN.length)
+    motion = Motion(np.arange(4) * 0.1, q, dq, ddq, payload=payload)
+    bare = np.concatenate([newton_euler.base_parameters(OWN), np.zeros(4)])
+    wanted = [newton_euler.torque(loaded(link, mass, along), *state) for state in zip(q, dq, ddq, strict=True)]
+    np.testing.assert_allclose(Model.standard().torque(motion, bare), wanted, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["load_friction:knee", "base_motion", "drive_gain:hip", "gravity_tilt", "time_delay:knee"]
+)
+def test_effects_act_on_the_torque_of_leg_and_payload(name):
+    model = Model.standard().with_effect(name)
+    rng = np.random.default_rng(2)
+    t = np.arange(200) * 0.01
+    wave = np.stack([np.sin(2.0 * t + k) for k in range(2)], axis=1)
+    payload = Payload(3.0, 0.3).numbers(model.thigh_length)
+    linear = np.concatenate([newton_euler.base_parameters(OWN), [4.0, 2.0, 3.0, 1.2], rng.random(8)])
+    linear = linear[: len(model.parameters)]
+    heavy = linear.copy()
+    heavy[:4] += payload
+    bare = Motion(t, wave, 2.0 * wave[::-1], -4.0 * wave)
+    with_payload = Motion(t, wave, 2.0 * wave[::-1], -4.0 * wave, payload=payload)
+    np.testing.assert_allclose(model.torque(with_payload, linear), model.torque(bare, heavy), rtol=1e-12)
+
+
+def test_the_bench_loads_a_leg_as_segments_would():
+    thigh, shank = Segment(9.5, 0.18, 0.14), Segment(6.0, 0.22, 0.11)
+    whole = shank.mass + 2.0
+    centre = (shank.mass * shank.com + 2.0 * 0.35) / whole
+    inertia = shank.inertia + shank.mass * (shank.com - centre) ** 2 + 2.0 * (0.35 - centre) ** 2
+    wanted = Leg.of("", thigh, Segment(whole, centre, inertia), (4.0, 2.0, 3.0, 1.2)).base
+    assert standard_leg().with_payload(2.0, 0.35).base == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("effect", [None, "load_friction:knee=0.2"])
+def test_loaded_and_bare_recordings_are_one_leg(effect):
+    hidden = () if effect is None else (parse_hidden(effect),)
+    bench, leg = Bench(duration=12.0), standard_leg()
+    bare = simulate_runs(1, None, leg, effects=hidden, seed=1, bench=bench)[0].recording
+    heavy = simulate_runs(1, None, leg.with_payload(4.0, 0.4), effects=hidden, seed=2, bench=bench)[0].recording
+    model = Model.standard() if effect is None else Model.standard().with_effect(hidden[0].name)
+    right = identify(model, [bare, heavy.with_payload(4.0, 0.4)])
+    wrong = identify(model, [bare, heavy])
+    assert right.linear[:3] == pytest.approx(leg.base[:3], rel=0.05)
+    assert wrong.rms.max() > 2.0 * right.rms.max()
+
+
+def test_payloads_that_cannot_be_are_refused():
+    for mass, along, link, word in ((0.0, 0.3, "shank", "kg"), (2.0, 350.0, "shank", "m"), (2.0, 0.3, "foot", "shank")):
+        with pytest.raises(PayloadError, match=word):
+            Payload(mass, along, link)
+    with pytest.raises(PayloadError):
+        Payload(float("nan"), 0.3)
