@@ -31,6 +31,9 @@ LEAST_ACTIVE = 0.003
 LEAST_SEEN = 0.01
 """Share of a column's squares on samples that are fitted: a Stribeck peak inside the speeds at which a joint may stick
 shows only in what the filter spreads, and would be credited with whatever is wrong there."""
+TANGENT_REACH = 2.0
+"""Times a bound that a tangent may reach: of a large delay or gain it only shows the direction and the order of size. The
+fit that follows keeps the bound itself."""
 PLACEBO_NODES = 100
 """Nodes at most in the search of a placebo; neighbouring nodes resemble each other."""
 TELEGRAPH = 3.0
@@ -123,10 +126,13 @@ def admissible(candidate: Candidate, coefficients: Float) -> np.ndarray:
     """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds."""
     effect = candidate.term.effect
     entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*effect.shape.values()][:1]
+    reach = TANGENT_REACH if candidate.tangent else 1.0
     ok = np.ones(len(coefficients), dtype=bool)
     for value, entry in zip(coefficients.T, entries, strict=True):
-        ok &= (value >= entry.min) if entry.min is not None else True
-        ok &= (value <= entry.max) if entry.max is not None else True
+        if entry.min is not None:
+            ok &= value >= entry.min * (reach if entry.min < 0.0 else 1.0 / reach)
+        if entry.max is not None:
+            ok &= value <= entry.max * (reach if entry.max > 0.0 else 1.0 / reach)
     return ok
 
 
