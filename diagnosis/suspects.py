@@ -32,8 +32,8 @@ LEAST_SEEN = 0.01
 """Share of a column's squares on samples that are fitted: a Stribeck peak inside the speeds at which a joint may stick
 shows only in what the filter spreads, and would be credited with whatever is wrong there."""
 TANGENT_REACH = 2.0
-"""Times a bound that a tangent may reach: of a large delay or gain it only shows the direction and the order of size. The
-fit that follows keeps the bound itself."""
+"""Times a bound that a tangent may reach: of a large delay or gain it only shows the direction and the order of size.
+The fit that follows keeps the bound itself."""
 PLACEBO_NODES = 100
 """Nodes at most in the search of a placebo; neighbouring nodes resemble each other."""
 TELEGRAPH = 3.0

@@ -134,7 +134,8 @@ class Recording:
         return (
             f"Recording({self.name!r}: {len(self)} samples, {self.duration:.4g} s at {self.rate:.4g} Hz, "
             f"{masked} rows masked, {len(self.findings)} findings"
-            + (f", warnings: {', '.join(worst)})" if worst else ")")
+            + (f", warnings: {', '.join(worst)}" if worst else "")
+            + (f", with {', '.join(map(str, self.payloads))})" if self.payloads else ")")
         )
 
 
