@@ -58,7 +58,7 @@ class Differing:
             side = "above" if self.value > 0.0 else "below"
             return (
                 f"{self.recording}: the {joint} torque lies {abs(self.value):.2g}{unit} {side} what the others say "
-                "(another zero of the sensor, another load?)"
+                "(another zero of the sensor, a load that --payload should name?)"
             )
         return (
             f"{self.recording}: {self.name} is {self.value:.3g} there, {self.others:.3g}{unit} in the others "

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from diagnosis.discover import discover
 from measurement.bench import Bench, simulate_runs
 from measurement.hidden import parse_hidden
 from measurement.leg import Leg, Segment, standard_leg
@@ -85,3 +86,13 @@ def test_payloads_that_cannot_be_are_refused():
             Payload(mass, along, link)
     with pytest.raises(PayloadError):
         Payload(float("nan"), 0.3)
+
+
+def test_a_load_that_was_not_named_is_what_differs():
+    bench, leg = Bench(duration=12.0), standard_leg()
+    bare = [run.recording for run in simulate_runs(3, None, leg, seed=1, bench=bench)]
+    heavy = simulate_runs(1, None, leg.with_payload(3.0, 0.35), seed=2, bench=bench, name="heavy")[0].recording
+    found = discover(Model.standard(), [*bare, heavy])
+    assert found.differing and {one.recording for one in found.differing} == {"heavy_0"}
+    named = discover(Model.standard(), [*bare, heavy.with_payload(3.0, 0.35)])
+    assert named.verdict == "adequate" and not named.differing
