@@ -33,12 +33,12 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
 from blind import KINDS, Case, cases, read_lines, simulated  # noqa: E402
 
-from diagnosis.candidates import Columns, build_library  # noqa: E402
-from diagnosis.present import present  # noqa: E402
-from diagnosis.score import match  # noqa: E402
-from measurement.leg import random_leg  # noqa: E402
-from optimisation.identify import identify  # noqa: E402
-from optimisation.prepare import Prepared, prepare  # noqa: E402
+from diagnosis.evidence.candidates import Columns, build_library  # noqa: E402
+from diagnosis.evidence.present import present  # noqa: E402
+from diagnosis.grading import match  # noqa: E402
+from measurement.bench.leg import random_leg  # noqa: E402
+from optimisation.fitting.identify import identify  # noqa: E402
+from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 
 MOST = 6
@@ -136,7 +136,7 @@ def run_case(case: Case) -> dict[str, Any]:
 
 def build_columns(candidate: Any, prepared: Prepared, model: Model, fit: Any) -> list[Columns]:
     """Return the columns of a candidate on every recording."""
-    from diagnosis.candidates import candidate_columns
+    from diagnosis.evidence.candidates import candidate_columns
 
     return [
         candidate_columns(candidate, rows, one, model, fit.linear, fit.shape)

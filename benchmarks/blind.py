@@ -44,17 +44,17 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
-from diagnosis.present import present  # noqa: E402
+from diagnosis.evidence.present import present  # noqa: E402
+from diagnosis.grading import match  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
-from diagnosis.score import match  # noqa: E402
-from measurement.bench import BenchError, Run, simulate_runs  # noqa: E402
-from measurement.blind import draw, relative_size  # noqa: E402
-from measurement.hidden import Hidden, true_model  # noqa: E402
-from measurement.leg import Leg, random_leg  # noqa: E402
-from measurement.signals import low_pass  # noqa: E402
-from measurement.trajectory import random_trajectory  # noqa: E402
-from optimisation.identify import identify  # noqa: E402
-from optimisation.prepare import prepare  # noqa: E402
+from measurement.bench.blind import draw, relative_size  # noqa: E402
+from measurement.bench.hidden import Hidden, true_model  # noqa: E402
+from measurement.bench.leg import Leg, random_leg  # noqa: E402
+from measurement.bench.simulation import BenchError, Run, simulate_runs  # noqa: E402
+from measurement.signals.conditioning import low_pass  # noqa: E402
+from measurement.trajectories.trajectory import random_trajectory  # noqa: E402
+from optimisation.fitting.identify import identify  # noqa: E402
+from optimisation.preparation.prepare import prepare  # noqa: E402
 from symbolic.catalogue import catalogue  # noqa: E402
 from symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
 from symbolic.model import Model  # noqa: E402

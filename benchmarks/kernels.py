@@ -35,8 +35,8 @@ def seconds(function, repeats: int) -> float:
 
 
 def problem(samples: int):
-    from symbolic.fitness import fitness
-    from symbolic.kernel import compiled
+    from symbolic.codegen.fitness import fitness
+    from symbolic.codegen.kernel import compiled
     from symbolic.model import Model
     from symbolic.motion import Motion
 
@@ -135,7 +135,7 @@ from symbolic.model import Model
 from symbolic.motion import Motion
 model = Model.standard(){effects}
 began = time.perf_counter()
-from symbolic.kernel import compiled, fitness
+from symbolic.codegen.kernel import compiled, fitness
 made = compiled(model)
 motion = Motion(numpy.arange(9) * 0.01, *(numpy.random.default_rng(k).normal(size=(9, 2)) for k in range(3)))
 loss = fitness(made.columns(motion), numpy.ones((2, 9))).sse(numpy.ones((1, len(model.parameters))))

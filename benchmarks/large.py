@@ -30,9 +30,9 @@ STAGES = ("import", "read", "prepare", "identify")
 
 def write(folder: Path, minutes: int, formats: list[str]) -> None:
     """Write the recording in each format; text goes out a minute at a time."""
-    from measurement.bench import Bench, run
-    from measurement.sensors import Sensors
-    from measurement.trajectory import random_trajectory
+    from measurement.bench.sensors import Sensors
+    from measurement.bench.simulation import Bench, run
+    from measurement.trajectories.trajectory import random_trajectory
 
     path = random_trajectory(np.random.default_rng(3), period=PERIOD)
     true = run(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
@@ -80,9 +80,9 @@ def peak() -> float:
 
 def stage(name: str, path: Path) -> None:
     """Run the work up to the stage `name` and print the seconds it took, the peak memory in MB, and what came out."""
-    from measurement.read import read_recording
-    from optimisation.identify import identify
-    from optimisation.prepare import prepare
+    from measurement.reading.read import read_recording
+    from optimisation.fitting.identify import identify
+    from optimisation.preparation.prepare import prepare
     from symbolic.model import Model
 
     said = ""

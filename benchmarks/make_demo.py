@@ -1,7 +1,7 @@
 """Write the recordings that `exoid demo` ships, or check that the bench still makes the shipped ones.
 
-    python benchmarks/make_demo.py            write workbench/demo_data/
-    python benchmarks/make_demo.py --check    compare byte for byte, exit status 1 where they differ
+python benchmarks/make_demo.py            write workbench/demo_data/
+python benchmarks/make_demo.py --check    compare byte for byte, exit status 1 where they differ
 """
 
 import sys
@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from measurement.demo import write_demo  # noqa: E402 - the repository must be on the path first
+from measurement.bench.demo import write_demo  # noqa: E402 - the repository must be on the path first
 
 SHIPPED = ROOT / "workbench" / "demo_data"
 

@@ -15,8 +15,8 @@ sys.path.insert(0, str(ROOT))
 
 from symbolic.catalogue import catalogue  # noqa: E402 - the repository must be on the path first
 from symbolic.effect import Coefficient, Effect, Shape  # noqa: E402
+from symbolic.identifiability import never_separable  # noqa: E402
 from symbolic.model import Model  # noqa: E402
-from symbolic.structure import never_separable  # noqa: E402
 from workbench.commands.effects import joints  # noqa: E402
 from workbench.formula import formula  # noqa: E402
 

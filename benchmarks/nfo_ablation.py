@@ -20,11 +20,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from optimisation.contest import Contest, Outcome, paper_contest, race  # noqa: E402
-from optimisation.identify import Search  # noqa: E402
+from optimisation.contest.problem import Contest, Outcome, paper_contest, race  # noqa: E402
+from optimisation.fitting.identify import Search  # noqa: E402
+from optimisation.linear.problem import Problem  # noqa: E402
 from optimisation.optimiser import minimise  # noqa: E402
 from optimisation.optimisers.nfo import NFO  # noqa: E402
-from optimisation.problem import Problem  # noqa: E402
 
 SEEDS = 20
 CLOSE = 1e-12

@@ -17,10 +17,10 @@ import numpy as np  # noqa: E402 - the repository must be on the path first
 import paper_experiments as paper  # noqa: E402
 import paper_figures as figures  # noqa: E402
 
-from measurement.extremes import shortest_period  # noqa: E402
-from measurement.figures import to_png  # noqa: E402
+from ground.figures import to_png  # noqa: E402
 from measurement.plots import plot_trajectory  # noqa: E402
-from measurement.trajectory import paper_trajectory  # noqa: E402
+from measurement.trajectories.extremes import shortest_period  # noqa: E402
+from measurement.trajectories.trajectory import paper_trajectory  # noqa: E402
 from symbolic.model import TABLE_1  # noqa: E402
 
 DOCS = ROOT / "docs"

@@ -12,22 +12,22 @@ from typing import Any
 
 import numpy as np
 
-from measurement.bench import Bench, Run
-from measurement.bench import run as run_bench
-from measurement.leg import paper_leg
-from measurement.signals import derivatives, low_pass
-from measurement.trajectory import CENTRE, Fourier, largest_scale, paper_trajectory, within
-from optimisation.certificate import Certificate, certify
-from optimisation.excitation import design
-from optimisation.excitation_result import Excitation
-from optimisation.fitness import population_fitness
-from optimisation.identify import identify
-from optimisation.linear import delta_rule, solve_huber, solve_sse
+from measurement.bench.leg import paper_leg
+from measurement.bench.simulation import Bench, Run
+from measurement.bench.simulation import run as run_bench
+from measurement.signals.conditioning import derivatives, low_pass
+from measurement.trajectories.trajectory import CENTRE, Fourier, largest_scale, paper_trajectory, within
+from optimisation.excitation.design import design
+from optimisation.excitation.result import Excitation
+from optimisation.fitting.identify import identify
+from optimisation.linear.certificate import Certificate, certify
+from optimisation.linear.fitness import population_fitness
+from optimisation.linear.problem import LinearData, Problem, huber_problem
+from optimisation.linear.reference import Reference, solve_reference
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
-from optimisation.problem import LinearData, Problem, huber_problem
-from optimisation.reference import Reference, solve_reference
 from symbolic.model import TABLE_1, Model
 from symbolic.motion import Motion
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from paper_experiments import ERRORS, Curves, Fits, Search
 
-from measurement.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
+from ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:

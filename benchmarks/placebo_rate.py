@@ -23,13 +23,13 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.candidates import Columns, build_library  # noqa: E402 - the repository must be on the path first
-from diagnosis.present import present  # noqa: E402
-from diagnosis.suspects import placebo, weigh  # noqa: E402
-from measurement.read import read_recording  # noqa: E402
+from diagnosis.evidence.candidates import Columns, build_library  # noqa: E402 - the repository must be on the path first
+from diagnosis.evidence.present import present  # noqa: E402
+from diagnosis.evidence.suspects import placebo, weigh  # noqa: E402
+from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from optimisation.identify import identify  # noqa: E402
-from optimisation.prepare import prepare  # noqa: E402
+from optimisation.fitting.identify import identify  # noqa: E402
+from optimisation.preparation.prepare import prepare  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 from symbolic.motion import Float  # noqa: E402
 

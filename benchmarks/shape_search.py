@@ -24,17 +24,17 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from measurement.bench import Bench, simulate_runs  # noqa: E402 - the repository must be on the path first
-from measurement.hidden import parse_hidden  # noqa: E402
-from measurement.leg import standard_leg  # noqa: E402
-from optimisation.assemble import Assembly, settle  # noqa: E402
-from optimisation.linear import delta_rule, solve_huber, solve_sse  # noqa: E402
-from optimisation.loss import huber  # noqa: E402
+from ground.errors import ExpressionError  # noqa: E402
+from measurement.bench.hidden import parse_hidden  # noqa: E402
+from measurement.bench.leg import standard_leg  # noqa: E402
+from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402 - the repository must be on the path first
+from optimisation.fitting.assemble import Assembly, settle  # noqa: E402
+from optimisation.fitting.shapes import SAME, STARTS, ShapeMethod, search_shape  # noqa: E402
+from optimisation.linear.loss import huber  # noqa: E402
+from optimisation.linear.problem import LinearData  # noqa: E402
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse  # noqa: E402
 from optimisation.optimisers import optimisers  # noqa: E402
-from optimisation.prepare import prepare  # noqa: E402
-from optimisation.problem import LinearData  # noqa: E402
-from optimisation.shape_search import SAME, STARTS, ShapeMethod, search_shape  # noqa: E402
-from symbolic.errors import ExpressionError  # noqa: E402
+from optimisation.preparation.prepare import prepare  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 from symbolic.motion import Float  # noqa: E402
 

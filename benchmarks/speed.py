@@ -26,8 +26,8 @@ def process(code: str):
 
 def main() -> None:
     from diagnosis.discover import discover
-    from measurement.bench import Bench, run
-    from measurement.read import read_recording
+    from measurement.bench.simulation import Bench, run
+    from measurement.reading.read import read_recording
     from symbolic.model import Model
 
     bare = seconds(process("pass"))

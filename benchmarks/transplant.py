@@ -38,15 +38,15 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 import blind  # noqa: E402 - the repository must be on the path first
 
 from diagnosis.discover import discover  # noqa: E402
-from diagnosis.score import match  # noqa: E402
-from measurement.blind import draw  # noqa: E402
-from measurement.hidden import Hidden, true_model  # noqa: E402
-from measurement.leg import Leg  # noqa: E402
-from measurement.read import read_recording  # noqa: E402
+from diagnosis.grading import match  # noqa: E402
+from measurement.bench.blind import draw  # noqa: E402
+from measurement.bench.hidden import Hidden, true_model  # noqa: E402
+from measurement.bench.leg import Leg  # noqa: E402
+from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from measurement.signals import derivatives, even_clock, low_pass, widen  # noqa: E402
-from optimisation.identify import identify  # noqa: E402
-from optimisation.prepare import STICK, STICK_REACH, prepare  # noqa: E402
+from measurement.signals.conditioning import derivatives, even_clock, low_pass, widen  # noqa: E402
+from optimisation.fitting.identify import identify  # noqa: E402
+from optimisation.preparation.prepare import STICK, STICK_REACH, prepare  # noqa: E402
 from symbolic.catalogue import catalogue  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 from symbolic.motion import Float, Motion  # noqa: E402

@@ -5,13 +5,13 @@ In a notebook: `from diagnosis import compare, discover, watch`; `found = discov
 
 from typing import TYPE_CHECKING
 
-from symbolic.lazy import lend
+from ground.lazy import lend
 
 if TYPE_CHECKING:
     from diagnosis.compare import compare
     from diagnosis.discover import diagnose, discover
     from diagnosis.extend import add, watch
-    from diagnosis.separate import separate
+    from diagnosis.separation.design import separate
 
 __all__ = ["add", "compare", "diagnose", "discover", "separate", "watch"]
 
@@ -22,7 +22,7 @@ lend(
         "compare": "diagnosis.compare",
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",
-        "separate": "diagnosis.separate",
+        "separate": "diagnosis.separation.design",
         "watch": "diagnosis.extend",
     },
 )

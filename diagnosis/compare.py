@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.present import Present, present
-from diagnosis.unexplained import VARIABLES, Remainder, remainders
-from measurement.derivatives import BUTTERWORTH
+from diagnosis.evidence.present import Present, present
+from diagnosis.evidence.remainder import VARIABLES, Remainder, remainders
+from ground.html import table
 from measurement.finding import Finding
 from measurement.recording import Recording
-from optimisation.fit import Fit
-from optimisation.identify import identify
-from optimisation.prepare import Prepared, prepare
-from symbolic.html import table
+from measurement.signals.derivatives import BUTTERWORTH
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS

@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import cast
 
-from diagnosis.by_recording import differing
-from diagnosis.candidates import build_library
+from diagnosis.evidence.candidates import build_library
+from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.stretches import searched, stretches
+from diagnosis.evidence.suspects import Score
 from diagnosis.results import Accepted, Diagnosis, Step, Suspect
-from diagnosis.search import MOST_TERMS, Progress, Search, Stage
-from diagnosis.stretches import searched, stretches
-from diagnosis.suspects import Score
-from diagnosis.unexplained import Remainder
+from diagnosis.search.engine import MOST_TERMS, Progress, Search, Stage
 from diagnosis.verdict import biased_parameters, conclude, sentence_of
-from measurement.derivatives import BUTTERWORTH
 from measurement.recording import Recording
-from optimisation.fit import Fit
-from optimisation.prepare import Prepared, prepare
+from measurement.signals.derivatives import BUTTERWORTH
+from optimisation.fitting.fit import Fit
+from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.present import Present, present
+from diagnosis.evidence.present import Present, present
 from diagnosis.results import Step, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
-from measurement.derivatives import BUTTERWORTH
+from ground.html import bullets, lines
 from measurement.recording import Recording
-from optimisation.fit import Fit
-from optimisation.identify import identify
-from optimisation.prepare import Prepared, prepare
+from measurement.signals.derivatives import BUTTERWORTH
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared, prepare
+from symbolic.codegen.kernel import compiled
 from symbolic.effect import Effect
-from symbolic.html import bullets, lines
-from symbolic.kernel import compiled
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS

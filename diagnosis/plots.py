@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.present import Present, filtered_torque
-from diagnosis.unexplained import VARIABLES, Remainder
-from measurement.figures import (
+from diagnosis.evidence.present import Present, filtered_torque
+from diagnosis.evidence.remainder import VARIABLES, Remainder
+from ground.figures import (
     FAINT,
     INK,
     JOINT_COLOURS,

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.by_recording import Differing
-from diagnosis.unexplained import Remainder
+from diagnosis.evidence.consistency import Differing
+from diagnosis.evidence.remainder import Remainder
+from ground.html import lines, table
 from measurement.finding import Finding
-from optimisation.fit import Fit
-from symbolic.html import lines, table
+from optimisation.fitting.fit import Fit
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate

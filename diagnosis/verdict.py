@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from diagnosis.evidence.remainder import Remainder
 from diagnosis.results import Accepted
-from diagnosis.unexplained import Remainder
-from optimisation.fit import Fit
+from optimisation.fitting.fit import Fit
 from symbolic.catalogue import catalogue
 from symbolic.quantity import Estimate
 from symbolic.term import Term
 
 if TYPE_CHECKING:
-    from diagnosis.search import Stage
+    from diagnosis.search.engine import Stage
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ In a notebook: `from measurement import read_recording`; `run = read_recording("
 
 from typing import TYPE_CHECKING
 
-from symbolic.lazy import lend
+from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from measurement.bench import Bench, simulate_runs
+    from measurement.bench.simulation import Bench, simulate_runs
     from measurement.finding import Finding
-    from measurement.read import read_recording
+    from measurement.reading.read import read_recording
     from measurement.recording import Recording
 
 __all__ = ["Bench", "Finding", "Recording", "read_recording", "simulate_runs"]
@@ -18,10 +18,10 @@ __all__ = ["Bench", "Finding", "Recording", "read_recording", "simulate_runs"]
 lend(
     __name__,
     {
-        "Bench": "measurement.bench",
+        "Bench": "measurement.bench.simulation",
         "Finding": "measurement.finding",
         "Recording": "measurement.recording",
-        "read_recording": "measurement.read",
-        "simulate_runs": "measurement.bench",
+        "read_recording": "measurement.reading.read",
+        "simulate_runs": "measurement.bench.simulation",
     },
 )

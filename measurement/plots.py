@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from measurement.figures import JOINT_COLOURS, ROLE_COLOURS, figure_style, label, new_figure
+from ground.figures import JOINT_COLOURS, ROLE_COLOURS, figure_style, label, new_figure
 from symbolic.model import TABLE_1, Limits
 from symbolic.quantity import JOINTS
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from measurement.recording import Recording
-    from measurement.trajectory import Fourier
+    from measurement.trajectories.trajectory import Fourier
 
 
 def plot_recording(recording: Recording) -> Figure:

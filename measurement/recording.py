@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.errors import RecordingError
+from ground.files import write_whole
+from ground.html import bullets, lines, table
 from measurement.finding import Finding
-from symbolic.errors import RecordingError
-from symbolic.files import write_whole
-from symbolic.html import bullets, lines, table
+from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
-from symbolic.payload import Payload
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,26 +5,26 @@ In a notebook: `from optimisation import identify, prepare`; `fit = identify(leg
 
 from typing import TYPE_CHECKING
 
-from symbolic.lazy import lend
+from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from optimisation.excitation import design, evaluate, evaluate_paper
-    from optimisation.fit import Fit
-    from optimisation.identify import identify
-    from optimisation.prepare import prepare
-    from optimisation.rivals import rivals
+    from optimisation.contest.rivals import rivals
+    from optimisation.excitation.design import design, evaluate, evaluate_paper
+    from optimisation.fitting.fit import Fit
+    from optimisation.fitting.identify import identify
+    from optimisation.preparation.prepare import prepare
 
 __all__ = ["Fit", "design", "evaluate", "evaluate_paper", "identify", "prepare", "rivals"]
 
 lend(
     __name__,
     {
-        "Fit": "optimisation.fit",
-        "design": "optimisation.excitation",
-        "evaluate": "optimisation.excitation",
-        "evaluate_paper": "optimisation.excitation",
-        "identify": "optimisation.identify",
-        "prepare": "optimisation.prepare",
-        "rivals": "optimisation.rivals",
+        "Fit": "optimisation.fitting.fit",
+        "design": "optimisation.excitation.design",
+        "evaluate": "optimisation.excitation.design",
+        "evaluate_paper": "optimisation.excitation.design",
+        "identify": "optimisation.fitting.identify",
+        "prepare": "optimisation.preparation.prepare",
+        "rivals": "optimisation.contest.rivals",
     },
 )

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from optimisation.problem import Problem
-from symbolic.html import table
+from ground.html import table
+from optimisation.linear.problem import Problem
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ class Run:
 
     def plot(self, optimum: float | None = None) -> Figure:
         """Draw the best fitness against evaluations; above `optimum` where one is known."""
-        from optimisation.plots import plot_run
+        from optimisation.fitting.plots import plot_run
 
         return plot_run(self, optimum)
 

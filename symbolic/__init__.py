@@ -5,7 +5,7 @@ In a notebook: `from symbolic import Model`; `leg = Model.standard().with_effect
 
 from typing import TYPE_CHECKING
 
-from symbolic.lazy import lend
+from ground.lazy import lend
 
 if TYPE_CHECKING:
     from symbolic.effect import Coefficient, Effect, Shape

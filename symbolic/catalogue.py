@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
+from ground.errors import EffectError
 from symbolic import effects
 from symbolic.effect import Effect
-from symbolic.errors import EffectError
 from symbolic.term import Term
 
 FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drift", "contact", "base")

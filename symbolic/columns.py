@@ -14,10 +14,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from symbolic.friction import FRICTION
+from symbolic.language.torque import Torque, is_transform, own_names, torques, uses_feedback
+from symbolic.mechanics.friction import FRICTION
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
-from symbolic.torque import Torque, is_transform, own_names, torques, uses_feedback
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -30,7 +30,7 @@ BASE = RIGID + len(FRICTION)
 
 def needs_reference(model: Model) -> bool:
     """Whether some column depends on the linear parameters themselves."""
-    from symbolic.kernel import compiled
+    from symbolic.codegen.kernel import compiled
 
     if any(uses_feedback(term) for term in model.terms):
         return True
@@ -75,7 +75,7 @@ def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float
     """Return the columns (J, N, m) of the model's last effect alone, one that changes the mechanism; arguments as of
     `columns`.
     """
-    from symbolic.kernel import compiled
+    from symbolic.codegen.kernel import compiled
 
     count = len(model.terms[-1].effect.coefficients)
     if any(is_transform(term) for term in model.terms):
@@ -94,7 +94,7 @@ LONGEST_KEPT = 400_000
 
 def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapping[str, float]) -> None:
     """Write the columns of mechanism and friction into `out`."""
-    from symbolic.kernel import compiled
+    from symbolic.codegen.kernel import compiled
 
     chosen = base_places(model)
     if not model.derived and len(motion) <= LONGEST_KEPT:
@@ -187,7 +187,7 @@ def evaluate(torque: Torque, env: dict[str, Float | float], motion: Motion, coun
     With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N); for texts
     without memory.
     """
-    from symbolic.lower import to_numpy
+    from symbolic.language.lower import to_numpy
 
     own = {word: env[canonical] for word, canonical in own_names(torque.joint).items() if canonical in env}
     values = to_numpy(torque.node, {**env, **own}, own_signs(motion, torque.joint))

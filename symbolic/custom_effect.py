@@ -9,12 +9,12 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.language.torque import OWN
+from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from symbolic.quantity import JOINTS
-from symbolic.torque import OWN
-from symbolic.tree import CONSTANTS, FUNCTIONS, OPERATORS
 
 if TYPE_CHECKING:
-    from symbolic.toml_reader import Table
+    from ground.toml_reader import Table
 
 FIELDS = (
     "id", "joint", "torque", "coefficients", "shape", "explains", "title", "family", "tells_apart", "reference",
@@ -27,8 +27,8 @@ RESERVED = frozenset(("t", *CONSTANTS, *FUNCTIONS, *OPERATORS, *OWN, *(f"{word}{
 def read_custom_effect(entry: Table) -> Effect:
     """Return the effect a table defines; ModelFileError, EffectError or ExpressionError where it cannot be one."""
     from symbolic.catalogue import FAMILIES, catalogue
+    from symbolic.language.torque import check_term
     from symbolic.term import Term
-    from symbolic.torque import check_term
 
     if "derive" in entry.values:
         remedy = "write a Python file in symbolic/effects/ with derive(mechanism, symbols)"

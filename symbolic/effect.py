@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from symbolic.html import code, lines, table
+from ground.html import code, lines, table
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symbolic.columns import environment, feedback, own_signs, shape_values, shaped
+from symbolic.language.instant import Operation, separate
+from symbolic.language.torque import FEEDBACK, torques
 from symbolic.motion import Float, Motion
-from symbolic.separate import Operation, separate
-from symbolic.torque import FEEDBACK, torques
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -35,8 +35,8 @@ def memory_signals(
     `base_columns` gives the columns (J, N, P) from which the model's own torque is computed where a text
     feeds it to an operator.
     """
-    from symbolic.lower import to_numpy
-    from symbolic.operators import MEMORY
+    from symbolic.language.lower import to_numpy
+    from symbolic.language.operators import MEMORY
 
     operations = memory_operations(model)
     values = np.zeros((len(motion), len(operations)))

@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.errors import EffectError
+from ground.html import lines, table
 from symbolic.effect import Effect
-from symbolic.errors import EffectError
-from symbolic.friction import friction_parameters
-from symbolic.html import lines, table
+from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float, Motion
 from symbolic.term import Parameter, ShapeParameter, Term
 
 if TYPE_CHECKING:
-    from symbolic.mechanism import Mechanism
+    from symbolic.mechanics.mechanism import Mechanism
 
 INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
 """Base parameters of the rigid leg, kg·m²; what they are made of is derived in regressor.py."""
@@ -83,7 +83,7 @@ class Model:
 
         EffectError where there is no such effect, not at that joint, or where the model has it already.
         """
-        from symbolic.torque import check_term
+        from symbolic.language.torque import check_term
 
         if isinstance(effect, str):
             name, _, place = effect.partition(":")
@@ -144,7 +144,7 @@ class Model:
     @property
     def mechanism(self) -> Mechanism:
         """The mechanism in symbols, with the changes its derived terms make."""
-        from symbolic.rigid import rigid
+        from symbolic.mechanics.rigid import rigid
 
         return rigid(self.derived).mechanism
 
@@ -177,7 +177,7 @@ class Model:
 
     def key(self) -> str:
         """Return the content hash of the model: equal for equal models, in any process."""
-        from symbolic.fingerprint import model_key
+        from symbolic.codegen.fingerprint import model_key
 
         return model_key(self)
 

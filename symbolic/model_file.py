@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
+from ground.files import write_whole
+from ground.toml_reader import Table
 from symbolic.effect import Effect
-from symbolic.errors import EffectError, ExoidError, ExpressionError, ModelFileError
-from symbolic.files import write_whole
 from symbolic.model import TABLE_1, Limits, Model
 from symbolic.quantity import JOINTS
-from symbolic.toml_reader import Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -23,7 +23,7 @@ class Motion:
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
-    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.payload`), None where there were none.
+    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.mechanics.payload`), None where there were none.
     """
 
     t: Float

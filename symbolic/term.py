@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
+from ground.errors import EffectError
 from symbolic.effect import Effect, Shape
-from symbolic.errors import EffectError
 from symbolic.quantity import JOINTS
 
 
@@ -100,14 +100,11 @@ class Term:
     @cached_property
     def shapes(self) -> tuple[ShapeParameter, ...]:
         """The term's shape parameters, in the order of the effect."""
-        return tuple(
-            ShapeParameter(f"{self.name}.{key}", shape, self.name) for key, shape in self.effect.shape.items()
-        )
+        return tuple(ShapeParameter(f"{self.name}.{key}", shape, self.name) for key, shape in self.effect.shape.items())
 
     @property
     def texts(self) -> Iterator[tuple[int, str]]:
-        """Yield (joint index, torque text) of every joint the effect acts on; nothing for a derived effect.
-        """
+        """Yield (joint index, torque text) of every joint the effect acts on; nothing for a derived effect."""
         torque = self.effect.torque
         if isinstance(torque, str):
             yield JOINTS.index(str(self.joint)), torque

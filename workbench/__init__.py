@@ -5,7 +5,7 @@ In a notebook: `from workbench import main`; `main(["demo", "--out", "report"])`
 
 from typing import TYPE_CHECKING
 
-from symbolic.lazy import lend
+from ground.lazy import lend
 
 if TYPE_CHECKING:
     from workbench.command import main

@@ -15,11 +15,11 @@ import warnings
 from collections.abc import Mapping, Sequence
 from types import ModuleType
 
-from symbolic.errors import ExoidError
+from ground.errors import ExoidError
+from ground.suggest import did_you_mean
 from workbench import commands
-from workbench.encoding import install
-from workbench.parser import Parser, UsageError
-from workbench.suggest import did_you_mean
+from workbench.command_line.parser import Parser, UsageError
+from workbench.terminal.encoding import install
 
 DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED = 0, 1, 2, 70, 130
 

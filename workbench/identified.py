@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.errors import ExoidError
+from ground.errors import ExoidError
 from symbolic.model import Model
 from symbolic.model_file import Numbers, read_model, read_numbers
 
@@ -88,8 +88,8 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     """Put `numbers` into `model`; ExportError for a number that is missing or not finite."""
     import casadi as ca
 
-    from symbolic.code import functions
-    from symbolic.equation import model_expressions
+    from symbolic.codegen.code import functions
+    from symbolic.codegen.equation import model_expressions
 
     linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
     shape = _complete([s.name for s in model.shapes], numbers.shape, "shape", where)

@@ -12,8 +12,6 @@ import pytest
 PACKAGES = ("symbolic", "measurement", "optimisation", "diagnosis", "workbench")
 HEAVY = ("numpy", "sympy", "casadi", "scipy", "pandas", "matplotlib")
 SHADOWED = [
-    ("optimisation", "identify"),
-    ("optimisation", "prepare"),
     ("diagnosis", "compare"),
     ("diagnosis", "discover"),
 ]

@@ -5,9 +5,9 @@ import os
 import numpy as np
 import pytest
 
-from measurement.read import read_recording
+from ground.errors import RecordingError
+from measurement.reading.read import read_recording
 from measurement.recording import Recording, write_recording
-from symbolic.errors import RecordingError
 
 HEADER = "t,q1,q2,tau1,tau2"
 T = np.arange(800) * 0.01

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ground.errors import EffectError
 from symbolic.catalogue import catalogue, find_effect
-from symbolic.effect_check import allowed_names, texts
-from symbolic.errors import EffectError
-from symbolic.expression import parse
-from symbolic.lower import to_numpy
+from symbolic.effect_declaration import allowed_names, texts
+from symbolic.language.lower import to_numpy
+from symbolic.language.parser import parse
 from symbolic.term import Term
 
 WITH_TEXT = [effect for effect in catalogue().values() if effect.torque is not None]

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.by_recording import differing
-from diagnosis.present import present
-from measurement.bench import simulate_runs
-from measurement.hidden import parse_hidden
-from measurement.leg import standard_leg
-from optimisation.identify import identify
-from optimisation.prepare import prepare
+from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.present import present
+from measurement.bench.hidden import parse_hidden
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import simulate_runs
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 
 MODEL = Model.standard().with_effect("viscous_quadratic:knee")

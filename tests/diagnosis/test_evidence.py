@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.candidates import Columns
-from diagnosis.evidence import Block, Evidence
+from diagnosis.evidence.candidates import Columns
+from diagnosis.evidence.gain import Block, Evidence
 
 
 def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> Block:
@@ -107,8 +107,8 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
 
 def test_noise_is_called_significant_as_often_as_it_should_be():
     """Pure noise against placebos of itself: the p-value is uniform."""
-    from diagnosis.candidates import Candidate
-    from diagnosis.suspects import Score, placebo
+    from diagnosis.evidence.candidates import Candidate
+    from diagnosis.evidence.suspects import Score, placebo
     from symbolic.catalogue import find_effect
     from symbolic.term import Term
 

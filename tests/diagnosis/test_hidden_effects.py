@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from diagnosis.discover import discover
-from measurement.bench import simulate_runs
-from measurement.hidden import parse_hidden
-from measurement.leg import random_leg, standard_leg
+from measurement.bench.hidden import parse_hidden
+from measurement.bench.leg import random_leg, standard_leg
+from measurement.bench.simulation import simulate_runs
 from symbolic.model import Model
 
 HIDDEN = (

@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from diagnosis.score import ScoreError, match, score
-from measurement.seal import HiddenTruth, Truth, write_seal
+from diagnosis.grading import ScoreError, match, score
+from measurement.bench.seal import HiddenTruth, Truth, write_seal
 from workbench.command import main
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.apart import Truth, distance, planned, residual_noise
-from diagnosis.same_torque import same_torques
-from diagnosis.separate import SeparateError, separate
-from measurement.bench import simulate
-from measurement.hidden import Hidden
-from measurement.trajectory import random_trajectory
-from optimisation.criteria import Noise
-from optimisation.identify import identify
-from optimisation.nominal import nominal
-from optimisation.prepare import prepare
+from diagnosis.separation.design import SeparateError, separate
+from diagnosis.separation.distance import Truth, distance, planned, residual_noise
+from diagnosis.separation.indistinguishable import same_torques
+from measurement.bench.hidden import Hidden
+from measurement.bench.simulation import simulate
+from measurement.trajectories.trajectory import random_trajectory
+from optimisation.excitation.criteria import Noise
+from optimisation.fitting.identify import identify
+from optimisation.fitting.nominal import nominal
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 
 LEG = Model.standard()

@@ -9,7 +9,7 @@ import pytest
 
 from diagnosis.discover import discover
 from diagnosis.extend import add
-from measurement.read import read_recording
+from measurement.reading.read import read_recording
 from symbolic.model import Model
 
 

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 import workbench
-from measurement.bench import Bench, BenchError, run, simulate, simulate_runs
-from measurement.blind import SEAL, draw, relative_size, write_blind
-from measurement.controller import Controller
-from measurement.demo import write_demo
-from measurement.hidden import Hidden, parse_hidden, true_model
-from measurement.leg import paper_leg, random_leg, standard_leg
+from ground.errors import EffectError, ExoidError
+from measurement.bench.blind import SEAL, draw, relative_size, write_blind
+from measurement.bench.controller import Controller
+from measurement.bench.demo import write_demo
+from measurement.bench.hidden import Hidden, parse_hidden, true_model
+from measurement.bench.leg import paper_leg, random_leg, standard_leg
+from measurement.bench.seal import open_seal
+from measurement.bench.sensors import Sensors
+from measurement.bench.simulation import Bench, BenchError, run, simulate, simulate_runs
+from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import to_csv
-from measurement.seal import open_seal
-from measurement.sensors import Sensors
-from measurement.trajectory import paper_trajectory
-from measurement.wearer import Wearer, cuff_force, cuff_torque
+from measurement.trajectories.trajectory import paper_trajectory
 from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.errors import EffectError, ExoidError
 from symbolic.model import TABLE_1, Model
 
 SHORT = Bench(duration=4.0)

@@ -5,10 +5,10 @@ it.
 import numpy as np
 import pytest
 
-from measurement.bench import Bench, run
-from measurement.equation import belongs_to_channel
-from measurement.hidden import Hidden
-from measurement.sensors import Sensors
+from measurement.bench.equation import belongs_to_channel
+from measurement.bench.hidden import Hidden
+from measurement.bench.sensors import Sensors
+from measurement.bench.simulation import Bench, run
 from symbolic.catalogue import catalogue
 
 IDEAL = Bench(duration=5.0, lead_in=0.0, sensors=Sensors.ideal())

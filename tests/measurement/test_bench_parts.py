@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from measurement.controller import Controller
-from measurement.leg import Leg, LegError, Segment, paper_leg, random_leg, standard_leg
-from measurement.sensors import Sensors
-from measurement.trajectory import (
+from ground.errors import ExoidError
+from measurement.bench.controller import Controller
+from measurement.bench.leg import Leg, LegError, Segment, paper_leg, random_leg, standard_leg
+from measurement.bench.sensors import Sensors
+from measurement.trajectories.trajectory import (
     Fourier,
     TrajectoryError,
     largest_scale,
@@ -16,7 +17,6 @@ from measurement.trajectory import (
     random_trajectory,
     within,
 )
-from symbolic.errors import ExoidError
 from symbolic.model import TABLE_1
 
 

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from measurement.bench import integrate
-from measurement.leg import standard_leg
-from measurement.plant import Equation, Symbols, friction_impulse, step_function
+from measurement.bench.leg import standard_leg
+from measurement.bench.plant import Equation, Symbols, friction_impulse, step_function
+from measurement.bench.simulation import integrate
 
 DT, G, LEG = 1e-3, 9.81, standard_leg()
 COULOMB = (4.0, 3.0)

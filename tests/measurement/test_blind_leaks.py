@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from measurement.bench import Bench
-from measurement.blind import write_blind
-from measurement.hidden import Hidden
-from measurement.read import read_recording
+from measurement.bench.blind import write_blind
+from measurement.bench.hidden import Hidden
+from measurement.bench.simulation import Bench
+from measurement.reading.read import read_recording
 from symbolic.catalogue import catalogue
 
 SHORT = Bench(duration=4.0)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tables import HEADER, leg, text
 
-from measurement.columns import recognise
-from measurement.read import read_recording
-from measurement.units import factor
+from measurement.reading.columns import recognise
+from measurement.reading.read import read_recording
+from measurement.reading.units import factor
 
 NAMES = {
     "q1": "q1",

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from measurement.bench import Bench, simulate_runs
-from measurement.derivatives import METHODS, find_period, fourier, savgol
-from measurement.leg import standard_leg
+from ground.errors import RecordingError
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import Bench, simulate_runs
 from measurement.recording import Recording
-from measurement.signals import even_clock
-from measurement.trajectory import random_trajectory
-from optimisation.identify import identify
-from optimisation.prepare import prepare
-from symbolic.errors import RecordingError
+from measurement.signals.conditioning import even_clock
+from measurement.signals.derivatives import METHODS, find_period, fourier, savgol
+from measurement.trajectories.trajectory import random_trajectory
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 from workbench.command import main
 

@@ -4,15 +4,15 @@ quiet about clean ones."""
 import numpy as np
 import pytest
 
-from measurement.audit import audit
-from measurement.bench import simulate_runs
-from measurement.columns import assign
-from measurement.leg import random_leg
-from measurement.raw import RawColumn, RawTable
+from ground.errors import RecordingError
+from measurement.auditing.audit import audit
+from measurement.bench.leg import random_leg
+from measurement.bench.simulation import simulate_runs
+from measurement.reading.columns import assign
+from measurement.reading.raw import RawColumn, RawTable
+from measurement.reading.repair import repaired
+from measurement.reading.unusable import mask_unusable
 from measurement.recording import Source
-from measurement.repair import repaired
-from measurement.unusable import mask_unusable
-from symbolic.errors import RecordingError
 from symbolic.model import Model
 
 

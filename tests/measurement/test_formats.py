@@ -9,9 +9,9 @@ import pytest
 import scipy.io
 from tables import HEADER, leg, lines, text
 
-from measurement.read import read_recording
+from ground.errors import RecordingError
+from measurement.reading.read import read_recording
 from measurement.recording import to_csv, write_recording
-from symbolic.errors import RecordingError
 
 LEG = leg()
 Q = np.column_stack([LEG["q1"], LEG["q2"]])

@@ -5,11 +5,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tables import HEADER, lines
 
-from measurement.clock import longest_increasing
-from measurement.raw import column_from_cells
-from measurement.read import read_recording
+from ground.errors import ExoidError
+from measurement.reading.clock import longest_increasing
+from measurement.reading.raw import column_from_cells
+from measurement.reading.read import read_recording
 from measurement.recording import Recording, to_csv
-from symbolic.errors import ExoidError
 
 GOOD = lines()[1:120]
 CALM = settings(

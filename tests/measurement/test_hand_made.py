@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tables import leg
 
-from measurement.raw import RawColumn, RawTable, ungrouped
-from measurement.read import read_recording
-from measurement.stamps import join_split, seconds
-from symbolic.errors import RecordingError
+from ground.errors import RecordingError
+from measurement.reading.raw import RawColumn, RawTable, ungrouped
+from measurement.reading.read import read_recording
+from measurement.reading.stamps import join_split, seconds
 
 LEG = leg()
 M = np.column_stack(list(LEG.values()))

@@ -48,9 +48,7 @@ class Leg:
 
     @property
     def parameters(self):
-        extra = [("stribeck:knee.c", "N·m", 0.0)] * self.stribeck + [
-            ("load_friction:knee.c", "1", 0.0)
-        ] * self.load
+        extra = [("stribeck:knee.c", "N·m", 0.0)] * self.stribeck + [("load_friction:knee.c", "1", 0.0)] * self.load
         rows = [*zip(NAMES, UNITS, LOWEST, strict=True), *extra]
         return tuple(SimpleNamespace(name=n, label=n, unit=u, min=low, max=None) for n, u, low in rows)
 
@@ -90,9 +88,7 @@ class Recorded:
         return x
 
 
-def record(
-    leg=None, linear=PAPER, shape=None, noise=1.0, outliers=0.0, seed=0, samples=3500, late=0.0, step=0.01
-):
+def record(leg=None, linear=PAPER, shape=None, noise=1.0, outliers=0.0, seed=0, samples=3500, late=0.0, step=0.01):
     """Simulate one recording of `leg` with parameters `linear`, white noise and a share of knocks."""
     leg = leg or Leg()
     rng = np.random.default_rng(seed)

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from measurement.bench import simulate_runs
-from measurement.leg import standard_leg
-from measurement.signals import BRIDGE_ENDS, bridging
-from optimisation.assemble import assemble
-from optimisation.linear import solve_sse
-from optimisation.prepare import prepare
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import simulate_runs
+from measurement.signals.conditioning import BRIDGE_ENDS, bridging
+from optimisation.fitting.assemble import assemble
+from optimisation.linear.solve import solve_sse
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 
 RATE = 100.0

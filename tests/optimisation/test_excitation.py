@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from measurement.extremes import bounds, margin
-from measurement.leg import standard_leg
-from measurement.trajectory import TrajectoryError
-from optimisation import excitation
-from optimisation.criteria import Noise, condition, softened
-from optimisation.excitation import DesignError, design, evaluate, evaluate_paper
-from optimisation.motion_space import motion_space
+from measurement.bench.leg import standard_leg
+from measurement.trajectories.extremes import bounds, margin
+from measurement.trajectories.trajectory import TrajectoryError
+from optimisation.excitation import design as excitation
+from optimisation.excitation.criteria import Noise, condition, softened
+from optimisation.excitation.design import DesignError, design, evaluate, evaluate_paper
+from optimisation.excitation.space import motion_space
 from symbolic.model import TABLE_1, Limits, Model
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from paper_leg import PAPER, Leg, record
 
-from optimisation.identify import Search, identify
+from ground.errors import NotEnoughDataError
+from optimisation.fitting.identify import Search, identify
+from optimisation.fitting.shapes import from_unit, grid, search_shape, to_unit
 from optimisation.optimisers.nfo import NFO
-from optimisation.shape_search import from_unit, grid, search_shape, to_unit
 from symbolic.effect import Shape
-from symbolic.errors import NotEnoughDataError
 
 
 def inside(fit, truth):

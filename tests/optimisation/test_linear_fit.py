@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_leg import PAPER, Leg, record
 
-from optimisation.assemble import assemble
-from optimisation.certificate import certify
-from optimisation.fitness import population_fitness
-from optimisation.linear import delta_rule, solve_huber, solve_sse
-from optimisation.loss import PopulationFitness, huber, sse
-from optimisation.problem import LinearData
-from optimisation.reference import solve_reference
-from symbolic.errors import NotEnoughDataError, RecordingError
+from ground.errors import NotEnoughDataError, RecordingError
+from optimisation.fitting.assemble import assemble
+from optimisation.linear.certificate import certify
+from optimisation.linear.fitness import population_fitness
+from optimisation.linear.loss import PopulationFitness, huber, sse
+from optimisation.linear.problem import LinearData
+from optimisation.linear.reference import solve_reference
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 
 INFINITE = np.full(2, np.inf)
 

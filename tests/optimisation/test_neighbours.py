@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from measurement.bench import Bench, simulate_runs
-from measurement.leg import standard_leg
-from optimisation.identify import identify
-from optimisation.neighbours import FACTORS, neighbours
-from optimisation.prepare import prepare
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import Bench, simulate_runs
+from optimisation.fitting.identify import identify
+from optimisation.fitting.neighbours import FACTORS, neighbours
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 
 

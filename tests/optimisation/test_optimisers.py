@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from paper_leg import PAPER, Leg, record
 
-from optimisation.assemble import assemble
-from optimisation.linear import delta_rule, solve_huber, solve_sse
-from optimisation.loss import PopulationFitness, huber
+from optimisation.fitting.assemble import assemble
+from optimisation.linear.loss import PopulationFitness, huber
+from optimisation.linear.problem import Problem, huber_problem
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import BOUNDARIES, minimise
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
-from optimisation.problem import Problem, huber_problem
 
 RECIPES = [
     pytest.param(kind(boundary=rule), id=f"{name}-{rule}") for name, kind in optimisers().items() for rule in BOUNDARIES

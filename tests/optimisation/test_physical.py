@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from measurement.bench import Bench, simulate_runs
-from measurement.leg import standard_leg
-from measurement.trajectory import random_trajectory
-from optimisation.identify import identify
-from optimisation.linear import solve_huber, solve_sse
-from optimisation.loss import huber
-from optimisation.physical import MARGIN, certify_physical, physical_reference, physics, solve_physical
-from optimisation.prepare import prepare
-from optimisation.problem import LinearData
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import Bench, simulate_runs
+from measurement.trajectories.trajectory import random_trajectory
+from optimisation.fitting.identify import identify
+from optimisation.linear.loss import huber
+from optimisation.linear.physical import MARGIN, certify_physical, physical_reference, physics, solve_physical
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import solve_huber, solve_sse
+from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
 from workbench.command import main
 

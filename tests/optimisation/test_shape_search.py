@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from measurement.bench import Bench, simulate_runs
-from measurement.hidden import parse_hidden
-from measurement.leg import standard_leg
-from optimisation.identify import identify
+from ground.errors import ExoidError
+from measurement.bench.hidden import parse_hidden
+from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import Bench, simulate_runs
+from optimisation.fitting.identify import identify
+from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
 from optimisation.optimisers import optimisers
-from optimisation.prepare import prepare
-from optimisation.shape_search import GRID, ShapeMethod, search_shape
+from optimisation.preparation.prepare import prepare
 from symbolic.effect import Shape
-from symbolic.errors import ExoidError
 from symbolic.model import Model
 
 SHAPES = [

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from paper_leg import NAMES, PAPER, UNITS, Leg, paper_motion
 
-from optimisation.linear import delta_rule, solve_huber, solve_sse
-from optimisation.problem import LinearData
-from optimisation.uncertainty import block_length, block_outer, covariance
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from optimisation.linear.uncertainty import block_length, block_outer, covariance
 
 INFINITE = np.full(2, np.inf)
 
@@ -22,9 +22,7 @@ def ar1(rng, rho, shape):
 
 def covered(rho, recordings, samples, robust, repetitions):
     """Return the share of 95 % intervals that contain the truth (P,), and that of textbook intervals."""
-    columns = np.concatenate(
-        [Leg().columns(paper_motion(samples, late=7.3 * r)) for r in range(recordings)], axis=1
-    )
+    columns = np.concatenate([Leg().columns(paper_motion(samples, late=7.3 * r)) for r in range(recordings)], axis=1)
     groups = np.repeat(np.arange(recordings), samples)
     rng = np.random.default_rng(11)
     inverse = np.linalg.inv(columns.reshape(-1, 8).T @ columns.reshape(-1, 8))

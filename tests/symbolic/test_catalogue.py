@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 import sympy
 
+from ground.errors import EffectError
 from symbolic import effects
 from symbolic.catalogue import FAMILIES, catalogue, find_effect
-from symbolic.effect_check import allowed_names, check_effect, texts
-from symbolic.errors import EffectError
-from symbolic.expression import parse
-from symbolic.lower import to_casadi, to_latex, to_numpy, to_sympy, to_text
-from symbolic.operators import MEMORY
-from symbolic.separate import separate
+from symbolic.effect_declaration import allowed_names, check_effect, texts
+from symbolic.language.instant import separate
+from symbolic.language.lower import to_casadi, to_latex, to_numpy, to_sympy, to_text
+from symbolic.language.operators import MEMORY
+from symbolic.language.parser import parse
+from symbolic.language.torque import MODEL_TORQUE, own_names
 from symbolic.term import Term
-from symbolic.torque import MODEL_TORQUE, own_names
 
 IDS = {
     *("stribeck", "viscous_quadratic", "viscous_cubic", "viscous_asymmetry", "torque_offset", "load_friction"),

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import NAMES, trees
 
-from symbolic.errors import ExpressionError
-from symbolic.expression import parse
-from symbolic.lower import to_text
-from symbolic.tokens import LONGEST_TEXT
+from ground.errors import ExpressionError
+from symbolic.language.lower import to_text
+from symbolic.language.parser import parse
+from symbolic.language.tokens import LONGEST_TEXT
 
 HOSTILE = {
     "minus signs": "-" * 200_000,
@@ -244,7 +244,8 @@ def test_the_longest_text_still_parses_and_lowers():
 
 def test_the_catalogue_loads_without_symbolic_algebra():
     code = (
-        "import sys, symbolic.catalogue, symbolic.effect_check, symbolic.lower; symbolic.catalogue.catalogue();"
+        "import sys, symbolic.catalogue, symbolic.effect_declaration, symbolic.language.lower;"
+        "symbolic.catalogue.catalogue();"
         "print([m for m in ('sympy', 'casadi', 'scipy', 'matplotlib') if m in sys.modules])"
     )
     root = Path(__file__).resolve().parents[2]

@@ -5,7 +5,7 @@ import pytest
 
 from symbolic import Model, Motion
 from symbolic.catalogue import catalogue
-from symbolic.kernel import compiled
+from symbolic.codegen.kernel import compiled
 
 TERMS = [
     (effect.id, joint) for effect in catalogue().values() for joint in ((None,) if effect.on_both else effect.joints)

@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from symbolic import Model, Motion
-from symbolic.check import check
-from symbolic.mechanism import chain, leg
-from symbolic.regressor import compare_with_printed, regressor
+from symbolic.mechanics.check import check
+from symbolic.mechanics.mechanism import chain, leg
+from symbolic.mechanics.regressor import compare_with_printed, regressor
 from tests.newton_euler import Leg, base_parameters, torque
 
 SAMPLES = 7
@@ -89,7 +89,7 @@ def test_geometry(length, gravity, seed):
     motion = random_motion(seed)
     linear = np.concatenate([base_parameters(reference), np.zeros(4)])
     model = Model.standard(length, gravity)
-    from symbolic.kernel import compiled
+    from symbolic.codegen.kernel import compiled
 
     near(compiled(model, "vm").inverse_dynamics(motion, linear), expected(reference, motion))
 

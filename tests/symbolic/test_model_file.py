@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ground.errors import EffectError, ExoidError, ModelFileError
 from symbolic import Model
-from symbolic.errors import EffectError, ExoidError, ModelFileError
 from symbolic.model_file import read_model, read_numbers, write_model
 from symbolic.quantity import Estimate
 

@@ -1,14 +1,13 @@
 """Torques with memory, on clocks that are not even."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from symbolic.errors import EffectError
-from symbolic.operators import MEMORY, dahl, ddt, delay, play
+from ground.errors import EffectError
+from symbolic.language.operators import MEMORY, dahl, ddt, delay, play
 
 signals = arrays(float, st.integers(1, 40), elements=st.floats(-3.0, 3.0))
 

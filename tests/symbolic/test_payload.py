@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from diagnosis.discover import discover
-from measurement.bench import Bench, simulate_runs
-from measurement.hidden import parse_hidden
-from measurement.leg import Leg, Segment, standard_leg
-from optimisation.identify import identify
+from measurement.bench.hidden import parse_hidden
+from measurement.bench.leg import Leg, Segment, standard_leg
+from measurement.bench.simulation import Bench, simulate_runs
+from optimisation.fitting.identify import identify
 from symbolic import Model, Motion
-from symbolic.payload import Payload, PayloadError
+from symbolic.mechanics.payload import Payload, PayloadError
 from tests import newton_euler
 
 OWN = newton_euler.Leg((9.0, 5.0), (0.14, 0.11), (0.18, 0.22))

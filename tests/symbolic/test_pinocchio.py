@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from measurement.leg import random_leg
+from measurement.bench.leg import random_leg
 from symbolic import Model, Motion
-from symbolic.kernel import compiled
-from symbolic.point import jacobian, position
+from symbolic.codegen.kernel import compiled
+from symbolic.mechanics.point import jacobian, position
 
 pin = pytest.importorskip("pinocchio")
 

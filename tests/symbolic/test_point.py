@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ground.errors import EffectError
 from symbolic import Model, Motion
-from symbolic.errors import EffectError
-from symbolic.kernel import compiled
-from symbolic.lagrange import mechanics
-from symbolic.mechanism import leg, real
-from symbolic.point import jacobian, position
+from symbolic.codegen.kernel import compiled
+from symbolic.mechanics.lagrange import mechanics
+from symbolic.mechanics.mechanism import leg, real
+from symbolic.mechanics.point import jacobian, position
 from tests.newton_euler import Leg, torque
 
 places = st.tuples(st.floats(-0.2, 0.6), st.floats(-0.2, 0.2))

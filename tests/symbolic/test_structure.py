@@ -2,9 +2,10 @@
 
 import pytest
 
-from symbolic import Coefficient, Effect, Model, structure
-from symbolic.errors import EffectError
-from symbolic.structure import never_separable, structural_look_alikes
+from ground.errors import EffectError
+from symbolic import Coefficient, Effect, Model
+from symbolic import identifiability as structure
+from symbolic.identifiability import never_separable, structural_look_alikes
 from symbolic.term import Term
 
 N_M = Coefficient("N·m")

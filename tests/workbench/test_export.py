@@ -11,8 +11,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from measurement.leg import random_leg, standard_leg
-from measurement.trajectory import random_trajectory
+from measurement.bench.leg import random_leg, standard_leg
+from measurement.trajectories.trajectory import random_trajectory
 from symbolic.catalogue import catalogue
 from symbolic.model import Model
 from symbolic.model_file import Numbers, write_model

@@ -6,13 +6,13 @@ import pytest
 from workbench_fakes import HOSTILE
 
 from diagnosis import add, compare, diagnose
+from ground.html import bullets, code, lines, table
 from measurement import read_recording
-from measurement.trajectory import paper_trajectory
+from measurement.trajectories.trajectory import paper_trajectory
 from optimisation import identify
-from optimisation.prepare import prepare
+from optimisation.preparation.prepare import prepare
 from symbolic import Model
 from symbolic.catalogue import catalogue
-from symbolic.html import bullets, code, lines, table
 from workbench.commands.demo import DATA
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from workbench.inputs import payload_of, payloads
-from workbench.parser import UsageError
+from workbench.command_line.inputs import payload_of, payloads
+from workbench.command_line.parser import UsageError
 
 PATHS = ["a/run.csv", "b/run.csv", "b/x=1.csv"]
 

@@ -14,7 +14,7 @@ from html.parser import HTMLParser
 import pytest
 from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, figure, material
 
-from measurement.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
+from ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from workbench.report.material import Material, Steps
 from workbench.report.page import find_sections, render, slug, write_report
 
@@ -123,7 +123,7 @@ def test_svg_follows_dark_mode_and_heavy_figures_become_png():
     assert to_data_uri(figure()).startswith("data:image/svg+xml")
     import numpy as np
 
-    from measurement.figures import new_figure
+    from ground.figures import new_figure
 
     heavy = new_figure()
     heavy.subplots().scatter(np.arange(20000.0), np.sin(np.arange(20000.0)))

@@ -10,9 +10,9 @@ import time
 import numpy as np
 import pytest
 
-from workbench import progress as waiting
-from workbench.files import OutputError, check_folder, make_folder, strict, to_json, write_text
-from workbench.screen import Screen, bar
+from workbench.command_line.files import OutputError, check_folder, make_folder, strict, to_json, write_text
+from workbench.terminal import progress as waiting
+from workbench.terminal.screen import Screen, bar
 
 
 def test_no_terminal_no_bar(capsys):

@@ -13,7 +13,7 @@ from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeM
 from workbench import commands
 from workbench.command import main
 from workbench.formula import pretty
-from workbench.showing import above, truth_sentence
+from workbench.terminal.showing import above, truth_sentence
 
 DATA = Path(commands.__file__).parents[1] / "demo_data"
 TRAIN, VERIFY = str(DATA / "train_1.csv"), str(DATA / "verify.csv")

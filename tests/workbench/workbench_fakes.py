@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from measurement.figures import JOINT_COLOURS, figure_style, label, new_figure
+from ground.figures import JOINT_COLOURS, figure_style, label, new_figure
 from measurement.finding import Finding
 from measurement.recording import Recording, Source
 from symbolic.quantity import Estimate

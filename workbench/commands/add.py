@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_derivative, add_model, add_recordings
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 HELP = """add an effect to the model, refit, and show the error before and after
 
@@ -31,8 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Extend, refit, show; 1 when the effect does not help on unseen recordings."""
-    from workbench.files import make_folder
-    from workbench.inputs import beside, check_new_model, load, load_model, split_joint
+    from workbench.command_line.files import make_folder
+    from workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
 
     check_places(args)
     effect, joint = split_joint(args.effect)
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _show(screen: Screen, found: Any, target: str) -> None:
     from workbench.report.material import Steps
-    from workbench.showing import number, show_steps
+    from workbench.terminal.showing import number, show_steps
 
     new = [e for e in found.after.estimates if e.name not in {b.name for b in found.before.estimates}]
     rows = [(e.name, number(e.value), e.unit, number(e.low), number(e.high)) for e in new]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 
-from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_derivative, add_limit, add_model, add_recordings
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 HELP = """how large the error of the model is, and where it sits
 
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, compare, show; 1 when the error is above --limit."""
-    from workbench.inputs import load
+    from workbench.command_line.inputs import load
 
     check_places(args)
     given = load(args)
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
     from workbench.report.material import Material, command_of, pictures_of, settings_of
-    from workbench.showing import above, show_comparison
+    from workbench.terminal.showing import above, show_comparison
 
     screen = Screen.of(args)
     show_comparison(screen, found)
@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _sentence(rms: Iterable[float], unseen: bool) -> str:
-    from workbench.screen import per_joint
+    from workbench.terminal.screen import per_joint
 
     kind = "motion the fit has not seen" if unseen else "the fitted motion"
     return f"The model's torque misses the measured one by {per_joint(rms)} (RMS) on {kind}."

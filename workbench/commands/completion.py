@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 
-from workbench.completion import SHELLS, Verb, places_of
-from workbench.options import add_common
+from workbench.command_line.completion import SHELLS, Verb, places_of
+from workbench.command_line.options import add_common
 
 HELP = """print the completion script for bash, zsh or fish
 
@@ -23,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the script to standard output (and to --out)."""
-    from workbench.deliver import check_places
-    from workbench.files import make_folder, write_json, write_text
+    from workbench.command_line.deliver import check_places
+    from workbench.command_line.files import make_folder, write_json, write_text
 
     check_places(args)
     text = script(args.shell)

@@ -6,8 +6,8 @@ import argparse
 import time
 from pathlib import Path
 
-from workbench.options import add_common
-from workbench.screen import Screen
+from workbench.command_line.options import add_common
+from workbench.terminal.screen import Screen
 
 HELP = """the whole loop on shipped recordings with a hidden effect, and a report to read"""
 
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, add until it is enough, open the seal, write the report."""
-    from workbench.deliver import check_places
+    from workbench.command_line.deliver import check_places
 
     began = time.perf_counter()
     args.out = args.out or DEFAULT_FOLDER
@@ -31,11 +31,11 @@ def run(args: argparse.Namespace) -> int:
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
     from diagnosis.discover import discover
-    from workbench.asking import answer, material_of
-    from workbench.deliver import deliver
-    from workbench.inputs import Inputs, load_model, read
+    from workbench.command_line.asking import answer, material_of
+    from workbench.command_line.deliver import deliver
+    from workbench.command_line.inputs import Inputs, load_model, read
     from workbench.report.material import Steps
-    from workbench.showing import show_comparison, show_diagnosis, show_steps
+    from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
 
     recordings = [read(str(path), None, None) for path in sorted(DATA.glob("train*.csv"))]
     verify = [read(str(path), None, None) for path in sorted(DATA.glob("verify*.csv"))]
@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _truth() -> str:
     """Return what was hidden, from the seal."""
-    from measurement.seal import open_seal
-    from workbench.showing import truth_sentence
+    from measurement.bench.seal import open_seal
+    from workbench.terminal.showing import truth_sentence
 
     return "The truth, from the seal: " + truth_sentence(open_seal(DATA / "truth.seal").truth)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from workbench.deliver import check_places, deliver
-from workbench.files import make_folder, write_bytes, write_json, write_text
-from workbench.options import add_common, add_reading, number, positive, whole_number
-from workbench.parser import UsageError
-from workbench.progress import progress
-from workbench.screen import Screen, warn
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from workbench.command_line.options import add_common, add_reading, number, positive, whole_number
+from workbench.command_line.parser import UsageError
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen, warn
 
 HELP = """design the motion to record next, inside the limits of the leg
 
@@ -81,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
     if args.separate and args.check:
         raise UsageError("--separate and --check exclude each other", remedy="give one of them")
     if args.out and not args.check:
-        from measurement.trajectory_file import samples_per_period
+        from measurement.trajectories.trajectory_file import samples_per_period
 
         samples_per_period(args.period, args.rate)  # told before the search, not after it
     if args.separate:
@@ -91,13 +91,13 @@ def run(args: argparse.Namespace) -> int:
 
 def _design(args: argparse.Namespace) -> int:
     """Design a motion for one model, or judge a given one."""
-    from measurement.trajectory_file import sample_table
-    from workbench.inputs import load_model
+    from measurement.trajectories.trajectory_file import sample_table
+    from workbench.command_line.inputs import load_model
 
     path = _model_path(args)
     model = load_model(path)
     numbers = _numbers(path)
-    from optimisation.excitation import NoMotionError
+    from optimisation.excitation.design import NoMotionError
 
     try:
         found = _found(args, model, numbers)
@@ -127,16 +127,16 @@ def _design(args: argparse.Namespace) -> int:
 
 def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     """Return the Excitation that `args` ask for."""
-    from optimisation.criteria import Noise
-    from optimisation.excitation import design, evaluate
+    from optimisation.excitation.criteria import Noise
+    from optimisation.excitation.design import design, evaluate
 
     noise = Noise.white(args.noise, args.rate)
     common = {
         "criterion": args.criterion, "noise": noise, "numbers": numbers, "duration": args.duration, "use": args.use,
     }  # fmt: skip
     if args.check:
-        from measurement.trajectory import paper_trajectory
-        from measurement.trajectory_file import read_trajectory
+        from measurement.trajectories.trajectory import paper_trajectory
+        from measurement.trajectories.trajectory_file import read_trajectory
 
         given = paper_trajectory(args.period) if args.check == "paper" else read_trajectory(args.check)
         return evaluate(given, model, name="the paper's" if args.check == "paper" else "given", **common)
@@ -150,8 +150,8 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
 
 def _show(screen: Screen, found: Any) -> None:
     """Show the searches, the limits and what the motion will tell."""
-    from measurement.extremes import shortest_period
-    from optimisation.excitation_result import MEANING, limit_rows
+    from measurement.trajectories.extremes import shortest_period
+    from optimisation.excitation.result import MEANING, limit_rows
 
     rows = [(c.name, f"{c.value:.5g}", c.evaluations, f"{c.seconds:.1f}", c.status) for c in found.candidates]
     head = (f"{found.criterion}: {MEANING[found.criterion]}", "value", "steps", "s", "said")
@@ -197,8 +197,8 @@ def _material(args: argparse.Namespace, title: str, answer: str, found: Any, alt
 
 def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
     """Write coefficients, samples and picture of a motion."""
-    from measurement.figures import to_png
-    from measurement.trajectory_file import write_trajectory
+    from ground.figures import to_png
+    from measurement.trajectories.trajectory_file import write_trajectory
 
     folder = make_folder(out)
     write_trajectory(found.trajectory, folder / "motion.toml")
@@ -226,15 +226,15 @@ def _numbers(path: str | None) -> Any:
 
 
 def _noise(text: str) -> tuple[float, float]:
-    from workbench.options import limits
+    from workbench.command_line.options import limits
 
     return limits(text)
 
 
 def _separate(args: argparse.Namespace) -> int:
     """Design the motion that tells rivals apart."""
-    from optimisation.criteria import Noise
-    from workbench.inputs import load
+    from optimisation.excitation.criteria import Noise
+    from workbench.command_line.inputs import load
 
     toml = [name for name in args.inputs if name.lower().endswith(".toml")]
     if toml:
@@ -242,7 +242,7 @@ def _separate(args: argparse.Namespace) -> int:
     args.recordings = args.inputs
     given = load(args)
     with progress("designing the motion", quiet=args.quiet) as report:
-        from diagnosis.separate import separate
+        from diagnosis.separation.design import separate
 
         found = separate(
             given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,
@@ -254,7 +254,7 @@ def _separate(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     _show_separation(screen, found)
     if args.out and found.trajectory is not None:
-        from measurement.trajectory_file import sample_table
+        from measurement.trajectories.trajectory_file import sample_table
 
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
     alt = "How far apart the rivals will be on this motion, at random and at present; the angles of both joints."

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.asking import ask
-from workbench.options import add_common, add_derivative, add_model, add_recordings
+from workbench.command_line.asking import ask
+from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
 
 HELP = """add missing effects one after the other until the verdict says stop
 

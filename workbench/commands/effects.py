@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from symbolic.effect import Coefficient, Effect, Shape
-from workbench.deliver import check_places
-from workbench.files import make_folder, write_json, write_text
+from workbench.command_line.deliver import check_places
+from workbench.command_line.files import make_folder, write_json, write_text
+from workbench.command_line.inputs import split_joint
+from workbench.command_line.options import add_common
 from workbench.formula import formula
-from workbench.inputs import split_joint
-from workbench.options import add_common
-from workbench.progress import progress
-from workbench.screen import Screen, width
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen, width
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Show the catalogue, or the entry asked for."""
     from symbolic.catalogue import catalogue, find_effect
-    from workbench.inputs import load_model
+    from workbench.command_line.inputs import load_model
 
     check_places(args)
     own = {effect.id: effect for effect in load_model(args.model).custom} if args.model else {}
@@ -83,7 +83,7 @@ def joints(effect: Effect) -> str:
 
 def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, ...]]:
     """Return {term: what makes the same torque at every state of `model`}, for each joint the effect may sit at."""
-    from symbolic.structure import every_candidate, never_separable
+    from symbolic.identifiability import every_candidate, never_separable
 
     names = [term.name for term in (*model.terms, *every_candidate(model)) if term.effect.id == effect.id]
     with progress("comparing its torque with every other effect's, once", quiet=quiet):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from workbench.deliver import check_places
-from workbench.files import make_folder, write_json, write_text
-from workbench.options import add_common
-from workbench.screen import Screen, warn
+from workbench.command_line.deliver import check_places
+from workbench.command_line.files import make_folder, write_json, write_text
+from workbench.command_line.options import add_common
+from workbench.terminal.screen import Screen, warn
 
 HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF
 

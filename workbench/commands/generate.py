@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.deliver import check_places
-from workbench.files import make_folder, write_bytes, write_json
-from workbench.options import add_common
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places
+from workbench.command_line.files import make_folder, write_bytes, write_json
+from workbench.command_line.options import add_common
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 HELP = """derive the equations of a model, generate its C code and compile it
 
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Generate, compile, say what changed; with --check, 1 when something would change."""
-    from workbench.inputs import load_model
+    from workbench.command_line.inputs import load_model
 
     check_places(args)
     model = load_model(args.model)
@@ -67,14 +67,14 @@ def run(args: argparse.Namespace) -> int:
 
 def _generated(model: Any) -> dict[str, bytes]:
     """Return {file name: content} of everything generated for `model`."""
-    from symbolic.code import generate
+    from symbolic.codegen.code import generate
 
     return {name: text.encode() for name, text in generate(model).files.items()}
 
 
 def _properties(model: Any, report: Any) -> tuple[Any, ...]:
     """Return the checks of the model's equations."""
-    from symbolic.check import check
+    from symbolic.mechanics.check import check
 
     report(0.6, "checking the equations")
     return check(model)
@@ -95,6 +95,6 @@ def _write(folder: Path, files: dict[str, bytes]) -> None:
 
 def _backend(model: Any) -> str:
     """Compile the model now, so that the next command need not, and return "c" or "vm"."""
-    from symbolic.kernel import compiled
+    from symbolic.codegen.kernel import compiled
 
     return str(compiled(model).backend)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_derivative, add_limit, add_model, add_recordings
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
@@ -34,15 +34,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Identify, show; 1 when the error is above --limit."""
-    from workbench.inputs import check_new_model, load
+    from workbench.command_line.inputs import check_new_model, load
 
     check_places(args)
     if args.write:
         check_new_model(args.write, args.model)
     given = load(args)
     with progress("identifying", quiet=args.quiet) as report:
-        from optimisation.identify import identify
-        from optimisation.prepare import prepare
+        from optimisation.fitting.identify import identify
+        from optimisation.preparation.prepare import prepare
 
         prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
         steps = iter(range(1, 100))
@@ -54,15 +54,15 @@ def run(args: argparse.Namespace) -> int:
         from dataclasses import replace
 
         from diagnosis.compare import verification
-        from optimisation.neighbours import neighbours
+        from optimisation.fitting.neighbours import neighbours
 
         unseen = verification(fit, prepared)
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
         fit = replace(fit, plausibility=(*fit.plausibility, *near.findings()))
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
-    from workbench.screen import per_joint
-    from workbench.showing import above, show_fit
+    from workbench.terminal.screen import per_joint
+    from workbench.terminal.showing import above, show_fit
 
     screen = Screen.of(args)
     show_fit(screen, fit)

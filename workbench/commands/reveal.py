@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.deliver import check_places, deliver
-from workbench.options import add_common
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.options import add_common
+from workbench.terminal.screen import Screen
 
 HELP = """open the seal of blind recordings: what was hidden in the leg, and was the diagnosis right
 
@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Open the seal and show its content; with --diagnosis 1 when the diagnosis was wrong."""
-    from measurement.seal import open_seal
-    from workbench.showing import truth_sentence
+    from measurement.bench.seal import open_seal
+    from workbench.terminal.showing import truth_sentence
 
     check_places(args)
     truth = open_seal(args.seal, args.recordings or ()).truth
@@ -35,8 +35,8 @@ def run(args: argparse.Namespace) -> int:
         screen.say(truth_sentence(truth))
         deliver(args, screen, {"schema": "exoid.truth/1", **truth.to_json()})
         return 0
-    from diagnosis.score import score
-    from workbench.files import read_json
+    from diagnosis.grading import score
+    from workbench.command_line.files import read_json
 
     scored = score(truth, read_json(args.diagnosis), args.diagnosis)
     screen.say(truth_sentence(truth))

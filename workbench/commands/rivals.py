@@ -6,15 +6,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.deliver import check_places, deliver
-from workbench.options import add_common, add_model, add_recordings, whole_number
-from workbench.parser import UsageError
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.options import add_common, add_model, add_recordings, whole_number
+from workbench.command_line.parser import UsageError
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from optimisation.standings import Rivals
-    from workbench.inputs import Inputs
+    from optimisation.contest.standings import Rivals
+    from workbench.command_line.inputs import Inputs
 
 HELP = """compare NFO, PSO, GA, DE and CMA-ES with the certified optimum
 
@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     check_places(args)
     given = _given(args)
     with progress("optimising", quiet=args.quiet) as report:
-        from optimisation.rivals import entrants, rivals
+        from optimisation.contest.rivals import entrants, rivals
 
         competing = _chosen(entrants(args.whitened or bool(args.only)), args)
         found = rivals(
@@ -71,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
 def _given(args: argparse.Namespace) -> Inputs | None:
     """Return what was recorded; None for the paper's leg."""
     if args.recordings:
-        from workbench.inputs import load
+        from workbench.command_line.inputs import load
 
         return load(args)
     for option in ("model", "map", "units", "cutoff"):
@@ -87,8 +87,8 @@ def _fitted(given: Inputs | None, seed: int) -> Any:
     """Return the fit whose problem is competed on; None for the paper's leg."""
     if given is None:
         return None
-    from optimisation.identify import identify
-    from optimisation.prepare import prepare
+    from optimisation.fitting.identify import identify
+    from optimisation.preparation.prepare import prepare
 
     prepared = prepare(given.model, given.recordings, cutoff=given.cutoff)
     return identify(given.model, prepared.train, optimisers=(), seed=seed)
@@ -98,7 +98,7 @@ def _chosen(known: Any, args: argparse.Namespace) -> Any:
     """Return those of --only; all without it."""
     if not args.only:
         return known
-    from workbench.suggest import did_you_mean
+    from ground.suggest import did_you_mean
 
     for name in args.only:
         if name not in known:
@@ -109,7 +109,7 @@ def _chosen(known: Any, args: argparse.Namespace) -> Any:
 
 def _show(screen: Screen, found: Rivals) -> None:
     """Show who came how near, how fast."""
-    from workbench.showing import number
+    from workbench.terminal.showing import number
 
     screen.say(f"{found.contest.name}: {found.contest.certificate}")
     if found.resumed:
@@ -132,7 +132,7 @@ def _show(screen: Screen, found: Rivals) -> None:
 
 def _gap(value: float) -> str:
     """Return a gap; what is rounding is not told apart."""
-    from optimisation.standings import ROUNDING
+    from optimisation.contest.standings import ROUNDING
 
     return f"<{ROUNDING:.0e}" if value < ROUNDING else f"{value:.0e}"
 

@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.deliver import check_places
-from workbench.files import make_folder, write_json
-from workbench.options import add_common, positive, whole_number
-from workbench.progress import progress
-from workbench.screen import Screen
+from workbench.command_line.deliver import check_places
+from workbench.command_line.files import make_folder, write_json
+from workbench.command_line.options import add_common, positive, whole_number
+from workbench.terminal.progress import progress
+from workbench.terminal.screen import Screen
 
 HELP = """make recordings on the virtual bench, with an effect hidden in the leg
 
@@ -42,10 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate and write; never overwrites a recording."""
-    from measurement.hidden import parse_hidden, true_model
-    from measurement.leg import standard_leg
-    from workbench.inputs import load_model
-    from workbench.parser import UsageError
+    from measurement.bench.hidden import parse_hidden, true_model
+    from measurement.bench.leg import standard_leg
+    from workbench.command_line.inputs import load_model
+    from workbench.command_line.parser import UsageError
 
     check_places(args)
     if not 1 <= args.runs <= 100:
@@ -83,7 +83,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _loaded(leg: Any, text: str | None) -> Any:
     """Return `leg` with the payload that --payload names."""
-    from workbench.inputs import payload_of
+    from workbench.command_line.inputs import payload_of
 
     load = payload_of(text) if text else None
     return leg if load is None else leg.with_payload(load.mass, load.along, load.link)
@@ -93,8 +93,8 @@ def _simulate(
     args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any
 ) -> tuple[list[Path], Path | None]:
     """Write the recordings, and the seal with --blind."""
-    from measurement.bench import Bench, simulate_runs
-    from measurement.blind import write_blind
+    from measurement.bench.blind import write_blind
+    from measurement.bench.simulation import Bench, simulate_runs
     from measurement.recording import write_recording
 
     bench = Bench(duration=args.duration, rate=args.rate)
@@ -103,7 +103,7 @@ def _simulate(
         return list(files), seal
     path = None
     if args.trajectory:
-        from measurement.trajectory_file import read_trajectory
+        from measurement.trajectories.trajectory_file import read_trajectory
 
         path = read_trajectory(args.trajectory)
     runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
@@ -114,7 +114,7 @@ def _draw(seed: int) -> Any:
     """Return something to hide, drawn at random from the catalogue."""
     import numpy as np
 
-    from measurement.blind import draw
+    from measurement.bench.blind import draw
     from symbolic.catalogue import catalogue
 
     # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
@@ -122,7 +122,7 @@ def _draw(seed: int) -> Any:
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:
-    from workbench.files import OutputError
+    from workbench.command_line.files import OutputError
 
     names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
     there = [name for name in names if (folder / name).exists()]

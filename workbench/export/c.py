@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.quantity import JOINTS
-from symbolic.scalar import PLAIN, scalar_c
 from workbench.identified import ExportError, Memory, Options, Ready, safe
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"

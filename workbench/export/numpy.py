@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from symbolic.scalar import FORMS, Language, scalar_c
+from symbolic.codegen.instructions import FORMS, Language, scalar_c
 from workbench.identified import Options, Ready, safe
 
 HELP = "a Python module with only NumPy in it"

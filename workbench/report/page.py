@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from workbench.files import make_folder, write_bytes, write_text
+from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
 from workbench.report.material import Material, Picture
 
@@ -58,7 +58,7 @@ def render(material: Material) -> str:
 
 def write_report(material: Material, folder: str | Path) -> Path:
     """Write `report.html`, and its figures as PNG beside it, into `folder`; return the path of the page."""
-    from measurement.figures import to_png
+    from ground.figures import to_png
 
     target = make_folder(folder)
     page = write_text(target / "report.html", render(material))
@@ -100,7 +100,7 @@ def percent(value: Any) -> str:
 
 def uri(picture: Picture) -> str:
     """Return the picture as a data URI."""
-    from measurement.figures import to_data_uri
+    from ground.figures import to_data_uri
 
     return to_data_uri(picture.figure)
 

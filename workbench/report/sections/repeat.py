@@ -6,7 +6,7 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.files import to_json
+from workbench.command_line.files import to_json
 from workbench.report.material import Material
 
 TITLE = "To repeat this"

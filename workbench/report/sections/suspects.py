@@ -9,7 +9,7 @@ from workbench.report.cells import share
 from workbench.report.effects import meaning
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
-from workbench.screen import without_empty
+from workbench.terminal.screen import without_empty
 
 TITLE = "Suspects"
 ORDER = 40

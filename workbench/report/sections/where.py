@@ -8,7 +8,7 @@ from typing import Any
 from symbolic.quantity import JOINTS
 from workbench.report.cells import share
 from workbench.report.material import Material
-from workbench.screen import without_empty
+from workbench.terminal.screen import without_empty
 
 TITLE = "Where the model fails"
 ORDER = 30
@@ -53,6 +53,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
 
 def words(variable: str) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from diagnosis.unexplained import VARIABLES
+    from diagnosis.evidence.remainder import VARIABLES
 
     return VARIABLES[variable][0] if variable in VARIABLES else variable

@@ -1,0 +1,283 @@
+"""Every catalogue entry as columns for these recordings: what the data would have to look like if it were missing.
+
+An entry with linear coefficients gives one column per coefficient, for every trial value (node) of its shape
+parameters. An entry without (a delay, a tilt, an encoder offset) gives the *tangent*: how the model's torque would
+change with it, at the present parameters. Nothing here ever looks at the measured torque.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ground.errors import ExpressionError
+from optimisation.fitting.shapes import from_unit
+from optimisation.preparation.prepare import PreparedRecording
+from symbolic.catalogue import catalogue
+from symbolic.columns import carrying, derived_columns, environment, evaluate
+from symbolic.effect import Effect, Shape
+from symbolic.language.instant import separate
+from symbolic.language.torque import FEEDBACK, Torque, torques
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
+from symbolic.term import Term
+
+TANGENT_STEP = 1e-3
+"""Step of a tangent, as a share of the range of the number."""
+FINE = 50
+"""Nodes from which on columns that depend on the model's numbers are not computed at every step."""
+QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
+"""Where on a joint's path a position is tried (and mirrored for the other end)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A term that the model does not have, with the nodes (R, V, S) of its shape parameters in every recording.
+
+    The rows R differ only where a value belongs to the recording: node v is then the same *place on the path*.
+
+    `tangent`: its single column is the derivative by its only number, which is a shape parameter.
+    """
+
+    term: Term
+    nodes: Float
+    tangent: bool
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.term.name
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Indices of the joints whose torque it changes."""
+        return (0, 1) if self.term.joint is None else (JOINTS.index(self.term.joint),)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it adds to the model."""
+        return len(self.term.effect.coefficients) + len(self.term.effect.shape)
+
+    @property
+    def common(self) -> np.ndarray:
+        """Indices of the nodes that are the same in every recording."""
+        return np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
+
+    @property
+    def per_recording(self) -> tuple[int, ...]:
+        """Indices of the shape parameters that each recording has to itself."""
+        return tuple(i for i, s in enumerate(self.term.effect.shape.values()) if s.per_recording)
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Filtered columns (V, A, K, m) of a candidate on one recording: V nodes, A = its joints."""
+
+    joints: tuple[int, ...]
+    values: Float
+
+    @property
+    def flat(self) -> Float:
+        """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
+        nodes, _, _, width = self.values.shape
+        return np.moveaxis(self.values, 3, 1).reshape(nodes, width, -1)
+
+    @property
+    def largest(self) -> Float:
+        """The largest magnitude (V, K) of each node's columns at each sample."""
+        _, count, samples, width = self.values.shape
+        size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
+        parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
+        return functools.reduce(np.maximum, parts)
+
+    def full(self, node: int) -> Float:
+        """Return the columns (J, K, m) of one node, zero at joints it does not act on."""
+        _, _, samples, width = self.values.shape
+        out = np.zeros((len(JOINTS), samples, width))
+        out[list(self.joints)] = self.values[node]
+        return out
+
+    def node(self, index: int) -> Columns:
+        """Return the columns of one node alone."""
+        return Columns(self.joints, self.values[index : index + 1])
+
+
+def stacked(parts: Sequence[Columns]) -> Columns:
+    """Return the columns (one node each) of several candidates as those of one on both joints."""
+    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """The candidates for a question, and their columns; those that no parameter can change are kept."""
+
+    candidates: tuple[Candidate, ...]
+    prepared: tuple[PreparedRecording, ...]
+    _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
+
+    def find(self, name: str) -> Candidate:
+        """Return the candidate called `name` with all its nodes."""
+        return next(c for c in self.candidates if c.name == name)
+
+    def columns(self, candidate: Candidate, model: Model, linear: Float, shape: Float) -> tuple[Columns, ...]:
+        """Return the columns of `candidate` on every recording, at the present `model` and its numbers.
+
+        Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
+        computed anew where it is compared (`look_alikes.refine`).
+        """
+        if candidate.name in self._kept:
+            return self._kept[candidate.name]
+        found = tuple(
+            candidate_columns(candidate, nodes, one, model, linear, shape)
+            for nodes, one in zip(candidate.nodes, self.prepared, strict=True)
+        )
+        fine = candidate.nodes.shape[1] > FINE
+        if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
+            self._kept[candidate.name] = found
+        return found
+
+
+def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
+    """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
+
+    Terms that `model` already has are left out.
+    """
+    known = {term.name for term in model.terms}
+    found = []
+    for effect in (*catalogue().values(), *extra):
+        for joint in (None,) if effect.on_both else effect.joints:
+            term = Term(effect, joint)
+            if term.name not in known:
+                tangent = not effect.coefficients
+                found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
+    return Library(tuple(found), tuple(prepared))
+
+
+def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> Float:
+    shapes = list(term.effect.shape.values())
+    if tangent or not shapes:
+        return np.zeros((len(prepared), 1, len(shapes)))
+    if not any(shape.per_recording for shape in shapes):
+        return _product(shapes, term, [prepared] * len(prepared))
+    # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
+    # says little about where.
+    own = _product(shapes, term, [[one] for one in prepared])
+    return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
+
+
+def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[PreparedRecording]]) -> Float:
+    return np.array([list(itertools.product(*(_axis(s, term, path) for s in shapes))) for path in paths], dtype=float)
+
+
+def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
+    if shape.choices:
+        return shape.choices
+    if shape.spacing == "position" and term.joint is not None:
+        joint = JOINTS.index(term.joint)
+        levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
+        places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
+        return tuple(np.clip(places, shape.min, shape.max))
+    return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))
+
+
+def _feeds_back(term: Term) -> bool:
+    if term.effect.derive is not None:
+        return True
+    return any(torque.names & FEEDBACK for torque in torques(term))
+
+
+def candidate_columns(
+    candidate: Candidate, nodes: Float, one: PreparedRecording, model: Model, linear: Float, shape: Float
+) -> Columns:
+    """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
+    if candidate.tangent:
+        raw = _tangent(candidate.term, one, model, linear, shape)[None]
+    elif candidate.term.effect.derive is not None:
+        raw = _derived(candidate.term, one, model, linear, shape, nodes)
+    else:
+        raw = _texts(candidate, nodes, one, model, linear, shape)
+    # (V, A, N, m) -> time first, filter all nodes in one pass, and back
+    filtered = one.smooth(np.moveaxis(raw, 2, 0), candidate.joints, 2)
+    return Columns(candidate.joints, np.ascontiguousarray(np.moveaxis(filtered, 0, 2)))
+
+
+def _texts(
+    candidate: Candidate, nodes: Float, one: PreparedRecording, model: Model, linear: Float, shape: Float
+) -> Float:
+    term, motion = candidate.term, one.motion
+    keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
+    words = environment(motion)
+    if _feeds_back(term):
+        words |= own_torques(model, one, linear, shape)
+    out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
+    for torque in torques(term):
+        place = candidate.joints.index(torque.joint)
+        for m, key in enumerate(keys):
+            if key in torque.names:
+                unit = {other: float(other == key) for other in keys}
+                out[:, place, :, m] = _at_nodes(torque, {**words, **unit}, shape_keys, nodes, motion)
+    return out
+
+
+def _at_nodes(
+    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
+) -> Float:
+    """Return a torque (V, N) at every node; zero, so that it is never chosen, where it is not finite."""
+    if separate(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
+        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
+    shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
+    try:
+        return evaluate(torque, {**words, **shaped}, motion, count=len(nodes))
+    except ExpressionError:  # at some node: find out which
+        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
+
+
+def _at_node(
+    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], node: Float, motion: Motion
+) -> Float:
+    try:
+        return evaluate(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
+    except ExpressionError:
+        return np.zeros(len(motion))
+
+
+def own_torques(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> dict[str, Float]:
+    """Return tau_rigid and tau_model (N,) of both joints, from the parameters of the model (never measured)."""
+    base = model.base()
+    count = len(base.parameters)
+    columns, numbers = base.columns(one.motion), carrying(one.motion, linear[:count])
+    out = {}
+    for j in range(len(JOINTS)):
+        out[f"tau_rigid{j + 1}"] = columns[j][:, :4] @ numbers[:4]
+        out[f"tau_model{j + 1}"] = columns[j] @ numbers
+    return out
+
+
+def _tangent(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float) -> Float:
+    """Return ∂τ/∂(the term's number) (A, N, 1) at zero; the model gets the term with a small value of it."""
+    extended = model.with_effect(term.effect, term.joint)
+    entries = [s.shape for s in extended.shapes[len(model.shapes) :]]
+    step = TANGENT_STEP * (entries[0].max - entries[0].min)
+    sides = []
+    for sign in (1.0, -1.0):
+        value = [sign * step, *(s.typical or 0.5 * (s.min + s.max) for s in entries[1:])]
+        sides.append(extended.torque(one.motion, linear, np.concatenate([shape, value])))
+    slope = (sides[0] - sides[1]) / (2.0 * step)
+    joints = (0, 1) if term.joint is None else (JOINTS.index(term.joint),)
+    return slope.T[list(joints)][:, :, None]
+
+
+def _derived(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float, nodes: Float) -> Float:
+    """Return the new columns (V, A, N, m) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
+    extended = model.with_effect(term.effect, term.joint)
+    new = len(extended.parameters) - len(model.parameters)
+    reference = np.concatenate([linear, np.zeros(new)])
+    joints = [0, 1] if term.joint is None else [JOINTS.index(term.joint)]
+    return np.stack(
+        [derived_columns(extended, one.motion, np.concatenate([shape, node]), reference)[joints] for node in nodes]
+    )

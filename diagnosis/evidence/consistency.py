@@ -1,0 +1,191 @@
+"""Which recording tells another story: a number of the model that one recording wants different from all the others.
+
+One model is fitted to all recordings. Then each number of the effects that were found, and the zero of each torque
+sensor, may for once differ in one recording; all else is refitted. A difference that is neither within the interval
+(valid for residuals that resemble themselves, `optimisation.linear.uncertainty`; widened for the number of questions)
+nor too small to matter is named: something was changed between the recordings, or the effect is not what it seems.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from diagnosis.evidence.gain import Block, Evidence, robust_weight
+from diagnosis.evidence.present import Present
+from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+LEAST_SHARE = 0.05
+"""Smallest share of a recording's weighted squared error that a difference must explain."""
+LEAST_CHANGE = 0.25
+"""Smallest change of an effect's number, as a share of what the other recordings say."""
+LEAST_NEW = 1e-3
+"""Smallest share of a column of one recording that the others and the rest of the model cannot take over."""
+MOST_NAMED = 8
+"""Differences named at most."""
+MOST = 24
+"""Recordings looked at, at most: beyond, single ones no longer matter."""
+
+
+@dataclass(frozen=True)
+class Differing:
+    """A number `name` that recording `recording` wants to be `value` and the others `others`, both in `unit`.
+
+    `half_width` is that of the difference (95 % for all questions asked together), `share` what the difference explains
+    of the recording's weighted squared error.
+    """
+
+    recording: str
+    name: str
+    value: float
+    others: float
+    half_width: float
+    unit: str
+    share: float
+
+    @property
+    def sentence(self) -> str:
+        """The difference in words."""
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        kind, _, joint = self.name.partition(":")
+        if kind == "zero":
+            side = "above" if self.value > 0.0 else "below"
+            return (
+                f"{self.recording}: the {joint} torque lies {abs(self.value):.2g}{unit} {side} what the others say "
+                "(another zero of the sensor, a load that --payload should name?)"
+            )
+        return (
+            f"{self.recording}: {self.name} is {self.value:.3g} there, {self.others:.3g}{unit} in the others "
+            f"(difference known to ± {self.half_width:.2g})"
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields in plain types."""
+        return {
+            "recording": self.recording,
+            "parameter": self.name,
+            "value": self.value,
+            "others": self.others,
+            "half_width": self.half_width,
+            "unit": self.unit,
+            "explained_share": self.share,
+            "sentence": self.sentence,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """One number that may differ: its value now, its unit, its place among the model's columns, or a joint's zero."""
+
+    name: str
+    value: float
+    unit: str
+    index: int | None
+    joint: int = 0
+
+    def column(self, block: Block) -> Float:
+        """Return its column (J, K)."""
+        if self.index is not None:
+            return np.asarray(block.columns[:, :, self.index])
+        out = np.zeros(block.residual.shape)
+        out[self.joint] = 1.0
+        return out
+
+
+def differing(now: Present, evidence: Evidence) -> tuple[Differing, ...]:
+    """Return what single recordings want different, largest share first; () where there is only one recording.
+
+    `evidence` is that of `now`. All recordings are asked, verification ones too: nothing is decided by the answer. What
+    differs most is granted before the rest is asked again, or one odd recording would make all others look odd.
+    """
+    blocks, questions = list(evidence.blocks), _questions(now.model, now.linear, now.shapes)
+    if not 2 <= len(blocks) <= MOST:
+        return ()
+    strict = ndtri(0.025 / (len(questions) * len(blocks))) / ndtri(0.025)
+    prior = evidence.prior
+    out: dict[tuple[int, str], Differing] = {}
+    while len(out) < MOST_NAMED:
+        pooled = _Pooled(blocks, evidence.sigma, prior)
+        found: tuple[Differing, int, _Question] | None = None
+        for number, one in enumerate(now.prepared.all):
+            for question in questions:
+                answer = None if (number, question.name) in out else pooled.answer(number, question)
+                if answer is None:
+                    continue
+                change, half, share, moved = answer
+                others = question.value + (0.0 if question.index is None else moved[question.index])
+                small = question.index is not None and abs(change) < LEAST_CHANGE * abs(others)
+                matters = share >= LEAST_SHARE and abs(change) > strict * half and not small
+                if matters and (found is None or share > found[0].share):
+                    text = question.name, others + change, others, strict * half, question.unit, share
+                    found = Differing(one.name, *text), number, question
+        if found is None:
+            break
+        named, number, question = found
+        out[number, question.name] = named
+        own = question.column(blocks[number])
+        blocks = [_with_column(b, own if k == number else np.zeros(b.residual.shape)) for k, b in enumerate(blocks)]
+        prior = np.append(prior, 0.0)
+    return tuple(out.values())
+
+
+def _with_column(block: Block, column: Float) -> Block:
+    return replace(block, columns=np.concatenate([block.columns, column[:, :, None]], axis=2))
+
+
+def _questions(model: Model, linear: Float, shapes: Float) -> list[_Question]:
+    """Return the numbers of the model's effects that are the same in all recordings, and the torques' zeros."""
+    count = len(model.parameters)
+    out = [_Question(p.name, float(linear[k]), p.unit, k) for k, p in enumerate(model.parameters) if p.term is not None]
+    for k, entry in enumerate(model.shapes):
+        if not entry.shape.choices and not entry.shape.per_recording:
+            out.append(_Question(entry.name, float(shapes[0, k]), entry.shape.unit, count + k))
+    return out + [_Question(f"zero:{name}", 0.0, "N·m", None, joint) for joint, name in enumerate(JOINTS)]
+
+
+class _Pooled:
+    """The model fitted to all recordings together (weighted, linearised at its shapes), ready to be asked."""
+
+    def __init__(self, blocks: list[Block], sigma: Float, prior: Float) -> None:
+        self.blocks = blocks
+        self.weights = [robust_weight(b, sigma) / sigma[:, None] ** 2 for b in self.blocks]
+        both = list(zip(self.blocks, self.weights, strict=True))
+        gram = np.sum([np.einsum("jkp,jk,jkq->pq", b.columns, w, b.columns, optimize=True) for b, w in both], axis=0)
+        slope = np.sum([np.einsum("jkp,jk,jk->p", b.columns, w, b.residual, optimize=True) for b, w in both], axis=0)
+        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+        normal = (gram + np.diag(prior)) / np.outer(scale, scale)
+        self.inverse = np.linalg.pinv(normal, rcond=1e-11, hermitian=True) / np.outer(scale, scale)
+        step = self.inverse @ slope
+        self.left = [b.residual - b.columns @ step for b in self.blocks]
+
+    def answer(self, number: int, question: _Question) -> tuple[float, float, float, Float] | None:
+        """Return the change that recording `number` wants, its 95 % half-width, the share of the recording's loss that
+        it explains, and how all columns' numbers (P,) then move in the others. None where it cannot be told.
+        """
+        block, weight = self.blocks[number], self.weights[number]
+        own = question.column(block)
+        lean = self.inverse @ np.einsum("jkp,jk,jk->p", block.columns, weight, own, optimize=True)
+        rest = [-(b.columns @ lean) for b in self.blocks]
+        rest[number] = rest[number] + own
+        power = self._sum(rest, rest)
+        loss = float(np.sum(weight * self.left[number] ** 2))
+        if loss <= 0.0 or power <= LEAST_NEW * float(np.sum(weight * own * own)):
+            return None
+        change = self._sum(rest, self.left) / power
+        score = np.concatenate(
+            [np.sum(w * x * (r - change * x), axis=0) for w, x, r in zip(self.weights, rest, self.left, strict=True)]
+        )[:, None]
+        groups = np.repeat(np.arange(len(self.blocks)), [b.residual.shape[1] for b in self.blocks])
+        lag = block_length(score, groups)
+        critical = float(np.polynomial.polynomial.polyval(min(lag / len(score), 1.0), FIXED_B))
+        half = critical * float(np.sqrt(block_outer(score, groups, lag)[0, 0])) / power
+        return change, half, change**2 * power / loss, -lean * change
+
+    def _sum(self, x: list[Float], y: list[Float]) -> float:
+        return float(sum(np.sum(w * a * b) for w, a, b in zip(self.weights, x, y, strict=True)))

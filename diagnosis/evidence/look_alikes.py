@@ -1,0 +1,138 @@
+"""Who could have done it just as well: candidates that these data, or any data, cannot tell from the accepted one.
+
+Two candidates are compared on held-out samples, each refitted with everything else. The difference of their losses is
+summed over blocks of a few seconds, longer than the residual remembers; if its sum is within the scatter of the blocks,
+the data cannot tell them apart (in the manner of Vuong, Econometrica 57(2), 1989, with blocks for dependence).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, Columns, Library, candidate_columns, stacked
+from diagnosis.evidence.gain import RIDGE, Evidence, Gram
+from diagnosis.evidence.suspects import Score, weigh
+from optimisation.fitting.shapes import from_unit, to_unit
+from optimisation.preparation.prepare import PreparedRecording
+from symbolic.model import Model
+from symbolic.motion import Float
+
+BLOCK_SECONDS = 2.0
+CLEAR = 2.5
+"""Standard errors by which the better candidate must lead to be told apart."""
+TIED = 1.0
+"""Standard errors within which two candidates are as good as each other; then the simpler one is taken."""
+PRACTICALLY = 0.98
+"""A rival with fewer numbers that gains this part of the best one's gain ties with it: the rest is what a linearised
+candidate loses before it is refitted."""
+CLOSE = 0.5
+"""Only candidates with at least this part of the best one's gain are compared."""
+ANOTHER = 0.5
+"""A rival that keeps more than this part of its gain beside the best one is another effect."""
+REFINEMENTS = 3
+"""Rounds of refinement of each shape value before a comparison, so that a coarse grid decides nothing."""
+
+
+def refine(
+    evidence: Evidence, score: Score, library: Library, model: Model, linear: Float, shape: Float
+) -> tuple[Score, list[Columns]]:
+    """Return the score at shape values refined between the nodes, and the columns there (one node)."""
+    candidate = score.candidate
+    chosen = score.shape  # (R, S)
+    free = [
+        i
+        for i, s in enumerate(candidate.term.effect.shape.values())
+        if not candidate.tangent and not s.choices and not s.per_recording
+    ]
+    columns = columns_at(candidate, chosen, library.prepared, model, linear, shape)
+    best = _one_node(evidence, candidate, chosen, columns, score)
+    for index in free:
+        entry = list(candidate.term.effect.shape.values())[index]
+        reach = 1.0 / max(1, entry.points - 1)
+        for _ in range(REFINEMENTS):
+            middle = to_unit(entry, float(chosen[0, index]))
+            for unit in (middle - 0.5 * reach, middle + 0.5 * reach):
+                trial = chosen.copy()
+                trial[:, index] = from_unit(entry, unit)
+                trial_columns = columns_at(candidate, trial, library.prepared, model, linear, shape)
+                found = _one_node(evidence, candidate, trial, trial_columns, score)
+                if found.share > best.share:
+                    best, chosen, columns = found, trial, trial_columns
+            reach *= 0.5
+    return best, columns
+
+
+def columns_at(
+    candidate: Candidate,
+    chosen: Float,
+    prepared: Sequence[PreparedRecording],
+    model: Model,
+    linear: Float,
+    shape: Float,
+) -> list[Columns]:
+    """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
+    return [
+        candidate_columns(candidate, row[None], one, model, linear, shape)
+        for row, one in zip(chosen, prepared, strict=True)
+    ]
+
+
+def _one_node(
+    evidence: Evidence, candidate: Candidate, chosen: Float, columns: Sequence[Columns], before: Score
+) -> Score:
+    single = replace(candidate, nodes=chosen[:, None, :])
+    found = weigh(evidence, single, columns)
+    return replace(found, p_value=before.p_value, significant=before.significant, caution=before.caution)
+
+
+def look_alikes(
+    evidence: Evidence,
+    best: tuple[Score, list[Columns]],
+    rivals: Sequence[tuple[Score, list[Columns]]],
+) -> dict[str, float]:
+    """Return the rivals whose held-out loss is not clearly larger than that of the best, and their lag behind it.
+
+    The lag is in standard errors of the difference; 0 is a tie. A rival that still gains beside the best one is no
+    look-alike but another effect.
+    """
+    reference = block_losses(evidence, evidence.plain(best[1]), best[1])
+    out: dict[str, float] = {}
+    for score, columns in rivals:
+        if _gains_beside(evidence, best, score, columns):
+            continue
+        difference = block_losses(evidence, evidence.plain(columns), columns) - reference
+        spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
+        practically = score.share >= PRACTICALLY * best[0].share
+        if practically and score.candidate.numbers < best[0].candidate.numbers:
+            out[score.name] = 0.0
+        elif difference.sum() < CLEAR * spread:
+            out[score.name] = float(difference.sum() / spread)
+    return out
+
+
+def _gains_beside(
+    evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
+) -> bool:
+    together = [stacked([b, c]) for b, c in zip(best[1], columns, strict=True)]
+    share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
+    return share - best[0].share > ANOTHER * rival.share
+
+
+def block_losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
+    """Return the held-out loss of a candidate in blocks of BLOCK_SECONDS, over all units of all splits."""
+    out = []
+    for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
+        index, weight = evidence.unit(unit)
+        block = evidence.blocks[index]
+        residual = block.residual - block.columns @ step
+        for place, joint in enumerate(columns[index].joints):
+            residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
+        loss = np.sum(weight * residual**2, axis=0)
+        size = max(1, int(BLOCK_SECONDS * block.rate))
+        live = np.flatnonzero(weight.sum(axis=0) > 0.0)
+        starts = np.arange(0, live.size, size)
+        out.append(np.add.reduceat(loss[live], starts))
+    return np.concatenate(out)

@@ -1,0 +1,166 @@
+"""The present model as evidence sees it: its columns, its residual, and how it could still bend by itself.
+
+The columns include the derivative by every shape parameter, so that a candidate is never credited with what a small
+change of a shape already explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence.gain import BLOCKS, ROBUST, Block, Evidence, pooled_scale
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.local_shape import shapes_for
+from optimisation.linear.loss import huber
+from optimisation.preparation.prepare import Prepared, PreparedRecording
+from symbolic.model import Model
+from symbolic.motion import Float
+
+HOLD = 2.0
+"""Standard deviations of a shape value that a split of the recordings may move it by."""
+SLOPE_STEP = 1e-3
+"""Step of the derivative by a shape parameter, as a share of its range."""
+
+
+@dataclass(frozen=True, eq=False)
+class Present:
+    """A fitted model on all prepared recordings: shape values (R, S) and residuals (J, K), training first.
+
+    `slack` (S,) is how far the data leave each shape value open (a standard deviation).
+    """
+
+    model: Model
+    linear: Float
+    shapes: Float
+    residuals: tuple[Float, ...]
+    prepared: Prepared
+    slack: Float
+
+    @property
+    def train_rms(self) -> Float:
+        """RMS residual (J,) over the training recordings, N·m."""
+        return pooled_rms(self.residuals[: len(self.prepared.train)], self.prepared.train)
+
+    @property
+    def verify_rms(self) -> Float | None:
+        """RMS residual (J,) over the verification recordings, N·m; None without any."""
+        if not self.prepared.verify:
+            return None
+        return pooled_rms(self.residuals[len(self.prepared.train) :], self.prepared.verify)
+
+    def _unseen(self) -> list[tuple[Float, np.ndarray]]:
+        """Return residual (J, K) and use (J, K) of every verification recording, of the training ones without any."""
+        count = len(self.prepared.train) if self.prepared.verify else 0
+        return [(r, p.use.T) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
+
+    @property
+    def unseen_scale(self) -> Float:
+        """Robust standard deviation (J,) of the unseen residual, N·m."""
+        return pooled_scale(self._unseen())
+
+    def unseen_loss(self, scale: Float) -> float:
+        """Return the Huber loss of the unseen residual in units of `scale` (J,), both joints together."""
+        limit = np.full(len(scale), ROBUST)
+        return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
+
+    @property
+    def scale(self) -> Float:
+        """Robust standard deviation (J,) of the residual of all recordings, N·m."""
+        return pooled_scale([(r, p.use.T) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
+
+    def block_losses(self, scale: Float, seconds: float) -> Float:
+        """Return the Huber loss in blocks of `seconds`, recording after recording, in units of `scale` (J,)."""
+        out = []
+        for residual, one in zip(self.residuals, self.prepared.all, strict=True):
+            size = np.where(one.use.T, np.abs(residual), 0.0) / scale[:, None]
+            inner = np.minimum(size, ROBUST)
+            loss = np.sum(inner * (2.0 * size - inner), axis=0)
+            starts = np.arange(0, loss.size, max(1, int(seconds * one.kept_rate)))
+            out.append(np.add.reduceat(loss, starts))
+        return np.concatenate(out)
+
+    @property
+    def per_recording(self) -> list[tuple[str, Float]]:
+        """Name and RMS residual (J,) of every recording."""
+        return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]
+
+    def evidence(self, *, seed: int, draws: int = 999, sigma: Float | None = None) -> Evidence:
+        """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
+        lone = len(self.prepared.train) == 1
+        blocks = [
+            _block(self.model, one, self.linear, shape, residual, lone and i == 0)
+            for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
+        ]
+        count = len(self.prepared.train)
+        # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
+        free = np.zeros(len(self.model.parameters))
+        prior = np.concatenate([free, (HOLD * self.slack) ** -2.0])
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior)
+
+    def on(self, prepared: Prepared) -> Present:
+        """Return the same model with the same numbers on other versions of the recordings."""
+        residuals = _residuals(self.model, self.linear, self.shapes, prepared)
+        return Present(self.model, self.linear, self.shapes, residuals, prepared, self.slack)
+
+
+def present(fit: Fit, prepared: Prepared) -> Present:
+    """Return the fitted model on training and verification recordings.
+
+    Shape values that belong to a recording (where a stop is met) are fitted to each recording, unseen ones included;
+    everything else is as fitted on the training recordings.
+    """
+    model: Model = fit.model  # type: ignore[assignment]
+    shapes = shapes_for(fit, prepared)
+    return Present(
+        model, fit.linear, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model)
+    )
+
+
+def _slack(fit: Fit, model: Model) -> Float:
+    """Return the standard deviation (S,) of each shape value, a part of its range at least and at most."""
+    known = {e.name: (e.high - e.low) / (2.0 * 1.96) for e in fit.estimates}
+    spread = np.array([known.get(s.name, np.nan) for s in model.shapes], dtype=float)
+    ranges = np.array([s.shape.max - s.shape.min for s in model.shapes], dtype=float)
+    return np.clip(np.where(np.isfinite(spread), spread, np.inf), 1e-4 * ranges, 0.02 * ranges)
+
+
+def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
+    return tuple(
+        one.tau.T - filtered_torque(model, one, linear, shape) for one, shape in zip(prepared.all, shapes, strict=True)
+    )
+
+
+def filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
+    """Return the model's torque (J, K) after the common filter, N·m."""
+    return np.asarray(one.smooth(model.torque(one.motion, linear, shape)).T)
+
+
+def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the RMS (J,) of residuals (J, K) over the usable samples of several recordings."""
+    square = sum(np.sum(np.where(p.use.T, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
+    count = sum(p.use.sum(axis=0) for p in prepared)
+    return np.sqrt(square / np.maximum(count, 1))
+
+
+def _block(model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, lone: bool) -> Block:
+    raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
+    parts = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
+    columns = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(parts, axis=2), 0, 1)), 0, 1)
+    samples = columns.shape[1]
+    fold = np.arange(samples) * BLOCKS // samples if lone else np.zeros(samples, dtype=int)
+    return Block(np.ascontiguousarray(columns), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
+
+
+def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:
+    """Return ∂τ/∂shape[index] (J, N) before filtering; zero for a choice."""
+    entry = model.shapes[index].shape
+    if entry.choices:
+        return np.zeros((2, len(one.motion)))
+    step = SLOPE_STEP * (entry.max - entry.min)
+    up, down = shape.copy(), shape.copy()
+    up[index], down[index] = min(shape[index] + step, entry.max), max(shape[index] - step, entry.min)
+    rise = model.torque(one.motion, linear, up) - model.torque(one.motion, linear, down)
+    return np.asarray(rise.T / (up[index] - down[index]))

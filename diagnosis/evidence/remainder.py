@@ -1,0 +1,487 @@
+"""After the catalogue: is there still structure, and what does it depend on?
+
+A smooth curve with no physics in it (cubic B-splines) in one variable at a time is weighed exactly like a candidate:
+on unseen motion, against placebos of itself. If one counts, the remainder is reported with joint, variable, share, the
+learnt curve, and closed forms that come close, written in the torque language so that they can be pasted into a model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, Columns, candidate_columns, own_torques
+from diagnosis.evidence.gain import BLOCKS, Evidence
+from diagnosis.evidence.gain import RIDGE as LEAST_RIDGE
+from diagnosis.evidence.look_alikes import block_losses
+from diagnosis.evidence.present import Present
+from diagnosis.evidence.suspects import weigh
+from ground.html import bullets, lines
+from optimisation.preparation.prepare import PreparedRecording
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+from symbolic.term import Term
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KNOTS = 12
+"""Number of spline functions of a remainder."""
+RIDGE = 3e-2
+"""Relative ridge on a remainder: parts of a spline that the model nearly contains must not run wild."""
+LEAST_SHARE = 0.02
+"""Smallest share of the unseen loss a remainder must explain to be spoken of."""
+OWN_HANDICAP = 0.85
+"""A curve per recording is preferred to a common one only where its share is larger by this factor."""
+LEVEL = 0.005
+"""p-value a remainder must reach; a few dozen are tried."""
+BEATEN = 3.0
+"""A term is only a stand-in if a curve without physics at the same joint gains more by this many standard errors ..."""
+BEATEN_SHARE = 0.02
+"""... and by this much of the present loss, ..."""
+AS_GOOD = 0.97
+"""A single bump with fewer numbers than a term is as good as it with this part of its gain."""
+BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
+"""Quantiles of a path at which bumps are tried."""
+SUPERSEDED = 0.5
+"""... and the term adds less than this part of its own gain to the curve."""
+VARIABLES: Mapping[str, tuple[str, str]] = {
+    "q1": ("hip angle", "rad"),
+    "q2": ("knee angle", "rad"),
+    "dq1": ("hip velocity", "rad/s"),
+    "dq2": ("knee velocity", "rad/s"),
+    "ddq1": ("hip acceleration", "rad/s²"),
+    "ddq2": ("knee acceleration", "rad/s²"),
+    "load": ("rigid-body torque of the joint", "N·m"),
+    "t": ("time", "s"),
+}
+"""Variables a remainder may depend on: name in words, and unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """A curve in one variable at one joint, times a `factor`: nothing, or "sign" or "speed" of the joint's motion.
+
+    `share` of the weighted unseen loss; `x` (M,), `y` (M,) N·m and `band` (M,) (95 %) are the learnt curve. `own`:
+    every recording has a curve of its own (that of the recording which shows it best is given).
+    """
+
+    joint: str
+    variable: str
+    factor: str
+    share: float
+    unseen: float
+    p_value: float | None
+    x: Float = field(repr=False)
+    y: Float = field(repr=False)
+    band: Float = field(repr=False)
+    own: bool = False
+    suggestions: tuple[Suggestion, ...] = ()
+
+    @property
+    def directed(self) -> bool:
+        """Whether it turns its sign with the direction of motion."""
+        return self.factor == "sign"
+
+    @property
+    def variables(self) -> list[str]:
+        """Return all variables it depends on."""
+        own = str(JOINTS.index(self.joint) + 1)
+        return list(dict.fromkeys([self.variable, *([f"dq{own}"] if self.factor else [])]))
+
+    @property
+    def sentence(self) -> str:
+        """Say what is left in words."""
+        words, _ = VARIABLES[self.variable]
+        turned = {"sign": ", with the sign of the motion", "speed": ", times its velocity"}.get(self.factor, "")
+        moved = ", at a place that differs between recordings" if self.own else ""
+        return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
+
+    def plot(self) -> Figure:
+        """Draw the learnt curve with its band."""
+        from diagnosis.plots import curve
+
+        return curve(self)
+
+    def _repr_html_(self) -> str:
+        texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]
+        return lines(strong=self.sentence) + bullets(texts)
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A closed form that comes close: torque text with numbers as coefficients and shapes; `share` of the curve."""
+
+    text: str
+    share: float
+    coefficients: Mapping[str, str]
+    shape: Mapping[str, tuple[str, float, float, float]]
+
+    def to_toml(self, joint: str, own: bool = False, identifier: str = "my_effect") -> str:
+        """Return a `[[custom_effects]]` block for a model file; `own`: its place differs between recordings."""
+        moves = ", per_recording = true" if own else ""
+        numbers = ", ".join(f'{k} = {{ unit = "{unit}" }}' for k, unit in self.coefficients.items())
+        lines = [
+            "[[custom_effects]]",
+            f'id = "{identifier}"',
+            f'joint = "{joint}"',
+            f'torque = "{self.text}"',
+            f"coefficients = {{ {numbers} }}",
+        ]
+        if self.shape:
+            shapes = ", ".join(
+                f'{k} = {{ unit = "{unit}", min = {low:.4g}, max = {high:.4g}{moves if k == "m" else ""} }}'
+                for k, (unit, low, high, _) in self.shape.items()
+            )
+            lines.append(f"shape = {{ {shapes} }}")
+        lines.append('explains = "found as a remainder; say here what it is"')
+        return "\n".join(lines) + "\n"
+
+
+def remainders(
+    now: Present,
+    evidence: Evidence,
+    joints: Sequence[str] = JOINTS,
+    *,
+    placebos: int = 3,
+    each_joint: bool = False,
+) -> list[Remainder]:
+    """Return every remainder tried at `joints`, the most telling first, the best `placebos` of them with p-values.
+
+    A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
+    its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
+    `each_joint` gives shares of the joint's own error instead of the error of both.
+    """
+    common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
+    owns = _own_judges(now, evidence)
+    found = []
+    for joint in joints:
+        for variable, factor in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), factor)
+            if splines is None:
+                continue
+            for own, judges in _modes(variable, factor, common, owns):
+                one = _weigh(judges, splines, joint, variable, factor, own, each_joint)
+                found.append((judges, splines, one))
+    # A curve of its own for each recording must earn that freedom.
+    found.sort(key=lambda entry: -entry[2].share * (OWN_HANDICAP if entry[2].own else 1.0))
+    out = []
+    for rank, (judges, splines, one) in enumerate(found):
+        if rank < placebos and one.share >= LEAST_SHARE:
+            one = replace(one, p_value=_p_value(judges, splines.columns, one.share))
+        out.append(one)
+    return out
+
+
+_TRIED = (
+    *((v, "") for v in VARIABLES),
+    *((v, "sign") for v in VARIABLES if v != "t" and not v.startswith("ddq")),
+    *((v, "speed") for v in ("q1", "q2")),
+)
+"""(variable, factor). A velocity with the sign of motion is |θ'| with the sign of θ': it may jump at standstill."""
+
+
+def _may_move(variable: str, factor: str) -> bool:
+    """Whether strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
+    return variable in ("q1", "q2") and not factor
+
+
+def _modes(
+    variable: str, factor: str, common: list[_Judge], owns: list[_Judge]
+) -> tuple[tuple[bool, list[_Judge]], ...]:
+    """Return the ways to judge a curve."""
+    return ((False, common), (True, owns)) if _may_move(variable, factor) else ((False, common),)
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Evidence on some of the recordings (`which`, indices)."""
+
+    evidence: Evidence
+    which: tuple[int, ...]
+    trained: bool = True
+
+    def columns(self, columns: Sequence[Columns]) -> list[Columns]:
+        return [columns[i] for i in self.which]
+
+
+@dataclass(frozen=True, eq=False)
+class _Splines:
+    """Filtered spline columns per recording, and the basis (M, m) on a grid `x` (M,) over the range."""
+
+    columns: tuple[Columns, ...]
+    x: Float
+    basis: Float
+
+
+def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
+    """Return a judge for each recording, to whom the zeros of its torque sensors are no news."""
+    out = []
+    prior = np.append(evidence.prior, np.zeros(len(JOINTS)))
+    for index, block in enumerate(evidence.blocks):
+        samples = block.residual.shape[1]
+        zeros = np.repeat(np.eye(len(JOINTS))[:, None, :], samples, axis=1)
+        columns = np.concatenate([block.columns, zeros], axis=2)
+        folded = replace(block, columns=columns, fold=np.arange(samples) * BLOCKS // samples)
+        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior)
+        out.append(_Judge(alone, (index,), index < len(now.prepared.train)))
+    return out
+
+
+def _weigh(
+    judges: Sequence[_Judge],
+    splines: _Splines,
+    joint: str,
+    variable: str,
+    factor: str,
+    own: bool,
+    each_joint: bool = False,
+) -> Remainder:
+    gains = [j.evidence.gain(j.evidence.plain(j.columns(splines.columns)), RIDGE) for j in judges]
+    fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
+    loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
+    if each_joint:
+        both = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
+        loss *= float(both[JOINTS.index(joint)] / both.sum())
+    if own:
+        fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
+        unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
+        against = sum(w for (_, w), j in zip(fresh, judges, strict=True) if not j.trained)
+        best = max(range(len(judges)), key=lambda i: fresh[i][0])
+    else:
+        unseen, against, best = float(gains[0].unseen[0]), judges[0].evidence.unseen_loss, 0
+    share = fall / loss
+    y, band = _curve(judges[best], splines)
+    return Remainder(
+        joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own
+    )
+
+
+def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float) -> float:
+    trained = [j for j in judges if j.trained]
+    null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), RIDGE).total[1:] for j in trained)
+    loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
+    return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
+
+
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """A curve without physics that beat a term: its columns (one node) on every recording, and who judged it."""
+
+    columns: tuple[Columns, ...]
+    judges: tuple[_Judge, ...]
+    ridge: float
+    share: float
+
+    def leaves(self, term: Sequence[Columns]) -> float:
+        """Return the share of the loss that a term (one node) still explains beside the curve."""
+        both = [_beside(c, t) for c, t in zip(self.columns, term, strict=True)]
+        return _share(self.judges, both, self.ridge) - self.share
+
+    def supersedes(self, term: Sequence[Columns]) -> bool:
+        """Whether a term adds less than half of its own gain to the curve."""
+        return self.leaves(term) < SUPERSEDED * _share(self.judges, term)
+
+
+def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
+    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, judged alike.
+
+    Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
+    fewer numbers than the `numbers` of the term gains as much as; and that adds little to that curve: it was a
+    stand-in. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    `evidence` are of the model without the term.
+    """
+    common = (_Judge(evidence, tuple(range(len(evidence.blocks)))),)
+    for judges, own in ((common, False), (tuple(_own_judges(now, evidence)), True)):
+        mine = _share(judges, term)
+        losses = _blocks(judges, term)
+        for variable, factor in _TRIED:
+            splines = _splines(now, variable, JOINTS.index(joint), factor)
+            if splines is None or (own and not _may_move(variable, factor)):
+                continue
+            curve = Winner(splines.columns, judges, RIDGE, _share(judges, splines.columns, RIDGE))
+            if curve.share <= mine + BEATEN_SHARE:
+                continue
+            lead = losses - _blocks(judges, splines.columns, RIDGE)
+            clear = lead.sum() >= BEATEN * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            if clear and curve.supersedes(term):
+                return curve
+    mine = _share(common, term)
+    for candidate in _bumps(now, joint):
+        columns = [
+            candidate_columns(candidate, nodes, one, now.model, now.linear, now.shapes[0])
+            for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
+        ]
+        score = weigh(evidence, candidate, columns)
+        best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
+        bump = Winner(best, common, LEAST_RIDGE, score.share)
+        as_good = score.share >= AS_GOOD * mine and candidate.numbers < numbers
+        if as_good and bump.supersedes(term):
+            return bump
+    return None
+
+
+def _bumps(now: Present, joint: str) -> list[Candidate]:
+    """Return single bumps in the angles and in the joint's own velocity, as candidates at `joint`."""
+    own, other = JOINTS.index(joint) + 1, 2 - JOINTS.index(joint)
+    out = []
+    for word, variable in ((f"theta{own}", f"q{own}"), (f"theta{other}", f"q{other}"), (f"dtheta{own}", f"dq{own}")):
+        paths = [_signal(p, now, variable, own - 1, s, "") for p, s in zip(now.prepared.all, now.shapes, strict=True)]
+        low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
+        if not high - low > 1e-9:
+            continue
+        effect = Effect(
+            f"bump_in_{variable}",
+            "a single bump, no physics",
+            f"c * exp(-(({word} - m)/w)**2)",
+            None,
+            (joint,),
+            {"c": Coefficient("N·m")},
+            {
+                "m": Shape(VARIABLES[variable][1], low, high, per_recording=variable.startswith("q")),
+                "w": Shape(VARIABLES[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),
+            },
+            custom=True,
+        )
+        widths = np.geomspace(0.05, 0.3, 5) * (high - low)
+        pooled = [np.quantile(np.concatenate(paths), BUMP_LEVELS)] * len(paths)
+        each_own = [np.quantile(path, BUMP_LEVELS) for path in paths]
+        tried = [each_own, pooled] if variable.startswith("q") else [pooled]
+        nodes = np.concatenate(
+            [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
+        )
+        out.append(Candidate(Term(effect, joint), nodes, False))
+    return out
+
+
+def _blocks(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> Float:
+    """Return the losses of columns (one node) in blocks of time, on all that the judges hold out."""
+    trained = [(j.evidence, j.columns(columns)) for j in judges if j.trained]
+    return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
+
+
+def _beside(curve: Columns, term: Columns) -> Columns:
+    """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
+    size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
+    both = np.concatenate([curve.full(0), size * term.full(0)], axis=2)
+    return Columns(tuple(range(len(JOINTS))), both[None])
+
+
+def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> float:
+    """Return the share of the loss on held-out units that columns (one node) explain."""
+    trained = [j for j in judges if j.trained]
+    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
+    return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
+
+
+def significant(one: Remainder) -> bool:
+    """Whether a remainder is certain enough to be reported as structure that nobody explains."""
+    fresh = one.unseen >= 0.5 * LEAST_SHARE
+    return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and fresh
+
+
+def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float, factor: str) -> Float:
+    motion = one.motion
+    if variable == "t":
+        return motion.t - motion.t[0]
+    if variable == "load":
+        return own_torques(now.model, one, now.linear, shape)[f"tau_rigid{joint + 1}"]
+    stem, index = variable[:-1], int(variable[-1]) - 1
+    signal = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
+    return np.abs(signal) if factor == "sign" and stem == "dq" else signal
+
+
+def _splines(now: Present, variable: str, joint: int, factor: str) -> _Splines | None:
+    """Return splines over the range of `variable` on the training motion; None where it does not vary or apply."""
+    from scipy.interpolate import BSpline
+
+    if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":
+        return None  # the direction is that of the joint itself
+    prepared = now.prepared.all
+    signals = [_signal(p, now, variable, joint, s, factor) for p, s in zip(prepared, now.shapes, strict=True)]
+    train = np.concatenate(signals[: len(now.prepared.train)])
+    low, high = np.quantile(train, (0.002, 0.998))
+    if not high - low > 1e-9:
+        return None
+    order = 3
+    levels = np.linspace(0.0, 1.0, KNOTS - order + 1)
+    # Half even, half where the motion is: what happens near standstill is narrow, and much time is spent there.
+    inner = 0.5 * (low + levels * (high - low)) + 0.5 * np.quantile(np.clip(train, low, high), levels)
+    inner[[0, -1]] = low, high  # exactly, or rounding leaves samples outside
+    knots = np.concatenate([[low] * order, inner, [high] * order])
+
+    def design(x: Float) -> Float:
+        return np.asarray(BSpline.design_matrix(np.clip(x, low, high), knots, order).toarray())
+
+    out = []
+    for one, signal in zip(prepared, signals, strict=True):
+        raw = design(signal)
+        if factor:
+            raw = raw * (one.motion.sign if factor == "sign" else one.motion.dq)[:, [joint]]
+        out.append(Columns((joint,), one.smooth(raw[:, None], (joint,))[:, 0][None, None]))
+    grid = np.linspace(low, high, 121)
+    return _Splines(tuple(out), grid, design(grid))
+
+
+def _curve(judge: _Judge, splines: _Splines) -> tuple[Float, Float]:
+    """Return the learnt curve and the half-width of its 95 % band from the spread over held-out fits (jackknife)."""
+    grams = judge.evidence.plain(judge.columns(splines.columns))
+    curves = judge.evidence.leave_one_out(grams, RIDGE) @ splines.basis.T
+    y = splines.basis @ judge.evidence.gain(grams, RIDGE).coefficients[0]
+    count = len(curves)
+    spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
+    return y - y.mean(), 1.96 * spread
+
+
+def suggest(one: Remainder) -> tuple[Suggestion, ...]:
+    """Return closed forms for a learnt curve, best first: a bump, a step, a wave, powers."""
+    from scipy.optimize import least_squares
+
+    word = _word(one)
+    x, y = one.x, one.y - one.y.mean()
+    unit = VARIABLES[one.variable][1]
+    span, middle = float(np.ptp(x)), float(x.mean())
+    peak = float(x[np.argmax(np.abs(y))])
+    factor = {"sign": " * sgn(dtheta)", "speed": " * dtheta"}.get(one.factor, "")
+    forms = (
+        (f"c * exp(-(({word} - m)/w)**2){factor}", lambda p: np.exp(-(((x - p[0]) / p[1]) ** 2)), (peak, 0.15 * span)),
+        (f"c * tanh(({word} - m)/w){factor}", lambda p: np.tanh((x - p[0]) / p[1]), (middle, 0.2 * span)),
+        (f"c * ({word} - m)**2{factor}", lambda p: (x - p[0]) ** 2 + 0.0 * p[1], (middle, 1.0)),
+        (f"c * ({word} - m)**3{factor}", lambda p: (x - p[0]) ** 3 + 0.0 * p[1], (middle, 1.0)),
+    )
+    out = []
+    total = float(np.sum(y**2)) or 1.0
+    for text, shape, start in forms:
+        low = [x.min() - 0.2 * span, 0.02 * span if "/w" in text else 0.5]
+        high = [x.max() + 0.2 * span, 1.5 * span if "/w" in text else 2.0]
+
+        def misfit(p: Float, shape: Any = shape) -> Float:
+            g = shape(p) - shape(p).mean()
+            c = float(g @ y) / max(float(g @ g), 1e-300)
+            return y - c * g
+
+        found = least_squares(misfit, np.clip(start, low, high), bounds=(low, high))
+        share = 1.0 - 2.0 * float(found.cost) / total
+        values = {"m": (unit, low[0], high[0], float(found.x[0]))}
+        if "/w" in text:
+            values["w"] = (unit, low[1], high[1], float(found.x[1]))
+        power = {"**2": "²", "**3": "³"}
+        per = "N·m·s/rad" if one.factor == "speed" else "N·m"
+        per += f"/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else ""
+        out.append(Suggestion(text, share, {"c": per}, values))
+    return tuple(sorted((s for s in out if s.share > 0.3), key=lambda s: -s.share))
+
+
+def _word(one: Remainder) -> str:
+    own = str(JOINTS.index(one.joint) + 1)
+    if one.variable == "load":
+        return "tau_rigid"
+    if one.variable == "t":
+        return "t"
+    stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta"}[one.variable[:-1]]
+    word = stem if one.variable[-1] == own else stem + one.variable[-1]
+    return f"abs({word})" if one.directed and stem == "dtheta" else word

@@ -1,0 +1,82 @@
+"""Long recordings are searched in stretches: an hour says no more about which effect is missing than ten minutes spread
+over it, and the columns of a whole catalogue over an hour would not fit into memory.
+
+Only the search sees stretches. Errors, parameters and intervals are of the whole recordings, every sample counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from measurement.finding import Finding
+from measurement.signals.conditioning import response_seconds
+from optimisation.preparation.prepare import Prepared, PreparedRecording
+from symbolic.motion import Motion
+
+LONGEST = 900.0
+"""Seconds of recordings that are searched as a whole."""
+STRETCH = 30.0
+"""Length of a stretch in s."""
+SEARCHED = 600.0
+"""Seconds searched of recordings that are longer, spread evenly; half as much of those for verification."""
+
+
+def stretches(prepared: Prepared) -> Prepared:
+    """Return `prepared` itself, or, where it is too long to be searched, stretches as recordings of their own."""
+    if sum(_seconds(one) for one in prepared.all) <= LONGEST:
+        return prepared
+    return replace(prepared, train=_spread(prepared.train, SEARCHED), verify=_spread(prepared.verify, 0.5 * SEARCHED))
+
+
+def searched(prepared: Prepared, part: Prepared) -> tuple[Finding, ...]:
+    """Return what a report must say about it: nothing where everything was searched."""
+    if part is prepared:
+        return ()
+    whole, seen = (sum(_seconds(one) for one in p.all) for p in (prepared, part))
+    what = f"suspects were searched in {len(part.all)} stretches, {seen / 60:.0f} min of {whole / 60:.0f} min"
+    remedy = "nothing to do: errors, parameters and intervals are of the whole recordings"
+    return (Finding("stretches", "info", what, "all recordings", seen, LONGEST, remedy),)
+
+
+def _seconds(one: PreparedRecording) -> float:
+    return float(one.t[-1] - one.t[0])
+
+
+def _spread(recordings: Sequence[PreparedRecording], total: float) -> tuple[PreparedRecording, ...]:
+    """Return stretches of `recordings`, about `total` seconds, each recording with its share; short ones stay whole."""
+    length = sum(_seconds(one) for one in recordings)
+    if length <= total:
+        return tuple(recordings)
+    out: list[PreparedRecording] = []
+    for one in recordings:
+        count = max(1, round(total / STRETCH * _seconds(one) / length))
+        if count * STRETCH >= _seconds(one):
+            out.append(one)
+            continue
+        starts = one.t[0] + np.linspace(0.0, _seconds(one) - STRETCH, count)
+        out += [_cut(one, start, f"{one.name} from {start:.0f} s") for start in starts]
+    return tuple(out)
+
+
+def _cut(one: PreparedRecording, start: float, name: str) -> PreparedRecording:
+    """Return one stretch, with as much motion around it as the filter reaches."""
+    inside = np.flatnonzero((one.t >= start) & (one.t <= start + STRETCH))
+    kept = one.kept[inside]
+    reach = int(np.ceil(response_seconds(one.cutoff) * one.rate)) + 1
+    first, last = max(0, int(kept[0]) - reach), min(len(one.motion), int(kept[-1]) + reach + 1)
+    motion = one.motion
+    t, q, dq, ddq, sign = (x[first:last] for x in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign))
+    around = Motion(t, q, dq, ddq, sign, motion.payload)
+    return replace(
+        one,
+        name=name,
+        motion=around,
+        tau=one.tau[inside],
+        use=one.use[inside],
+        kept=kept - first,
+        wide_tau=one.wide_tau[first:last],
+        stuck=one.stuck[first:last],
+    )

@@ -1,0 +1,1 @@
+"""The next experiment: how far apart rival effects are, why some cannot be distinguished, and the motion that does."""

@@ -1,0 +1,255 @@
+"""The next experiment: the motion inside the limits that best tells rival effects apart.
+
+Each rival in turn is the truth, and every other one is refitted to it with all parameters of the model; the design
+maximises the smallest of these distances, in standard deviations of the noise (T-optimality; Atkinson and Fedorov,
+Biometrika 62, 1975, here with the minimum over rivals). NFO searches the motions, all of them inside the limits by
+construction, with a rough form of the distance; the motion found is then judged by full refits. The present
+recordings, and a motion drawn at random, are judged the same way.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.separation.distance import Filtered, Sketch, Truth, distance, planned, residual_noise
+from diagnosis.separation.indistinguishable import Same, same_torques
+from diagnosis.separation.result import Separation
+from ground.errors import ExoidError
+from measurement.recording import Recording
+from measurement.trajectories.extremes import bounds, margin, uses
+from measurement.trajectories.trajectory import Fourier, paper_trajectory, random_trajectory
+from optimisation.excitation.criteria import Noise
+from optimisation.excitation.design import GRID, shrunk
+from optimisation.excitation.search import Remembering
+from optimisation.excitation.space import MotionSpace, motion_space
+from optimisation.fitting.identify import identify
+from optimisation.fitting.nominal import nominal
+from optimisation.linear.problem import Problem
+from optimisation.optimiser import minimise
+from optimisation.optimisers.nfo import NFO
+from optimisation.preparation.prepare import Prepared, prepare
+from symbolic.model import Model
+from symbolic.model_file import Numbers
+from symbolic.motion import Float
+from symbolic.term import Term
+
+CUTOFF = 6.0
+"""Hz of the filter a designed motion is judged with where no recordings choose one."""
+USUAL_NOISE = Noise(np.array([0.27, 0.21]), np.array([10.0, 10.0]), "usual on the virtual bench after its 6 Hz filter")
+"""Without recordings: what a right model leaves on the bench, measured by `residual_noise` on 3 × 3 runs (0.27 to 0.28
+and 0.19 to 0.23 N·m, 8 to 12 independent samples per second)."""
+INDIVIDUALS, GENERATIONS = 20, 40
+FINALISTS = 4
+"""Motions that are judged by full refits; the best of them is the design."""
+USUAL = 3
+"""Motions drawn at random for comparison; their median counts."""
+
+Progress = Callable[[float, str], None]
+
+
+class SeparateError(ExoidError):
+    """Rivals that cannot be compared: fewer than two, or the same one twice."""
+
+
+def separate(
+    model: Model,
+    rivals: Sequence[str],
+    recordings: Sequence[Recording] = (),
+    *,
+    numbers: Numbers | None = None,
+    noise: Noise | None = None,
+    period: float = 10.0,
+    harmonics: int = 5,
+    offsets: str = "free",
+    rest: bool = False,
+    use: float = 1.0,
+    duration: float = 30.0,
+    cutoff: float | None = None,
+    generations: int = GENERATIONS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Separation:
+    """Return the motion that tells the `rivals` ("stribeck:hip", ...) apart best, and how far apart they will be.
+
+    `model` is taken without the rivals; `recordings` give the size of each rival, the numbers of the leg, the noise and
+    the filter; else `numbers` (a model file's identified ones) or typical sizes are used. The remaining arguments are
+    those of `design`. Where two rivals make the same torque at every state no motion is sought for that pair. Refuses
+    fewer than two rivals and names that do not exist.
+    """
+    began = time.perf_counter()
+    say = progress or _silent
+    base, terms = _without(model, rivals)
+    room = bounds(model.limits, use)
+    space = motion_space(
+        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
+    )
+    planned(paper_trajectory(), duration, cutoff or CUTOFF)  # what is too short is told before the search
+    say(0.02, "looking for rivals that are the same")
+    same = same_torques(base, terms)
+    prepared = prepare(base, recordings, cutoff=cutoff) if recordings else None
+    truths, measured = _truths(base, terms, prepared, numbers, say)
+    noise = noise or measured or USUAL_NOISE
+    pairs = _pairs(truths, same)
+    filter_ = prepared.choice.cutoff if prepared else cutoff or CUTOFF
+    judge = _Judge(truths, pairs, noise, duration, filter_)
+    motion: Fourier | None = None
+    if pairs:
+        found = _search(space, Sketch(truths, pairs, noise, duration, filter_), generations, seed, say)
+        say(0.85, "judging the motions")
+        motion = max(found, key=lambda one: min(judge.motion(one).values()))
+    rng = np.random.default_rng([seed, 3])
+    usual = [judge.motion(random_trajectory(rng, model.limits, period=period)) for _ in range(USUAL if pairs else 0)]
+    return Separation(
+        model=base,
+        rivals=tuple(truths),
+        same=same,
+        trajectory=motion,
+        apart=judge.motion(motion) if motion is not None else {},
+        present=judge.recordings(prepared.train) if prepared is not None else None,
+        present_seconds=sum(len(one.tau) / one.kept_rate for one in prepared.train) if prepared else 0.0,
+        usual={pair: float(np.median([one[pair] for one in usual])) for pair in judge.names},
+        noise=noise,
+        duration=duration,
+        cutoff=filter_,
+        uses=uses(motion, model.limits) if motion is not None else (),
+        seed=seed,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _silent(fraction: float, text: str) -> None:
+    """Say nothing."""
+
+
+def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ...]]:
+    """Return the model without the rivals, and the rivals as terms of it."""
+    base = model
+    for name in rivals:
+        if name in {term.name for term in base.terms}:
+            base = base.without(name)
+    terms = tuple(base.with_effect(name).terms[-1] for name in rivals)
+    names = [term.name for term in terms]
+    if len(set(names)) < 2 or len(set(names)) < len(names):
+        raise SeparateError(
+            f"{', '.join(names) or 'nothing'} cannot be told apart",
+            where="--separate",
+            remedy="name at least two different effects: stribeck:hip,viscous_quadratic:hip",
+        )
+    return base, terms
+
+
+def _truths(
+    base: Model,
+    terms: Sequence[Term],
+    prepared: Prepared | None,
+    numbers: Numbers | None,
+    say: Progress,
+) -> tuple[tuple[Truth, ...], Noise | None]:
+    """Return every rival with its numbers, and the noise that the best of their fits leaves."""
+    truths, fits = [], []
+    for k, term in enumerate(terms):
+        model = replace(base, terms=(*base.terms, term))
+        usual = nominal(model, numbers)
+        if prepared is None:
+            source = "identified" if numbers is not None and _has(numbers, term) else "typical size"
+            truths.append(Truth(term.name, model, usual.linear, usual.shape, source))
+            continue
+        say(0.05 + 0.1 * k, f"fitting {term.name} to the recordings")
+        fit = identify(model, prepared.train, optimisers=())
+        fits.append(fit)
+        linear, source = np.array(fit.linear), "fitted to the recordings"
+        if not _possible(model, linear, term):
+            count = len(base.parameters)
+            linear = np.concatenate([linear[:count], usual.linear[count:]])
+            source = "typical size, since its fit has a sign it cannot have"
+        truths.append(Truth(term.name, model, linear, np.array(fit.shape), source))
+    if not fits or prepared is None:
+        return tuple(truths), None
+    best = min(fits, key=lambda fit: fit.loss)
+    rate = prepared.train[0].kept_rate
+    data = best.data
+    return tuple(truths), residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff)
+
+
+def _has(numbers: Numbers, term: Term) -> bool:
+    return any(name.startswith(f"{term.name}.") for name in (*numbers.linear, *numbers.shape))
+
+
+def _possible(model: Model, linear: Float, term: Term) -> bool:
+    """Whether the rival's own coefficients lie within their physical bounds and are not all zero."""
+    own = [(v, p) for v, p in zip(linear, model.parameters, strict=True) if p.term == term.name]
+    inside = all((p.min is None or v >= p.min) and (p.max is None or v <= p.max) for v, p in own)
+    return inside and (not own or any(v != 0.0 for v, _ in own))
+
+
+def _pairs(truths: Sequence[Truth], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
+    """Return the (truth, rival) that a motion can tell apart at all."""
+    place = {truth.name: k for k, truth in enumerate(truths)}
+    lost = set()
+    for one in same:
+        if one.second:
+            lost.add((place[one.first], place[one.second]))
+            if one.mutual:
+                lost.add((place[one.second], place[one.first]))
+        else:
+            lost |= {(place[one.first], k) for k in range(len(truths))}
+    count = len(truths)
+    return tuple((a, b) for a in range(count) for b in range(count) if a != b and (a, b) not in lost)
+
+
+def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say: Progress) -> list[Fourier]:
+    """Return the motions with the largest smallest distances that NFO finds, best first."""
+
+    def stretched(y: Float) -> list[Fourier]:
+        swings, offsets = space.split(y)
+        return [space.inside(swing, offset) for swing, offset in zip(swings, offsets, strict=True)]
+
+    def fitness(y: Float) -> Float:
+        return np.array([-sketch.smallest(one) for one in stretched(y)])
+
+    edge = np.ones(space.size)
+    remember = Remembering(NFO(alpha=0.8, crossover=0.95), lambda y: y)
+    run = minimise(
+        Problem(fitness, -edge, edge, space.names, ("1",) * space.size),
+        remember,
+        individuals=INDIVIDUALS,
+        generations=generations,
+        seed=seed,
+        progress=lambda spent, best: say(
+            0.3 + 0.5 * spent / (INDIVIDUALS * generations), f"NFO: {np.sqrt(max(-best, 0.0)):.1f} σ apart"
+        ),
+    )
+    last = remember.last[0]
+    return stretched(np.concatenate([run.x[None], last.x[np.argsort(last.f)[1:FINALISTS]]]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Full refits on motions and on recordings, in the same units."""
+
+    truths: tuple[Truth, ...]
+    pairs: tuple[tuple[int, int], ...]
+    noise: Noise
+    duration: float
+    cutoff: float
+
+    @property
+    def names(self) -> tuple[tuple[str, str], ...]:
+        """The pairs by name."""
+        return tuple((self.truths[a].name, self.truths[b].name) for a, b in self.pairs)
+
+    def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
+        """Return D of every pair on a motion of `duration` s."""
+        return self.recordings([planned(trajectory, self.duration, self.cutoff)])
+
+    def recordings(self, prepared: Sequence[Filtered]) -> dict[tuple[str, str], float]:
+        """Return D of every pair on prepared recordings together."""
+        out = {}
+        for (a, b), names in zip(self.pairs, self.names, strict=True):
+            rival = self.truths[b]
+            out[names] = distance(self.truths[a], rival.model, prepared, self.noise, rival.shape)
+        return out

@@ -1,0 +1,275 @@
+"""How many standard deviations of the noise lie between rival effects on a motion, everything else refitted.
+
+One rival is taken for the truth, with its numbers; the other is fitted to the torque that truth makes, together with
+all base parameters and every shape parameter:
+
+    D² = min over linear, shape of Σ_j w_j Σ_n (τ_truth - τ_rival)²,   w_j = independent samples per sample / σ_j²
+
+so that D is the distance in units of the noise: the likelihood ratio of the two rises by D² on average. The signals go
+through the same filter as recordings do, and samples at which a joint may stick are left out, as in a fit. Signs of
+coefficients are not enforced in the refit, which can only make D smaller.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.errors import ExpressionError, NotEnoughDataError
+from measurement.signals.conditioning import ORDER, low_pass, widen
+from measurement.trajectories.trajectory import Fourier
+from optimisation.excitation.criteria import Noise
+from optimisation.fitting.assemble import Assembly, settle
+from optimisation.fitting.shapes import from_unit, search_shape
+from optimisation.linear.loss import Bool
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import solve_sse
+from optimisation.linear.uncertainty import block_length, block_outer
+from optimisation.preparation.prepare import EDGE, INNER, STICK, STICK_REACH, bridged, bridges
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
+
+RATE = 100.0
+"""Hz at which a designed motion is sampled when it is judged."""
+SKETCH_SAMPLES = 400
+"""Samples of one period while searching."""
+SKETCH_NODES = 12
+"""Trial values of a rival's shape parameters while searching."""
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """A rival with its numbers: `model` holds it, `linear` (P,) and `shape` (S,) are its values, `source` says
+    whence.
+    """
+
+    name: str
+    model: Model
+    linear: Float
+    shape: Float
+    source: str
+
+    @property
+    def own(self) -> dict[str, float]:
+        """The rival's own numbers."""
+        named = [p.name for p in self.model.parameters] + [s.name for s in self.model.shapes]
+        values = (*self.linear, *self.shape)
+        return {n: float(v) for n, v in zip(named, values, strict=True) if n.startswith(f"{self.name}.")}
+
+
+class Filtered(Protocol):
+    """The part of a PreparedRecording that is needed: a motion, which samples count, and the common filter."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def motion(self) -> Motion: ...  # noqa: D102
+    @property
+    def tau(self) -> Float: ...  # noqa: D102
+    @property
+    def use(self) -> Bool: ...  # noqa: D102
+    @property
+    def kept_rate(self) -> float: ...  # noqa: D102
+    def smooth(self, x: Float) -> Float: ...  # noqa: D102
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """The same motion with the torque `tau` (K, J) that a truth makes of it."""
+
+    like: Filtered
+    tau: Float
+
+    @property
+    def name(self) -> str:
+        """As the motion's own."""
+        return self.like.name
+
+    @property
+    def motion(self) -> Motion:
+        """As the motion's own."""
+        return self.like.motion
+
+    @property
+    def use(self) -> Bool:
+        """As the motion's own."""
+        return self.like.use
+
+    def smooth(self, x: Float) -> Float:
+        """Filter as the motion is filtered."""
+        return self.like.smooth(x)
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A motion as if it had been recorded and prepared: `use` and `tau` (K, J; zero) at the K samples `kept`."""
+
+    name: str
+    motion: Motion
+    tau: Float
+    use: Bool
+    kept: np.ndarray
+    cutoff: float
+    rate: float
+    stuck: Bool
+
+    @property
+    def kept_rate(self) -> float:
+        """Rate of the kept samples, Hz."""
+        return self.rate / float(self.kept[1] - self.kept[0])
+
+    def smooth(self, x: Float) -> Float:
+        """Bridge and filter `x` (N, J, ...) over time as recordings are; return the kept samples (K, J, ...)."""
+        return low_pass(bridged(x, bridges(self.stuck, self.rate), (0, 1), 1), self.cutoff, self.rate)[self.kept]
+
+
+def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE) -> Planned:
+    """Return a motion as if it had been recorded for `duration` s and prepared with `cutoff` Hz; its torque is zero."""
+    t = np.arange(round(duration * rate)) / rate
+    motion = trajectory.at(t)
+    edge = int(np.ceil(EDGE * rate))
+    kept = np.arange(edge, len(t) - edge, max(1, int(rate // (6.0 * cutoff))))
+    if len(kept) < 2:
+        raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="judge at least 5 s of motion")
+    reach = int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))
+    stuck = np.column_stack([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
+    return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate, stuck)
+
+
+def residual_noise(residual: Float, use: Bool, groups: NDArray[np.int64], rate: float, cutoff: float) -> Noise:
+    """Return the noise that a fit's `residual` (J, N) shows, its autocorrelation counted.
+
+    Independent samples per second are those whose mean would scatter as the residual's does (Newey-West over blocks),
+    at most 2 × cut-off: a filtered signal has no more.
+    """
+    sd, per_second = np.empty(len(JOINTS)), np.empty(len(JOINTS))
+    for j in range(len(JOINTS)):
+        live = np.asarray(use[j], dtype=bool)
+        score = residual[j][live][:, None]
+        own = np.asarray(groups)[live]
+        sd[j] = float(np.sqrt(np.mean(score**2)))
+        longrun = float(block_outer(score, own, block_length(score, own))[0, 0]) / len(score)
+        per_second[j] = rate * float(np.mean(score**2)) / max(longrun, 1e-300)
+    return Noise(sd, np.minimum(per_second, 2.0 * cutoff), "the residual of the recordings, with its autocorrelation")
+
+
+def distance(truth: Truth, rival: Model, prepared: Sequence[Filtered], noise: Noise, start: Float) -> float:
+    """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
+    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
+    told = [Told(one, tau) for one, tau in zip(prepared, made, strict=True)]
+    assembly = Assembly(rival, told)
+    root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]
+    weights = np.concatenate(
+        [np.tile(w[:, None], (1, len(one.tau))) for w, one in zip(root, prepared, strict=True)], axis=1
+    )
+
+    def weighted(data: LinearData) -> LinearData:
+        return replace(data, columns=data.columns * weights[:, :, None], tau=data.tau * weights)
+
+    known = _known(truth, rival)
+
+    def loss(shape: Float) -> float:
+        try:
+            found = settle(assembly, shape if shape.size else None, lambda data: solve_sse(weighted(data)), known)
+        except ExpressionError:
+            return float("inf")
+        return float(np.sum(weighted(found.data).residual(found.linear) ** 2))
+
+    if not rival.shapes:
+        return float(np.sqrt(loss(np.zeros(0))))
+    return float(np.sqrt(search_shape(loss, [s.shape for s in rival.shapes], nodes(rival, start, 40)).value))
+
+
+def _known(truth: Truth, rival: Model) -> Float:
+    """Return the linear parameters (P,) of `rival` that the truth has too; zero for its own."""
+    values = dict(zip((p.name for p in truth.model.parameters), truth.linear, strict=True))
+    return np.array([values.get(p.name, 0.0) for p in rival.parameters])
+
+
+def nodes(model: Model, start: Float, most: int) -> list[Float]:
+    """Return about `most` trial values (S,) of a model's shapes: the last term's on a grid, others at `start`."""
+    last = model.terms[-1].name
+    free = [k for k, s in enumerate(model.shapes) if s.term == last]
+    if not free:
+        return [start]
+    shapes = [model.shapes[k].shape for k in free]
+    axes: list[Sequence[float]] = []
+    each = max(2, round(most ** (1.0 / max(1, sum(not s.choices for s in shapes)))))
+    for place, shape in zip(free, shapes, strict=True):
+        if shape.choices:
+            axes.append(shape.choices)
+        elif shape.spacing == "position":
+            axes.append(np.linspace(*_range(model, place), each).tolist())
+        else:
+            axes.append([from_unit(shape, u) for u in np.linspace(0.0, 1.0, min(each, max(2, shape.points)))])
+    out = [start]
+    for values in itertools.product(*axes):
+        node = start.copy()
+        node[free] = values
+        out.append(node)
+    return out
+
+
+def _range(model: Model, place: int) -> tuple[float, float]:
+    """Return where on a joint's range a position may be looked for."""
+    entry = model.shapes[place]
+    low, high = model.limits["hip" if entry.term.endswith(":hip") else "knee"].angle
+    return max(entry.shape.min, low), min(entry.shape.max, high)
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """The same distance, cheap and rough, for a search: one period, few samples, shapes on a coarse grid."""
+
+    truths: tuple[Truth, ...]
+    pairs: tuple[tuple[int, int], ...]
+    noise: Noise
+    duration: float
+    cutoff: float
+
+    def smallest(self, trajectory: Fourier) -> float:
+        """Return the smallest D² over the pairs (truth, rival), in `duration` s."""
+        step = trajectory.period / SKETCH_SAMPLES
+        motion = trajectory.at(np.arange(SKETCH_SAMPLES) * step)
+        reach = int(np.ceil(STICK_REACH / (self.cutoff * step)))
+        stuck = np.array([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
+        weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck
+        # What a Butterworth filter run forwards and backwards leaves of a periodic signal, frequency by frequency.
+        gain = 1.0 / (1.0 + (np.fft.rfftfreq(SKETCH_SAMPLES, step) / self.cutoff) ** (2 * ORDER))
+
+        def seen(signals: Float) -> Float:
+            passed = np.fft.irfft(np.fft.rfft(signals, axis=1) * gain[:, None], SKETCH_SAMPLES, axis=1)
+            return np.asarray(passed * weight[:, :, None])
+
+        torques = [
+            seen(truth.model.torque(motion, truth.linear, truth.shape).T[:, :, None]).ravel() for truth in self.truths
+        ]
+        return min(self._gap(motion, torques[a], self.truths[a], self.truths[b], seen) for a, b in self.pairs)
+
+    def _gap(self, motion: Motion, torque: Float, truth: Truth, rival: Truth, seen: Callable[[Float], Float]) -> float:
+        model, best = rival.model, np.inf
+        known = _known(truth, model) if model.needs_reference else None
+        for node in nodes(model, rival.shape, SKETCH_NODES):
+            try:
+                columns = seen(model.columns(motion, node, known))
+            except ExpressionError:
+                continue
+            matrix = columns.reshape(-1, columns.shape[2])
+            best = min(best, _remainder(matrix, torque))
+        return best
+
+
+def _remainder(matrix: Float, vector: Float) -> float:
+    """Return the squared distance of `vector` from the span of the columns of `matrix`."""
+    length = np.sqrt(np.einsum("kp,kp->p", matrix, matrix))
+    matrix = matrix[:, length > 0.0] / length[length > 0.0]
+    gram = matrix.T @ matrix
+    gram[np.diag_indices_from(gram)] += 1e-10
+    along = matrix.T @ vector
+    return max(float(vector @ vector - along @ np.linalg.solve(gram, along)), 0.0)

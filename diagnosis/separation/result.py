@@ -1,0 +1,146 @@
+"""What the design of a separating experiment hands back."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from diagnosis.separation.distance import Truth
+from diagnosis.separation.indistinguishable import Same
+from measurement.trajectories.extremes import Use
+from measurement.trajectories.trajectory import Fourier
+from measurement.trajectories.trajectory_file import trajectory_content
+from optimisation.excitation.criteria import Noise
+from symbolic.model import Model
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+ENOUGH = 3.0
+"""σ from which rivals count as told apart."""
+
+Distances = Mapping[tuple[str, str], float]
+"""(truth, rival) -> σ apart after the rival and everything else have been refitted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Separation:
+    """The motion that tells rivals apart, or why there is none.
+
+    `apart` are the distances on `trajectory` (None where no pair can be told apart) in `duration` s, `present` those
+    on the recordings given (`present_seconds` long), `usual` the median of motions drawn at random, of the same length
+    as the design. `same` are rivals that no motion tells apart, with what else would.
+    """
+
+    model: Model
+    rivals: tuple[Truth, ...]
+    same: tuple[Same, ...]
+    trajectory: Fourier | None
+    apart: Distances
+    present: Distances | None
+    present_seconds: float
+    usual: Distances
+    noise: Noise
+    duration: float
+    cutoff: float
+    uses: tuple[Use, ...]
+    seed: int
+    seconds: float = field(default=0.0, repr=False)
+
+    @property
+    def smallest(self) -> float:
+        """The smallest distance of any pair, σ; zero where some pair makes the same torque."""
+        if any(one.mutual for one in self.same) or not self.apart:
+            return 0.0
+        return min(self.apart.values())
+
+    @property
+    def separable(self) -> bool:
+        """Whether every pair will be at least `ENOUGH` σ apart."""
+        return self.smallest >= ENOUGH
+
+    @property
+    def needed(self) -> float:
+        """Seconds of this motion after which the closest pair is `ENOUGH` σ apart; infinite where none is enough."""
+        found = min(self.apart.values(), default=0.0)
+        return self.duration * (ENOUGH / found) ** 2 if found > 0.0 else math.inf
+
+    @property
+    def sentence(self) -> str:
+        """The answer for a person."""
+        blind = [one.sentence for one in self.same]
+        if not self.apart:
+            return ". ".join(blind) + "."
+        text = f"{self.duration:g} s of this motion put the closest rivals {min(self.apart.values()):.1f} σ apart"
+        text += f", {min(self.usual.values()):.1f} σ on a motion drawn at random"
+        if self.present is not None:
+            now = min(self.present.values())
+            text += f", and {now:.1f} σ in the {self.present_seconds:.0f} s of the present recordings"
+        if min(self.apart.values()) < ENOUGH:
+            text += f"; for {ENOUGH:g} σ it would take {self.needed:.0f} s"
+        return ". ".join([text, *blind]) + "."
+
+    def __repr__(self) -> str:
+        lines = [self.sentence]
+        for pair, far in self.apart.items():
+            now = "" if self.present is None else f", present recordings {self.present[pair]:.1f} σ"
+            lines.append(f"  {pair[0]} true, {pair[1]} fitted: {far:.1f} σ; at random {self.usual[pair]:.1f} σ{now}")
+        for one in self.rivals:
+            numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in one.own.items())
+            lines.append(f"  assumed: {one.name} with {numbers} ({one.source})")
+        lines.append(f"  noise: {self.noise}")
+        lines += [f"  instead: {way}" for one in self.same for way in one.ways]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row per (truth, rival): σ apart by design, at random, in the present recordings."""
+        import pandas as pd
+
+        rows = [
+            (a, b, far, self.usual[a, b], None if self.present is None else self.present[a, b])
+            for (a, b), far in self.apart.items()
+        ]
+        return pd.DataFrame(rows, columns=["truth", "rival", "designed", "at_random", "present"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result in plain types."""
+        return {
+            "separable": self.separable,
+            "smallest": self.smallest,
+            "sentence": self.sentence,
+            "rivals": [{"name": r.name, "numbers": r.own, "source": r.source} for r in self.rivals],
+            "apart": _rows(self.apart),
+            "present": None if self.present is None else _rows(self.present),
+            "present_seconds": self.present_seconds,
+            "at_random": _rows(self.usual),
+            "never": [one.to_json() for one in self.same],
+            "trajectory": None if self.trajectory is None else trajectory_content(self.trajectory),
+            "limits": [use.to_json() for use in self.uses],
+            "noise": {
+                "sd": self.noise.sd.tolist(),
+                "independent_per_second": self.noise.per_second.tolist(),
+                "source": self.noise.source,
+            },
+            "duration": self.duration,
+            "needed": self.needed if math.isfinite(self.needed) else None,
+            "cutoff": self.cutoff,
+            "seed": self.seed,
+            "seconds": self.seconds,
+        }
+
+    def plot(self) -> Figure:
+        """Draw the distances, and the motion."""
+        from diagnosis.separation.plots import plot_separation
+
+        return plot_separation(self)
+
+
+def _rows(distances: Distances) -> list[dict[str, Any]]:
+    return [{"truth": a, "rival": b, "sigma": value} for (a, b), value in distances.items()]

@@ -1,0 +1,166 @@
+"""One look for all figures: colours told apart by everyone, units on every axis, no global state.
+
+    with figure_style():
+        figure = new_figure(width=7, height=4)
+        axes = figure.subplots()
+        axes.plot(t, tau, color=JOINT_COLOURS["hip"])
+        axes.set(xlabel=label("time", "s"), ylabel=label("torque", "N·m"))
+
+Colours: Okabe and Ito, "Color Universal Design", 2008. A figure is a plain `matplotlib.figure.Figure` that
+pyplot does not know, so that nothing leaks when a report draws a hundred of them.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+OKABE_ITO: Mapping[str, str] = MappingProxyType(
+    {
+        "blue": "#0072b2",
+        "vermilion": "#d55e00",
+        "green": "#009e73",
+        "orange": "#e69f00",
+        "sky": "#56b4e9",
+        "purple": "#cc79a7",
+        "yellow": "#f0e442",
+    }
+)
+"""The eight colours of Okabe and Ito without black, which is `INK`."""
+
+INK, FAINT, GRID, PAPER = "#1c2128", "#6a737d", "#d8dee4", "#ffffff"
+"""Text and axes, second-rate text, grid lines, background. A report in dark mode exchanges exactly these."""
+
+JOINT_COLOURS: Mapping[str, str] = MappingProxyType({"hip": OKABE_ITO["blue"], "knee": OKABE_ITO["vermilion"]})
+"""The hip is blue and the knee vermilion in every figure."""
+
+JOINT_MARKERS: Mapping[str, str] = MappingProxyType({"hip": "o", "knee": "s"})
+"""A second sign beside the colour, for black-and-white prints."""
+
+ROLE_COLOURS: Mapping[str, str] = MappingProxyType(
+    {
+        "measured": FAINT,
+        "model": OKABE_ITO["blue"],
+        "residual": OKABE_ITO["vermilion"],
+        "floor": OKABE_ITO["green"],
+        "train": OKABE_ITO["sky"],
+        "verify": OKABE_ITO["purple"],
+    }
+)
+"""What a line is -> its colour, where a figure shows one joint only."""
+
+LARGEST_SVG = 700_000
+"""Bytes. A figure with more points than that is embedded as PNG instead."""
+
+
+@contextmanager
+def figure_style() -> Iterator[None]:
+    """Apply the style to everything drawn inside the `with` block, and to nothing outside it."""
+    import matplotlib as mpl
+    from cycler import cycler
+
+    settings: Any = {
+        "axes.axisbelow": True,
+        "axes.edgecolor": FAINT,
+        "axes.facecolor": PAPER,
+        "axes.grid": True,
+        "axes.labelcolor": INK,
+        "axes.prop_cycle": cycler(color=list(OKABE_ITO.values())[:6]),
+        "axes.spines.right": False,
+        "axes.spines.top": False,
+        "axes.titlecolor": INK,
+        "axes.titlelocation": "left",
+        "axes.titlesize": 11,
+        "axes.titleweight": "bold",
+        "figure.constrained_layout.use": True,
+        "figure.dpi": 110,
+        "figure.facecolor": PAPER,
+        "font.family": "sans-serif",
+        "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture on every machine
+        "font.size": 10,
+        "grid.color": GRID,
+        "grid.linewidth": 0.7,
+        "legend.frameon": False,
+        "legend.labelcolor": INK,
+        "lines.linewidth": 1.4,
+        "savefig.facecolor": PAPER,
+        "svg.fonttype": "path",
+        "svg.hashsalt": "exoid",  # the same figure gives the same bytes
+        "text.color": INK,
+        "xtick.color": FAINT,
+        "xtick.labelcolor": INK,
+        "ytick.color": FAINT,
+        "ytick.labelcolor": INK,
+    }
+    with mpl.rc_context(settings):
+        yield
+
+
+def new_figure(width: float = 7.0, height: float = 4.0) -> Figure:
+    """Return an empty figure of `width` × `height` inches that leaves room for its labels."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def label(quantity: str, unit: str = "") -> str:
+    """Return the text of an axis: "torque [N·m]", or "share" for a pure number."""
+    return f"{quantity} [{unit}]" if unit else quantity
+
+
+def to_svg(figure: Figure) -> str:
+    """Return `figure` as SVG text; the same figure gives the same text."""
+    buffer = io.StringIO()
+    with figure_style():
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def to_png(figure: Figure, dpi: int = 150) -> bytes:
+    """Return `figure` as PNG bytes."""
+    buffer = io.BytesIO()
+    with figure_style():
+        figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def to_data_uri(figure: Figure) -> str:
+    """Return `figure` as a data URI for an `<img>`: SVG that follows the reader's light or dark mode, or PNG
+    where the SVG would be heavy.
+    """
+    svg = adaptive(to_svg(figure))
+    if len(svg) <= LARGEST_SVG:
+        return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode("ascii")
+    return "data:image/png;base64," + base64.b64encode(to_png(figure)).decode("ascii")
+
+
+DARK: Mapping[str, str] = MappingProxyType(
+    {
+        INK: "#e6edf3",
+        FAINT: "#9da7b3",
+        GRID: "#30363d",
+        PAPER: "#161b22",
+        OKABE_ITO["blue"]: "#4aa3df",
+    }
+)
+"""Colour in light mode -> the same colour in dark mode, where the contrast would suffer."""
+
+
+def adaptive(svg: str) -> str:
+    """Return `svg` with the colours of `DARK` exchanged when its reader prefers a dark page."""
+    for index, light in enumerate(DARK):
+        svg = re.sub(rf"(?<=: ){light}(?=[;\"\s])", f"var(--c{index})", svg)
+    light_rules = "".join(f"--c{index}:{light};" for index, light in enumerate(DARK))
+    dark_rules = "".join(f"--c{index}:{dark};" for index, dark in enumerate(DARK.values()))
+    style = f"<style>:root{{{light_rules}}}@media (prefers-color-scheme:dark){{:root{{{dark_rules}}}}}</style>"
+    start = svg.index(">", svg.index("<svg")) + 1
+    return svg[:start] + style + svg[start:]

@@ -1,0 +1,155 @@
+"""A TOML table that knows where it stands, so that every refusal names file, line, key and the nearest right key."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ground.errors import ModelFileError
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The `values` of a table at `path` in the file `where` with the text `source`."""
+
+    values: Mapping[str, Any]
+    path: Path
+    where: str
+    source: str
+
+    def child(self, key: str | int, values: Mapping[str, Any]) -> Table:
+        """Return a table below this one."""
+        return Table(values, (*self.path, key), self.where, self.source)
+
+    def place(self, key: str | None = None) -> str:
+        """Return "file, line 12, custom_effects[1].torque"."""
+        path = self.path if key is None else (*self.path, key)
+        line = locate(self.source, path)
+        words = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
+        return ", ".join(filter(None, (self.where, f"line {line}" if line else "", words)))
+
+    def error(self, key: str | None, what: str, remedy: str) -> ModelFileError:
+        """Return the error to raise about a key of this table."""
+        return ModelFileError(what, where=self.place(key), remedy=remedy)
+
+    def only(self, *known: str) -> None:
+        """Refuse keys that are not known."""
+        for key in self.values:
+            if key not in known:
+                near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+                hint = f"did you mean {near[0]!r}?" if near else "known here: " + (", ".join(known) or "nothing")
+                raise self.error(key, f"unknown key {key!r}", hint)
+
+    def table(self, key: str) -> Table:
+        """Return the table under `key`."""
+        value = self.values[key]
+        if not isinstance(value, dict):
+            raise self.error(key, f"{key} is {_kind(value)}, not a table", f"write [{key}] and its keys below")
+        return self.child(key, value)
+
+    def tables(self, key: str) -> list[Table]:
+        """Return the tables of an array of tables; empty where there is none."""
+        value = self.values.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+            raise self.error(key, f"{key} is {_kind(value)}", f"write [[{key}]] with double brackets, once per effect")
+        return [Table(item, (*self.path, key, k), self.where, self.source) for k, item in enumerate(value)]
+
+    def text_of(self, key: str) -> str:
+        """Return the text under `key`, which must be there."""
+        if key not in self.values:
+            raise self.error(None, f"{key} is missing", f'add {key} = "..."')
+        value = self.values[key]
+        if not isinstance(value, str) or not value.strip():
+            raise self.error(key, f"{key} is {_kind(value)}", f'write it in quotes: {key} = "..."')
+        if len(value) > 4000:
+            raise self.error(key, f"{key} has {len(value)} characters", "shorten it to at most 4000")
+        return value
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """Return the text under `key`, or the default where there is one."""
+        return default if default is not None and key not in self.values else self.text_of(key)
+
+    def number(
+        self, key: str, default: float | None = None, above: float | None = None, below: float | None = None
+    ) -> float:
+        """Return the finite number under `key`, strictly between `above` and `below`, or the default."""
+        if key not in self.values:
+            if default is None:
+                raise self.error(None, f"{key} is missing", f"add {key} = <number>")
+            return default
+        return self._checked(key, self.values[key], above, below)
+
+    def optional(self, key: str) -> float | None:
+        """Return the finite number under `key`, or None."""
+        return self.number(key) if key in self.values else None
+
+    def numbers(self, key: str, count: int | None = None, low: float | None = None) -> list[float]:
+        """Return the list of finite numbers under `key`."""
+        value = self.values[key]
+        if not isinstance(value, list) or (count is not None and len(value) != count):
+            wanted = "numbers" if count is None else f"{count} numbers"
+            raise self.error(key, f"{key} is {_kind(value)}", f"write a list of {wanted}: {key} = [...]")
+        return [self._checked(key, item, low, None) for item in value]
+
+    def _checked(self, key: str, value: Any, above: float | None, below: float | None) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise self.error(
+                key, f"{key} is {_kind(value)}, not a number", "write a number without quotes, in SI units"
+            )
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self.error(key, f"{key} = {str(value)[:20]} is not finite", "write a finite number")
+        if (above is not None and number <= above) or (below is not None and number >= below):
+            limits = " and ".join(
+                filter(None, ("" if above is None else f"above {above:g}", "" if below is None else f"below {below:g}"))
+            )
+            raise self.error(key, f"{key} = {number:g} is out of range", f"give a number {limits} (SI units)")
+        return number
+
+
+def _kind(value: Any) -> str:
+    names = {bool: "true or false", str: "a text", int: "a number", float: "a number", list: "a list", dict: "a table"}
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    return "an empty text" if value == "" else names.get(type(value), "a date or time")
+
+
+def locate(text: str, path: Path) -> int | None:
+    """Return the line (from 1) where `path` stands in TOML `text`, or its nearest ancestor that has a line of its
+    own.
+    """
+    best: int | None = None
+    for length in range(1, len(path) + 1):
+        found = _line_of(text, path[:length], best or 1)
+        best = found if found is not None else best
+    return best
+
+
+def _line_of(text: str, path: Path, start: int) -> int | None:
+    """Find a header "[a.b]", the n-th "[[a]]", or "key =" at or after line `start`."""
+    names = [str(p) for p in path if isinstance(p, str)]
+    lines = text.splitlines()
+    if isinstance(path[-1], int):
+        header = re.compile(r"\s*\[\[\s*" + r"\s*\.\s*".join(map(re.escape, names)) + r"\s*\]\]")
+        hits = [k for k, line in enumerate(lines, 1) if header.match(line)]
+        return hits[path[-1]] if path[-1] < len(hits) else None
+    last = rf"[\"']?{re.escape(names[-1])}[\"']?"
+    dotted = r"\s*\.\s*".join([*(re.escape(name) for name in names[:-1]), last])
+    header = re.compile(rf"\s*\[\[?\s*{dotted}\s*[\].]")
+    key = re.compile(rf"(^|[\s{{,.]){last}\s*[=.]")
+    for k, line in enumerate(lines[start - 1 :], start):
+        bare = line.split("#", 1)[0]
+        if header.match(line) or key.search(bare):
+            return k
+        if k > start and len(path) > 1 and re.match(r"\s*\[", line) and not line.strip().startswith(f"[{names[0]}."):
+            return None
+    return None

@@ -1,0 +1,35 @@
+"""The audit: every file in `checks/` looks at the recording; nothing is registered anywhere.
+
+A check is a module with `def check(recording) -> list[Finding]`. It must not change the recording and must
+not raise; what makes a recording unusable is a finding of severity "refused".
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Callable
+from functools import cache
+
+from measurement.auditing import checks
+from measurement.finding import SEVERITIES, Finding, row_ranges
+from measurement.recording import Recording
+
+__all__ = ["Finding", "audit", "find_checks", "row_ranges"]
+
+Check = Callable[[Recording], list[Finding]]
+
+
+@cache
+def find_checks() -> dict[str, Check]:
+    """Return {file name: check} of every module in `measurement/auditing/checks/`."""
+    names = sorted(module.name for module in pkgutil.iter_modules(checks.__path__))
+    return {name: importlib.import_module(f"{checks.__name__}.{name}").check for name in names}
+
+
+def audit(recording: Recording) -> tuple[Finding, ...]:
+    """Return what every check finds in `recording`, worst first; findings it already carries are kept in
+    front."""
+    found = [finding for check in find_checks().values() for finding in check(recording)]
+    found.sort(key=lambda finding: SEVERITIES.index(finding.severity))
+    return recording.findings + tuple(found)

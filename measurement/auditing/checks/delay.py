@@ -1,0 +1,47 @@
+"""A hint that the torque comes later (or earlier) than the angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from measurement.auditing.channels import place
+from measurement.auditing.rough import smooth, unexplained
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+TRIED = np.arange(-120, 121, 5) * 1e-3
+"""s; positive: the torque column is late."""
+LEAST, GAIN, FITS = 0.005, 0.15, 0.2
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque.
+
+    Only a hint, of severity "info": an effect the model lacks can look like a delay, and the catalogue's
+    `time_delay` is judged on unseen motion.
+    """
+    motion = smooth(recording)
+    if motion is None or not np.all(motion.tau.std(axis=0) > 0):
+        return []
+    now = float(unexplained(motion).sum())
+    if now > FITS or now == 0.0:
+        return []
+    left = [float(unexplained(motion, delay=delay).sum()) for delay in TRIED]
+    best = int(np.argmin(left))
+    delay, gain = float(TRIED[best]), 1.0 - left[best] / now
+    if abs(delay) < LEAST or gain < GAIN or best in (0, TRIED.size - 1):
+        return []
+    what = f"the torques fit better when read {abs(delay) * 1e3:.0f} ms {'earlier' if delay > 0 else 'later'}"
+    return [
+        Finding(
+            "delay",
+            "info",
+            f"{what} ({gain:.0%} less is left)",
+            place(recording),
+            delay,
+            LEAST,
+            "if the logger delays a channel, shift it; `time_delay` in the catalogue tests it properly",
+            consequence="a delay looks like viscous friction",
+            confidence="possible",
+        )
+    ]

@@ -1,0 +1,34 @@
+"""Whether there is enough of it."""
+
+from __future__ import annotations
+
+from measurement.auditing.channels import place
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+LEAST_ROWS, LEAST_SECONDS, GOOD_SECONDS = 50, 1.0, 5.0
+REMEDY = "record at least 10 s of motion of both joints at 100 Hz (35 s is usual)"
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Refuse fewer than 50 usable rows or less than 1 s; warn below 5 s and when most rows are masked."""
+    where, usable, count = place(recording), int(recording.valid.sum()), len(recording)
+    if usable < LEAST_ROWS:
+        what = f"only {usable} usable rows of {count}: too short to identify anything (at least {LEAST_ROWS})"
+        return [Finding("length", "refused", what, where, usable, LEAST_ROWS, REMEDY)]
+    if recording.duration < LEAST_SECONDS:
+        what = f"the recording lasts {recording.duration:.3g} s: too short to identify anything (at least 1 s)"
+        return [Finding("length", "refused", what, where, recording.duration, LEAST_SECONDS, REMEDY)]
+    found = []
+    if recording.duration < GOOD_SECONDS:
+        what = f"the recording lasts only {recording.duration:.3g} s"
+        consequence = "wide intervals; small effects cannot be seen"
+        found.append(
+            Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, False, consequence)
+        )
+    share = usable / count
+    if share < 0.8:
+        what = f"{1 - share:.0%} of the rows are masked"
+        remedy = "look at the findings above for the reason, and at the logger"
+        found.append(Finding("length", "warning", what, where, share, 0.8, remedy, False, "little data is left"))
+    return found

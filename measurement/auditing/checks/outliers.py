@@ -1,0 +1,45 @@
+"""Torques that stand far off their neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from measurement.auditing.channels import channels, place, step_of
+from measurement.finding import Finding
+from measurement.reading.angles import running_median
+from measurement.recording import Recording
+
+FAR, NOTED, HEAVY = 6.0, 0.005, 0.12
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Count torques more than 6 robust deviations off the running median of 11; warn when over 12 % are."""
+    found = []
+    for channel in channels(recording, "tau"):
+        if channel.values.size < 50:
+            continue
+        off = np.abs(channel.values - running_median(channel.values, 11))
+        # rows equal to the median (a saturated or coarse channel) say nothing about its noise
+        noise = off[off > 0]
+        spread = max(1.4826 * float(np.median(noise)) if noise.size else 0.0, step_of(channel.values))
+        far = off > FAR * spread
+        share = float(far.mean())
+        if spread == 0.0 or share < NOTED:
+            continue
+        heavy = share > HEAVY
+        what = f"{share:.1%} of the {channel.label}s stand more than {FAR * spread:.3g} N·m off their neighbours"
+        found.append(
+            Finding(
+                "outliers",
+                "warning" if heavy else "info",
+                what,
+                place(recording, channel.name, channel.at[far]),
+                share,
+                HEAVY if heavy else NOTED,
+                "look at the torque sensor and the controller's differentiator"
+                if heavy
+                else "nothing: the Huber loss limits their pull",
+                consequence="beyond 14 % even the Huber loss is pulled" if heavy else "small with the Huber loss",
+            )
+        )
+    return found

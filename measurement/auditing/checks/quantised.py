@@ -1,0 +1,42 @@
+"""How coarse the numbers are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from measurement.auditing.channels import channels, place, step_of
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+NOTED, COARSE = 500.0, 60.0
+"""Grid steps within the usual range of the channel: below the first it is worth knowing, below the second it
+hurts."""
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Note the grid step of channels with fewer than 500 steps in their range; warn below 60."""
+    found = []
+    for channel in channels(recording, "q", "tau"):
+        step = step_of(channel.values)
+        reach = float(np.ptp(np.percentile(channel.values, [1, 99]))) if channel.values.size else 0.0
+        if step == 0.0 or reach == 0.0 or reach / step >= NOTED:
+            continue
+        coarse = reach / step < COARSE
+        what = (
+            f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({reach / step:.0f} steps in its range)"
+        )
+        found.append(
+            Finding(
+                "quantised",
+                "warning" if coarse else "info",
+                what,
+                place(recording, channel.name),
+                reach / step,
+                COARSE if coarse else NOTED,
+                "log the channel with its full resolution" if coarse else "nothing",
+                consequence="accelerations drown in the steps"
+                if coarse and channel.name[0] == "q"
+                else "adds noise of about a third of a step",
+            )
+        )
+    return found

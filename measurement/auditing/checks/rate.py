@@ -1,0 +1,34 @@
+"""Whether it was sampled fast enough to give accelerations."""
+
+from __future__ import annotations
+
+from measurement.auditing.channels import place
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+LEAST, GOOD = 10.0, 40.0
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Refuse below 10 Hz, warn below 40 Hz: a leg moves at up to a few hertz and accelerations need ten times
+    that."""
+    rate = recording.rate
+    if rate >= GOOD or len(recording) < 2:
+        return []
+    severity = "refused" if rate < LEAST else "warning"
+    what = f"sampled at {rate:.3g} Hz, {'too slow for' if rate < LEAST else 'slow for'} accelerations"
+    remedy = "sample at 100 Hz or faster; if the time column is not in seconds, say so: --units t=ms"
+    consequence = "fast motion is cut off: inertias come out too small"
+    return [
+        Finding(
+            "rate",
+            severity,
+            what,
+            place(recording, "t"),
+            rate,
+            LEAST if rate < LEAST else GOOD,
+            remedy,
+            False,
+            consequence,
+        )
+    ]

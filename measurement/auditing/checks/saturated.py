@@ -1,0 +1,80 @@
+"""A channel that runs into its end of scale."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from measurement.auditing.channels import Channel, channels, place, runs, step_of
+from measurement.finding import Finding
+from measurement.recording import Recording
+from symbolic.motion import Float
+
+PILE = 8.0
+"""Rows at the extreme value over rows at the levels next to it; a smooth turning point read on a grid stays
+below 4."""
+RESTING = 0.03
+"""Last step before an angle stays, over its usual step, below which the joint came to rest by itself (also where that
+step is one of the encoder's own)."""
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Warn where a channel stays exactly at its largest or smallest value, an angle in stretches of three rows or
+    more."""
+    return [finding(recording, channel, level, rows) for channel, level, rows in stretches(recording)]
+
+
+def stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
+    """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
+    for channel in channels(recording, "q", "tau"):
+        levels, counts = np.unique(channel.values, return_counts=True)
+        if levels.size < 12:
+            continue
+        for level, count, near in (
+            (levels[-1], counts[-1], counts[-7:-1]),
+            (levels[0], counts[0], counts[1:7]),
+        ):
+            first, last = runs(channel.values == level)
+            long = last - first >= 2
+            held = int(np.sum((last - first + 1)[long]))
+            if channel.name.startswith("tau") and count >= 3 * PILE * near.mean():
+                # Noise carries a torque in and out of its end of scale; an angle read on a grid turns round there.
+                long, held = np.ones(first.size, dtype=bool), int(count)
+            if held < max(6, 0.002 * channel.values.size) or count < PILE * near.mean():
+                continue
+            if channel.name.startswith("q") and _comes_to_rest(channel.values, first[long]):
+                continue
+            rows = [channel.at[a : b + 1] for a, b in zip(first[long], last[long], strict=True)]
+            yield channel, float(level), np.concatenate(rows)
+
+
+def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
+    """Whether the angle slows down before it stays, as a joint does that rests; an end of scale cuts it off."""
+    steps = np.abs(np.diff(values))
+    moving = steps[steps > 0]
+    entering = steps[first[first > 0] - 1]
+    slow = max(RESTING * float(np.median(moving)), 1.5 * step_of(values))
+    return not entering.size or bool(np.median(entering) < slow)
+
+
+def finding(
+    recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64], *, masked: bool = False
+) -> Finding:
+    """Return what there is to say; `masked` when the rows have been left out of the fit."""
+    what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
+    return Finding(
+        "saturated",
+        "repaired" if masked else "warning",
+        what + ("; they are masked" if masked else ""),
+        place(recording, channel.name, rows),
+        rows.size / len(recording),
+        0.002,
+        "use a wider sensor range or a gentler motion",
+        repaired=masked,
+        consequence="what happened at full scale is not known; the rows do not enter the fit"
+        if masked
+        else "the true values are larger: inertias and friction come out too small",
+        confidence="likely",
+    )

@@ -1,0 +1,58 @@
+"""Whether a logged velocity is the derivative of the angle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from measurement.auditing.channels import place
+from measurement.finding import Finding
+from measurement.recording import Recording
+from symbolic.quantity import JOINTS
+
+WINDOW = 0.1
+"""s over which the velocity is summed: long enough to average noise, short against the motion."""
+SCALES = (
+    (57.3, "it looks like degrees per second", "deg/s"),
+    (9.55, "it looks like rpm", "rpm"),
+    (-1.0, "its sign is the other way round", "-rad/s"),
+)
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Warn when the summed velocity is not the change of the angle within 20 %."""
+    hop = max(1, round(WINDOW * recording.rate))
+    if recording.dq is None or len(recording) < 10 * hop:
+        return []
+    found = []
+    steps = np.diff(recording.t)
+    usable = np.asarray(np.lib.stride_tricks.sliding_window_view(recording.valid, hop + 1).all(axis=1))[::hop]
+    for joint, label in enumerate(JOINTS):
+        speed = recording.dq[:, joint]
+        travelled = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)][::hop]
+        by_speed = np.diff(travelled)[: usable.size][usable[: travelled.size - 1]]
+        by_angle = np.diff(recording.q[::hop, joint])[: usable.size][usable[: travelled.size - 1]]
+        if by_angle.size < 10 or np.ptp(by_angle) < 1e-3:
+            continue
+        slope = float(by_speed @ by_angle / (by_angle @ by_angle))
+        if abs(slope - 1.0) < 0.2:
+            continue
+        close = [(text, unit) for scale, text, unit in SCALES if abs(slope / scale - 1.0) < 0.2]
+        what = f"the {label} velocity is {slope:.3g} times the derivative of its angle" + "".join(
+            f": {text}" for text, _ in close
+        )
+        column = f"dq{joint + 1}"
+        remedy = f"--units {column}={close[0][1]}" if close else f"check the column, or leave {column} out of the file"
+        found.append(
+            Finding(
+                "velocity",
+                "warning",
+                what,
+                place(recording, column),
+                slope,
+                0.2,
+                remedy,
+                consequence="none while the velocity is taken from the angle",
+                confidence="likely",
+            )
+        )
+    return found

@@ -1,0 +1,96 @@
+"""A rough two-link pendulum for the audit: good enough to tell a sign or a swapped channel, not to identify.
+
+    tau1 = a θ1'' + b (θ1'' + θ2'') + c (cos θ2 (2 θ1'' + θ2'') - sin θ2 (2 θ1' θ2' + θ2'²))
+           + g1 sin θ1 + g2 sin θ12 + friction
+    tau2 = b (θ1'' + θ2'') + c (cos θ2 θ1'' + sin θ2 θ1'²) + g2 sin θ12 + friction
+
+Inertias, weights and frictions are free but not negative, so neither thigh length nor gravity nor the scale
+of the torque need be known, and a leg turned upside down does not fit (non-negative least squares).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from measurement.reading.angles import running_median
+from measurement.recording import Recording
+from symbolic.motion import Float
+
+CUTOFF = 5.0
+"""Hz. Low on purpose: noise of the second derivative pulls inertias to zero."""
+MOST_SECONDS, ROWS = 120.0, 1500
+
+
+@dataclass(frozen=True, eq=False)
+class Smooth:
+    """Evenly sampled, smoothed motion: `q`, `dq`, `ddq`, `tau` (K, J) at `step` s; `keep` picks rows for
+    fitting."""
+
+    q: Float
+    dq: Float
+    ddq: Float
+    tau: Float
+    step: float
+    keep: slice
+
+
+def smooth(recording: Recording) -> Smooth | None:
+    """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
+    short."""
+    from scipy.signal import butter, sosfiltfilt
+
+    if not len(recording):
+        return None
+    valid = recording.valid & (recording.t <= recording.t[0] + MOST_SECONDS)
+    t = recording.t[valid]
+    if t.size < 100 or t[-1] - t[0] < 3.0 or recording.rate < 4 * CUTOFF:
+        return None
+    step = max(1.0 / recording.rate, 0.005)
+    even = np.arange(t[0], t[-1], step)
+    sections = butter(2, CUTOFF, fs=1.0 / step, output="sos")
+    pairs = []
+    for pair in (recording.q, recording.tau):
+        # the running median takes out single outliers, which a filter would smear over its whole length
+        values = np.column_stack([np.interp(even, t, running_median(pair[valid, joint], 7)) for joint in (0, 1)])
+        pairs.append(sosfiltfilt(sections, values, axis=0))
+    q, tau = pairs
+    dq = np.gradient(q, step, axis=0)
+    edge = round(0.5 / step)
+    thin = max(1, (even.size - 2 * edge) // ROWS)
+    return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin))
+
+
+def unexplained(motion: Smooth, delay: float = 0.0) -> Float:
+    """Return the share (J,) of the torque's power that the pendulum leaves when the torque is late by `delay`
+    s."""
+    from scipy.optimize import nnls
+
+    rows = np.arange(motion.q.shape[0])[motion.keep]
+    q, dq, ddq = motion.q[rows], motion.dq[rows], motion.ddq[rows]
+    late = rows + delay / motion.step
+    tau = np.column_stack([np.interp(late, np.arange(motion.tau.shape[0]), motion.tau[:, j]) for j in (0, 1)])
+    columns = _columns(q, dq, ddq)
+    scale = np.maximum(tau.std(axis=0), 1e-12)
+    # Each joint counts alike, whatever its torque; constant offsets are nobody's sign, so they may have both.
+    matrix = np.vstack([columns[joint] / scale[joint] for joint in (0, 1)])
+    target = np.concatenate([tau[:, joint] / scale[joint] for joint in (0, 1)])
+    size = np.linalg.norm(matrix, axis=0)
+    matrix = matrix / np.where(size > 0, size, 1.0)
+    left = target - matrix @ nnls(matrix, target)[0]
+    return left.reshape(2, -1).var(axis=1)
+
+
+def _columns(q: Float, dq: Float, ddq: Float) -> Float:
+    """Return the columns (J, K, 13) of the pendulum with friction and offsets of either sign."""
+    s1, s12 = np.sin(q[:, 0]), np.sin(q[:, 0] + q[:, 1])
+    s2, c2 = np.sin(q[:, 1]), np.cos(q[:, 1])
+    (v1, v2), (a1, a2) = dq.T, ddq.T
+    none, one = np.zeros_like(s1), np.ones_like(s1)
+    hip = [a1, a1 + a2, c2 * (2 * a1 + a2) - s2 * (2 * v1 * v2 + v2**2), s1, s12]
+    knee = [none, a1 + a2, c2 * a1 + s2 * v1**2, none, s12]
+    soft1, soft2 = np.tanh(v1 / 0.05), np.tanh(v2 / 0.05)
+    hip += [soft1, v1, none, none, one, -one, none, none]
+    knee += [none, none, soft2, v2, none, none, one, -one]
+    return np.stack([np.column_stack(hip), np.column_stack(knee)])

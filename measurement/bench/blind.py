@@ -1,0 +1,140 @@
+"""A blind test: an effect drawn at random from the catalogue, its recordings, and its truth under seal.
+
+Nothing that is written except the seal depends on what was drawn: file names, columns and headers are the
+same for every effect, and the noise comes from the seed alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from measurement.bench.hidden import Hidden, true_model
+from measurement.bench.leg import Leg, standard_leg
+from measurement.bench.seal import write_seal
+from measurement.bench.simulation import Bench, Run, simulate_runs
+from measurement.recording import write_recording
+from measurement.trajectories.trajectory import random_trajectory
+from symbolic.effect import Effect, Shape
+from symbolic.model import Model
+
+SEAL = "truth.seal"
+"""File name of the seal beside blind recordings."""
+
+NOTHING_HIDDEN = 0.1
+"""Share of draws in which nothing is hidden, so that "adequate" is a possible answer."""
+
+SHARE = (0.04, 0.2)
+"""Smallest and largest size of a drawn effect against the torque of the leg it is hidden in."""
+
+TRIALS = 30
+"""Attempts to place an effect where the leg moves; an end stop has little chance at a random angle."""
+
+
+def draw(
+    rng: np.random.Generator,
+    effects: Iterable[Effect],
+    *,
+    leg: Leg | None = None,
+    share: tuple[float, float] = SHARE,
+    nothing: float = NOTHING_HIDDEN,
+) -> tuple[Hidden, ...]:
+    """Return one effect of `effects` at a random joint, of a size that fits `leg`; () with probability
+    `nothing`.
+
+    Shapes are drawn from the inner part of their range, again until the effect acts on a usual motion. Then
+    the coefficients are scaled so that its torque is between `share[0]` and `share[1]` of the leg's own (both
+    as standard deviations). An effect without coefficients keeps the size its shape gives it.
+    """
+    pool = [
+        (effect, joint)
+        for effect in effects
+        for joint in ((None,) if effect.on_both else effect.joints)
+        if joint not in effect.absorbed_on
+    ]
+    if not pool or rng.random() < nothing:
+        return ()
+    leg = standard_leg() if leg is None else leg
+    effect, joint = pool[int(rng.integers(len(pool)))]
+    wanted = math.exp(float(rng.uniform(math.log(share[0]), math.log(share[1]))))
+    for _ in range(TRIALS):
+        hidden = Hidden(effect, joint, _values(rng, effect))
+        usual = relative_size(hidden, leg)
+        if usual > 1e-4:
+            break
+    scale = wanted / usual if usual > 1e-4 else 1.0
+    values = {key: value * (scale if key in effect.coefficients else 1.0) for key, value in hidden.values.items()}
+    if joint is not None and _replaces_coulomb(hidden):
+        # Presliding takes the place of dry friction, so there cannot be more of it than the joint has.
+        dry = leg.base[4 if joint == "hip" else 6]
+        values = {key: min(value, dry) if key in effect.coefficients else value for key, value in values.items()}
+    return (Hidden(effect, joint, values),)
+
+
+def relative_size(hidden: Hidden, leg: Leg, model: Model | None = None) -> float:
+    """Return the standard deviation of the effect's torque over that of the leg's own, on a usual motion.
+
+    Where the effect acts on both joints, the larger of the two ratios.
+    """
+    model = Model.standard() if model is None else model
+    motion = random_trajectory(np.random.default_rng(0), model.limits).at(np.arange(0.0, 20.0, 0.02))
+    own = true_model(model, leg.base, ()).torque(motion)
+    added = true_model(model, leg.base, (hidden,)).torque(motion) - own
+    spread = np.maximum(added.std(axis=0), np.abs(added.mean(axis=0)))
+    return float((spread / own.std(axis=0)).max())
+
+
+def write_blind(
+    folder: str | Path,
+    hidden: Iterable[Hidden],
+    *,
+    count: int = 4,
+    model: Model | None = None,
+    leg: Leg | None = None,
+    seed: int = 0,
+    bench: Bench | None = None,
+) -> tuple[tuple[Path, ...], Path]:
+    """Simulate `count` runs with `hidden` effects into `folder`; return the recordings' paths and the seal's.
+
+    Files are run_0.csv, run_1.csv, ... and `truth.seal`. Raises RecordingError or SealError when they cannot
+    be written, and whatever `simulate` raises.
+    """
+    runs = simulate_runs(count, model, leg, effects=hidden, seed=seed, bench=bench)
+    return write_runs(folder, runs)
+
+
+def write_runs(folder: str | Path, runs: Iterable[Run]) -> tuple[tuple[Path, ...], Path]:
+    """Write `runs` of one leg as `<name>.csv` and their truth as `truth.seal` into `folder`; return the
+    paths.
+    """
+    several = tuple(runs)
+    paths = tuple(write_recording(one.recording, Path(folder) / f"{one.recording.name}.csv") for one in several)
+    return paths, write_seal(Path(folder) / SEAL, several[0].truth, paths)
+
+
+def _values(rng: np.random.Generator, effect: Effect) -> dict[str, float]:
+    """Draw coefficients about their typical size, with either sign where both are possible, and shapes."""
+    values: dict[str, float] = {}
+    for key, coefficient in effect.coefficients.items():
+        usual = 1.0 if coefficient.typical is None else coefficient.typical
+        signed = (coefficient.min is None or coefficient.min < 0.0) and rng.random() < 0.5
+        values[key] = (-1.0 if signed else 1.0) * float(rng.uniform(0.6, 1.4)) * usual + 0.0
+    return values | {key: _shape(rng, shape) for key, shape in effect.shape.items()}
+
+
+def _replaces_coulomb(hidden: Hidden) -> bool:
+    effect = hidden.effect
+    return not isinstance(effect, str) and isinstance(effect.torque, str) and "dahl(" in effect.torque
+
+
+def _shape(rng: np.random.Generator, shape: Shape) -> float:
+    """Draw a shape value: one of its choices, or between half and twice its typical value inside its bounds."""
+    if shape.choices:
+        return float(shape.choices[int(rng.integers(len(shape.choices)))])
+    if shape.spacing == "log" and shape.min > 0:
+        low, high = math.log(shape.min), math.log(shape.max)
+        return math.exp(low + float(rng.uniform(0.2, 0.8)) * (high - low))
+    return shape.min + float(rng.uniform(0.2, 0.8)) * (shape.max - shape.min)

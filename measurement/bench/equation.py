@@ -1,0 +1,134 @@
+"""The model's torque as one expression that can be stepped through time: the rigid leg, friction and every
+effect.
+
+The rigid part is the model's own derived expression, the effects are its torque texts; both are the sources
+of the columns that are identified later. Operators with memory (`play`, `dahl`) become states of the
+simulation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from measurement.bench.hidden import TrueModel
+from measurement.bench.plant import Equation, Memory, Symbols, step_function
+from symbolic.model import Model
+from symbolic.term import Term
+
+Array = NDArray[np.float64]
+
+
+def belongs_to_channel(term: Term) -> bool:
+    """Whether a term acts on the measured torque rather than on the leg.
+
+    It does when it speaks of `tau_model`, or has an operator that works on a finished signal (delay, ddt, or
+    one operator inside another).
+    """
+    from symbolic.language.torque import MODEL_TORQUE, torques
+    from symbolic.language.tree import OPERATORS, Call
+
+    def finished(node: Any) -> bool:
+        if not (isinstance(node, Call) and node.function in OPERATORS):
+            return False
+        nested = frozenset().union(*(argument.calls() for argument in node.arguments)) & OPERATORS.keys()
+        return node.function not in REMEMBERED or bool(nested)
+
+    return any(
+        torque.names & MODEL_TORQUE or any(finished(node) for node in torque.node.walk()) for torque in torques(term)
+    )
+
+
+def split_channel(true: TrueModel) -> tuple[TrueModel, bool]:
+    """Return the model the leg obeys, without the terms of the torque channel, and whether there were any."""
+    kept = [term for term in true.model.terms if not belongs_to_channel(term)]
+    if len(kept) == len(true.model.terms):
+        return true, False
+    model = true.model
+    for term in true.model.terms:
+        if term not in kept:
+            model = model.without(term.name)
+    numbers = true.numbers()
+    linear = np.array([numbers[entry.name] for entry in model.parameters])
+    return TrueModel(model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float)), True
+
+
+@dataclass(frozen=True, eq=False)
+class Stepper:
+    """The step function of a model for one step length, and what its memories start from."""
+
+    step: Any
+    memory_start: Any
+
+    def start(self, t: float, q: Array, dq: Array, ddq: Array, linear: Array, shape: Array) -> Array:
+        """Return the state in which the leg is on its path and its operators have just been switched on."""
+        memory = np.asarray(self.memory_start(t, q, dq, ddq, linear, shape)).ravel()
+        return np.concatenate([q, dq, ddq, np.sign(dq), q, dq, memory])
+
+
+_RECENT: dict[tuple[str, float], Stepper] = {}
+
+
+def stepper(model: Model, dt: float) -> Stepper:
+    """Return the step function of `model` (no terms of the torque channel); built once per process and model."""
+    key = (model.key(), dt)
+    if key not in _RECENT:
+        while len(_RECENT) >= 64:
+            _RECENT.pop(next(iter(_RECENT)))
+        _RECENT[key] = _build(model, dt)
+    return _RECENT[key]
+
+
+def _build(model: Model, dt: float) -> Stepper:
+    import casadi as ca
+
+    equation = equation_of(model)
+    sym = equation.symbols
+    arguments = ca.vertcat(ca.SX(0, 1), *(entry.argument for entry in equation.memories))
+    values = ca.vertcat(ca.SX(0, 1), *(entry.start(entry.argument) for entry in equation.memories))
+    first = ca.Function(
+        "first",
+        [sym.t, sym.q, sym.dq, sym.ddq, sym.linear, sym.shape],
+        [ca.vertcat(arguments, values)],
+    )
+    return Stepper(step_function(equation, dt), first)
+
+
+def equation_of(model: Model) -> Equation:
+    """Return the torque (2,) of `model`, all its terms included, with an entry of memory per `play` or
+    `dahl`.
+    """
+    from symbolic.codegen.equation import model_expressions
+
+    form = model_expressions(model)
+    symbols = Symbols(form.t, form.q, form.dq, form.ddq, form.sign, form.linear, form.shape, form.memory)
+    memories = (Memory(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
+    return Equation(symbols, form.torque, tuple(memories))
+
+
+def _play_start(x: Any) -> Any:
+    return x
+
+
+def _play(value: Any, old: Any, new: Any, half_width: Any) -> Any:
+    import casadi as ca
+
+    return ca.fmin(ca.fmax(value, new - half_width), new + half_width)
+
+
+def _dahl_start(x: Any) -> Any:
+    return 0.0 * x
+
+
+def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
+    import casadi as ca
+
+    side = ca.sign(new - old)
+    return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
+
+
+REMEMBERED = {"play": (_play_start, _play), "dahl": (_dahl_start, _dahl)}
+"""Operators that the leg itself can have, because their state moves with the joint: (start, update)."""

@@ -1,0 +1,178 @@
+"""The truth about blind recordings, in a file of its own that a glance does not give away.
+
+The seal is JSON: a note for whoever finds it, SHA-256 of each recording it belongs to, and the truth, packed
+so that it is not read by accident (it is no secret: `exoid reveal` opens it), with its own SHA-256 so that it
+is not altered by accident either.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import hashlib
+import json
+import os
+import tempfile
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ground.errors import ExoidError
+
+NOTE = "Sealed truth of blind recordings. Diagnose first; then: exoid reveal"
+KIND = "exoid seal 1"
+LARGEST = 4_000_000
+"""Bytes. A truth has a few hundred; anything bigger is not a seal of ours, and is not unpacked."""
+
+EVEN = 1200
+"""Characters that truth and filler have together: a short seal would tell that little or nothing is hidden."""
+
+DAMAGE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, binascii.Error, zlib.error)
+"""What unpacking a file raises that is no seal."""
+
+
+class SealError(ExoidError):
+    """A seal that cannot be read, was altered, or does not belong to these recordings."""
+
+
+@dataclass(frozen=True)
+class HiddenTruth:
+    """One hidden effect: `id`, `joint` (None: both) and its `values` by name."""
+
+    id: str
+    joint: str | None
+    values: dict[str, float]
+
+    @property
+    def term(self) -> str:
+        """The term's name in a model, `stribeck:knee`."""
+        return f"{self.id}:{self.joint}" if self.joint else self.id
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the bench knows: the leg, its `base` parameters (8,), the hidden effects, and the `seed` of the
+    runs.
+    """
+
+    leg: str
+    base: tuple[float, ...]
+    effects: tuple[HiddenTruth, ...]
+    seed: int
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Names of the hidden terms, () when nothing is hidden."""
+        return tuple(effect.term for effect in self.effects)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return every field under its own name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class OpenedSeal:
+    """A `truth` and the recordings it belongs to: {file name: SHA-256}."""
+
+    truth: Truth
+    recordings: Mapping[str, str]
+
+
+def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path]) -> Path:
+    """Seal `truth` at `path` for the recording files given, whole or not at all, and return the path.
+
+    Raises SealError when a recording is missing or the file cannot be written.
+    """
+    target = Path(path)
+    try:
+        sums = {Path(file).name: hashlib.sha256(Path(file).read_bytes()).hexdigest() for file in recordings}
+    except OSError as error:
+        raise SealError(f"a recording cannot be read: {error}", where=str(path)) from error
+    content = json.dumps(truth.to_json(), sort_keys=True, ensure_ascii=False).encode()
+    document = {
+        "kind": KIND,
+        "note": NOTE,
+        "recordings": sums,
+        "sha256": hashlib.sha256(content).hexdigest(),
+        "truth": (packed := base64.b85encode(zlib.compress(content, 9)).decode("ascii")),
+        "filler": _filler(content, -len(packed) % EVEN),
+    }
+    temporary = ""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except OSError as error:
+        if temporary:
+            Path(temporary).unlink(missing_ok=True)
+        raise SealError(
+            f"the seal cannot be written ({error.strerror or error})",
+            where=str(target),
+            remedy="check that the folder exists and may be written to",
+        ) from error
+    return target
+
+
+def _filler(content: bytes, count: int) -> str:
+    """Return `count` characters that look like packed truth; the same for the same truth."""
+    return base64.b85encode(hashlib.shake_256(content).digest(count)).decode("ascii")[:count]
+
+
+def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> OpenedSeal:
+    """Return what was sealed at `path`.
+
+    With `recordings`, each must be one of those sealed, byte for byte (files may have been renamed). Raises
+    SealError when the file is missing, is no seal, was altered, or belongs to other recordings.
+    """
+    where = str(path)
+    try:
+        raw = Path(path).read_bytes()
+    except OSError as error:
+        raise SealError(f"the seal cannot be read ({error.strerror or error})", where=where) from error
+    try:
+        document = json.loads(raw.decode("utf-8"))
+        if document["kind"] != KIND:
+            raise KeyError("kind")
+        unpack = zlib.decompressobj()
+        content = unpack.decompress(base64.b85decode(document["truth"]), LARGEST)
+        if not unpack.eof:
+            raise ValueError("packed truth is cut short or too large")
+        whole = hashlib.sha256(content).hexdigest() == document["sha256"]
+        opened = OpenedSeal(_truth(json.loads(content)), dict(document["recordings"]))
+    except DAMAGE as error:
+        raise SealError(
+            "this is not a seal of exoid, or it is damaged",
+            where=where,
+            remedy="give the .seal file that exoid simulate --blind wrote next to the recordings",
+        ) from error
+    if not whole:
+        raise SealError("the seal was altered after it was written", where=where, remedy="simulate again")
+    for file in recordings:
+        _check_belongs(Path(file), opened, where)
+    return opened
+
+
+def _check_belongs(file: Path, opened: OpenedSeal, where: str) -> None:
+    try:
+        found = hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError as error:
+        raise SealError(f"a recording cannot be read ({error.strerror or error})", where=str(file)) from error
+    if found not in opened.recordings.values():
+        raise SealError(
+            f"{file.name} is not one of the recordings of this seal",
+            where=where,
+            remedy=f"it belongs to {', '.join(sorted(opened.recordings))}, unchanged since the simulation",
+        )
+
+
+def _truth(fields: Mapping[str, Any]) -> Truth:
+    effects = tuple(
+        HiddenTruth(str(entry["id"]), entry["joint"], {key: float(value) for key, value in entry["values"].items()})
+        for entry in fields["effects"]
+    )
+    return Truth(str(fields["leg"]), tuple(float(x) for x in fields["base"]), effects, int(fields["seed"]))

@@ -1,0 +1,285 @@
+"""The virtual test bench: a leg in closed loop, measured by imperfect instruments, with an effect hidden in
+it.
+
+    excitation -> controller -> motors -> leg with its effects -> instruments -> Recording
+
+The leg obeys the torque of the given model plus the hidden effects, so the same equation that is later
+identified produces the data; how it is integrated is told in `plant.py`. Effects that are not in the leg but
+in the torque channel (a drive's gain, a delay, anything written with `tau_model`) are applied to the measured
+torque.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.errors import ExoidError
+from measurement.bench.controller import Controller
+from measurement.bench.equation import split_channel, stepper
+from measurement.bench.hidden import Hidden, TrueModel, true_model
+from measurement.bench.leg import Leg, standard_leg
+from measurement.bench.seal import HiddenTruth, Truth
+from measurement.bench.sensors import Sensors
+from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
+from measurement.recording import Recording
+from measurement.trajectories.trajectory import Fourier, random_trajectory
+from symbolic.model import Model
+from symbolic.motion import Motion
+
+Array = NDArray[np.float64]
+
+STEP = 1e-3
+"""s. Longest inner step; the control loop runs at the same rate, as drives do."""
+
+LEAD_IN = 1.0
+"""s of motion before the recording starts, in which the controller settles."""
+
+BLOCK = 500
+"""Inner steps that one call of the compiled step runs through."""
+
+
+class BenchError(ExoidError):
+    """A simulation that makes no sense: impossible settings, or a leg that ran away."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run of the bench: the `recording` a user gets, and what only the bench knows.
+
+    `motion` is the true motion at the recording's times (with the true sign of friction, fractional where a
+    joint sticks), `torque` (N, J) N·m what faultless torque sensors would have shown, `true` the model obeyed
+    and `saturated` the share of time in which a motor was at its limit.
+    """
+
+    recording: Recording
+    motion: Motion
+    torque: Array
+    true: TrueModel
+    truth: Truth
+    saturated: float
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Settings that stay the same from run to run; see `Controller`, `Sensors` and `simulate`."""
+
+    duration: float = 30.0
+    rate: float = 100.0
+    controller: Controller = field(default_factory=Controller)
+    sensors: Sensors = field(default_factory=Sensors)
+    step: float = STEP
+    lead_in: float = LEAD_IN
+    wearer: Wearer | None = None
+    """Someone who pushes at the cuffs; the recording then has the cuff sensors' `force`."""
+
+    def __post_init__(self) -> None:
+        if not (self.rate > 0 and self.lead_in >= 0 and 0 < self.step <= STEP):
+            raise BenchError(
+                f"rate {self.rate} Hz, step {self.step} s, lead-in {self.lead_in} s",
+                remedy=f"the rate must be positive and the step at most {STEP} s",
+            )
+        if not (math.isfinite(self.duration) and self.duration * self.rate >= 2):
+            raise BenchError(f"{self.duration} s at {self.rate} Hz is less than two samples")
+
+    @property
+    def steps_per_sample(self) -> int:
+        """Inner steps from one sample to the next."""
+        return max(1, math.ceil(1.0 / (self.rate * self.step) - 1e-9))
+
+
+def simulate(
+    model: Model | None = None,
+    leg: Leg | None = None,
+    *,
+    effects: Iterable[Hidden] = (),
+    seed: int = 0,
+    excitation: Fourier | None = None,
+    bench: Bench | None = None,
+    duration: float | None = None,
+    rate: float | None = None,
+    name: str = "run",
+) -> Recording:
+    """Return a Recording of `leg` moving along `excitation` with `effects` hidden in it.
+
+    `model` (the standard leg's) gives geometry, limits and the terms known already; `excitation` None draws a
+    fresh motion from `seed`; `duration` in s and `rate` in Hz override those of `bench`. The same arguments
+    give the same numbers. Raises EffectError for an unknown effect and BenchError when the leg runs away.
+    """
+    settings = _settings(bench, duration, rate)
+    return run(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
+
+
+def simulate_runs(
+    count: int,
+    model: Model | None = None,
+    leg: Leg | None = None,
+    *,
+    effects: Iterable[Hidden] = (),
+    seed: int = 0,
+    excitation: Fourier | None = None,
+    bench: Bench | None = None,
+    name: str = "run",
+) -> tuple[Run, ...]:
+    """Return `count` runs of the same leg with the same hidden effects, each on a motion of its own.
+
+    With `excitation` all follow that motion; only noise and disturbances then differ.
+    """
+    hidden = tuple(effects)
+    return tuple(
+        run(model, leg, effects=hidden, seed=seed, index=k, excitation=excitation, bench=bench, name=f"{name}_{k}")
+        for k in range(count)
+    )
+
+
+def run(
+    model: Model | None = None,
+    leg: Leg | None = None,
+    *,
+    effects: Iterable[Hidden] = (),
+    seed: int = 0,
+    index: int = 0,
+    excitation: Fourier | None = None,
+    bench: Bench | None = None,
+    name: str = "run",
+) -> Run:
+    """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`."""
+    model = Model.standard() if model is None else model
+    leg = standard_leg() if leg is None else leg
+    bench = Bench() if bench is None else bench
+    hidden = tuple(effects)
+    # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
+    # as it is.
+    motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
+    path = random_trajectory(motion_rng, model.limits) if excitation is None else excitation
+    true = true_model(model, leg.base, hidden)
+    mechanical, channel = split_channel(true)
+    trace = _drive(mechanical, leg, path, bench, control_rng)
+    motion = Motion(np.asarray(trace.t, dtype=float), trace.q, trace.dq, trace.ddq, trace.sign)
+    torque = trace.motor
+    if channel:
+        torque = torque + true.torque(motion) - mechanical.torque(motion)
+    return Run(
+        recording=_measure(motion, torque, trace.force, bench, sensor_rng, name),
+        motion=motion,
+        torque=torque,
+        true=true,
+        truth=_truth(true, leg, hidden, seed),
+        saturated=trace.saturated,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Trace:
+    """What the integration leaves behind at the sample times: arrays (N, J), and `t` (N,)."""
+
+    t: NDArray[np.floating[Any]]
+    q: Array
+    dq: Array
+    ddq: Array
+    sign: Array
+    motor: Array
+    force: Array | None
+    saturated: float
+
+
+def _settings(bench: Bench | None, duration: float | None, rate: float | None) -> Bench:
+    bench = Bench() if bench is None else bench
+    bench = bench if duration is None else replace(bench, duration=duration)
+    return bench if rate is None else replace(bench, rate=rate)
+
+
+def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.random.Generator) -> _Trace:
+    """Integrate the closed loop through lead-in and recording."""
+    per_sample = bench.steps_per_sample
+    dt = 1.0 / (bench.rate * per_sample)
+    before = round(bench.lead_in / dt)
+    count = before + (round(bench.duration * bench.rate) - 1) * per_sample + 1
+    t = (np.arange(count) - before) * dt
+    # The controller acts at the start of a step, half a step before the time stamp the step is centred on.
+    wanted = path.at(t - 0.5 * dt)
+    noise = bench.sensors.encoder_noise * rng.standard_normal((count, 2))
+    pushed = np.zeros((count, 2))
+    if bench.wearer is not None:
+        force = bench.wearer.force(t, rng)
+        pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
+    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed]).T
+    numbers = _numbers(true, leg, bench, dt)
+    plant = stepper(true.model, dt)
+    begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
+    record = integrate(plant.step, plant.start(*begin, true.linear, true.shape), given, numbers)
+    _check_sane(record, ", ".join(term.name for term in true.model.terms) or leg.name)
+    kept = record[:, before::per_sample]
+    at_limit = np.abs(record[8:10]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
+    q, dq, ddq, sign, motor = (kept[2 * k : 2 * k + 2].T for k in range(5))
+    felt: Array | None = None
+    if bench.wearer is not None:
+        # The push was planned along the wanted path; the sensors feel the force that makes it on the true
+        # one.
+        felt = cuff_force(pushed[before::per_sample], q, bench.wearer.reach, leg.thigh_length)
+    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, felt, float(at_limit.any(axis=0).mean()))
+
+
+def _check_sane(record: Array, where: str) -> None:
+    """Raise BenchError when the leg ran away, or when too many steps do not satisfy the equation of motion."""
+    wild = not np.isfinite(record).all() or np.abs(record[2:4]).max() > 100.0
+    if wild or np.mean(np.abs(record[10:12]) > 0.1) > 0.01:
+        raise BenchError(
+            "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution",
+            where=where,
+            remedy="make the hidden effects smaller or give them their other sign, or stiffen the controller",
+        )
+
+
+def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
+    """Run `step` (see `plant.step_function`) from `state` along `given` (9, N); return records (12, N)."""
+    count = given.shape[1]
+    blocks = -(-count // BLOCK)
+    # Every block has the same length, so that one compiled map serves; the tail repeats the last input.
+    padded = np.concatenate([given, np.repeat(given[:, -1:], blocks * BLOCK - count, axis=1)], axis=1)
+    run_block = step.mapaccum("block", BLOCK)
+    records = []
+    for k in range(blocks):
+        states, record = run_block(state, padded[:, k * BLOCK : (k + 1) * BLOCK], numbers)
+        state = states[:, -1]
+        records.append(record.full())
+    return np.concatenate(records, axis=1)[:, :count]
+
+
+def _numbers(true: TrueModel, leg: Leg, bench: Bench, dt: float) -> Array:
+    """Return the vector `numbers` of `plant.step_function`."""
+    fixed = [bench.controller.smoothing(dt), bench.sensors.resolution]
+    gains = bench.controller.gains(leg).ravel()
+    return np.concatenate([gains, leg.torque_limit, fixed, true.linear, true.shape])
+
+
+def _measure(
+    motion: Motion, torque: Array, force: Array | None, bench: Bench, rng: np.random.Generator, name: str
+) -> Recording:
+    """Return what the instruments and the logger make of the truth."""
+    sensors = bench.sensors
+    t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng)
+    tau = sensors.torque(torque, bench.rate, rng)
+    if force is not None:
+        force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
+    return Recording(name, sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2), force=force)
+
+
+def _truth(true: TrueModel, leg: Leg, hidden: tuple[Hidden, ...], seed: int) -> Truth:
+    numbers = true.numbers()
+    names = {entry.name for entry in hidden}
+    effects = tuple(
+        HiddenTruth(
+            term.effect.id,
+            term.joint,
+            {key.rpartition(".")[2]: value for key, value in numbers.items() if key.startswith(f"{term.name}.")},
+        )
+        for term in true.model.terms
+        if term.name in names
+    )
+    return Truth(leg.name, leg.base, effects, seed)

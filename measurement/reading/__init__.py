@@ -1,0 +1,1 @@
+"""From a file to a recording, without a step back: format, columns, units, clock, repair."""

@@ -1,0 +1,140 @@
+"""Text tables: CSV, TSV and what instruments call so.
+
+The delimiter, decimal comma, encoding, comment lines, preamble and unit row are found from the first lines
+(`sniff.py`). A tidy body goes straight through the fast C parser; any other is tidied line by line first,
+keeping track of the lines, so that a message can name the line an editor shows.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.errors import RecordingError
+from measurement.finding import Finding, row_ranges
+from measurement.reading.raw import RawTable, column_from_cells
+from measurement.reading.sniff import COMMENTS, Layout, decode, sniff, split_line
+
+SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
+SIGNATURES: tuple[bytes, ...] = ()
+APART = "\u2009"
+"""Stands for a delimiter inside quotes: a thin space, which also parts thousands."""
+UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
+
+
+def read(path: Path) -> RawTable:
+    """Return the columns of the text table at `path`; raises RecordingError for an empty or a binary file."""
+    text, notes = decode(path.read_bytes(), where=str(path))
+    layout = sniff(text, where=str(path))
+    notes += layout.notes
+    body = text[layout.body_start :]
+    del text
+    lines = body.count("\n")
+    row = np.arange(layout.first_line, layout.first_line + lines)
+    commas = layout.delimiter == "," == layout.decimal
+    expected = lines * (len(layout.names) - 1)
+    ragged = layout.delimiter != " " and body.count(layout.delimiter) != expected
+    frame = None
+    if not (commas or ragged or any(mark in body for mark in UNTIDY)):
+        frame = _parse(body, layout)
+    if frame is None:
+        body, row, more = _tidied(body, layout, path)
+        notes += more
+        layout = replace(layout, decimal=".") if commas else layout
+        frame = _parse(body, layout)
+    if frame is None or len(frame) != row.size:
+        raise RecordingError(
+            "the rows cannot be cut into columns",
+            where=str(path),
+            remedy="open it in an editor: every line needs the same number of cells as the header",
+        )
+    columns = tuple(
+        column_from_cells(name, frame[i], unit)
+        for i, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
+    )
+    return RawTable(columns, row, notes)
+
+
+def _parse(body: str, layout: Layout) -> Any | None:
+    """Return a frame with columns 0, 1, ...; None when some row has more cells than the header."""
+    import pandas as pd
+
+    # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
+    exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
+    try:
+        frame = pd.read_csv(
+            io.BytesIO(body.encode(errors="replace")),  # a StringIO would take four bytes a character
+            sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+            decimal=layout.decimal,
+            header=None,
+            names=range(len(layout.names)),
+            engine="c",
+            quoting=3,
+            low_memory=False,
+            **exact,
+            skip_blank_lines=False,
+            on_bad_lines="error",
+        )
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError):
+        return None
+    if not isinstance(frame.index, pd.RangeIndex):
+        return None  # more cells than names: pandas took the first ones for an index
+    for name in frame.columns:
+        if layout.decimal == "," and not pd.api.types.is_numeric_dtype(frame[name]):
+            frame[name] = frame[name].astype(object).map(_with_point, na_action="ignore")
+    return frame
+
+
+def _with_point(cell: object) -> object:
+    if not isinstance(cell, str):
+        return cell
+    return (cell.strip().replace(".", "") if GROUPED.fullmatch(cell.strip()) else cell).replace(",", ".")
+
+
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
+"""A number with points between the thousands and a decimal comma."""
+
+
+def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int64], tuple[Finding, ...]]:
+    """Return the body without blank lines, comments and quotes, its line numbers, and what was ragged.
+
+    A row with too many cells has lost its places: nothing in it can be attributed to a column, so all its
+    cells are emptied. A row with too few keeps those it has.
+    """
+    width, delimiter = len(layout.names), layout.delimiter
+    empty = "nan" + f"{delimiter}nan" * (width - 1)
+    lines: list[str] = []
+    row: list[int] = []
+    ragged: list[int] = []
+    for number, line in enumerate(body.split("\n"), start=layout.first_line):
+        if not line.strip() or line.lstrip().startswith(COMMENTS):
+            continue
+        cells = split_line(line.replace("\x00", "?"), delimiter)
+        while len(cells) > width and not cells[-1]:
+            cells.pop()
+        if len(cells) != width:
+            ragged.append(number)
+        if delimiter == "," == layout.decimal:
+            cells = [cell.replace(",", ".") for cell in cells]
+        tidy = delimiter.join(cell.replace(delimiter, APART) if cell else "nan" for cell in cells)
+        lines.append(tidy if len(cells) <= width else empty)
+        row.append(number)
+    places = row_ranges(np.array(ragged))
+    if len(ragged) > len(lines) // 2:
+        raise RecordingError(
+            f"{len(ragged)} of {len(lines)} rows do not have the {width} cells of the header",
+            where=f"{path}, {places}",
+            remedy="is the delimiter also the decimal comma? Export with a decimal point or with semicolons",
+        )
+    notes: tuple[Finding, ...] = ()
+    if ragged:
+        what = f"{len(ragged)} rows do not have {width} cells like the header; they are masked"
+        remedy = "nothing, if the rows are few; otherwise look at the logger"
+        notes = (Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy, True),)
+    return "\n".join(lines) + "\n", np.array(row, dtype=np.int64), notes

@@ -1,0 +1,331 @@
+"""From columns to a recording: what can be mended without guessing is mended and reported, the rest refused.
+
+Order matters: cells first, then the clock, then angles; each step sees only rows the steps before left valid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.errors import RecordingError
+from measurement.finding import Finding, row_ranges
+from measurement.reading import angles, clock
+from measurement.reading.columns import Assigned
+from measurement.reading.raw import RawTable
+from measurement.recording import Recording, Source
+from symbolic.motion import Float
+
+ABSURD = 1e12
+"""No quantity of a leg in any of its units comes near; larger cells are treated like infinity."""
+CLOSEST = 1e-8
+"""s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
+ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """Columns {canonical: (N,)} in SI units that may still hold NaN, with `valid` (N,) and `row` (N,)."""
+
+    columns: Mapping[str, Float]
+    valid: NDArray[np.bool_]
+    row: NDArray[np.int64]
+    told: frozenset[str]
+    file: str
+    findings: tuple[Finding, ...] = ()
+
+    def noted(self, check: str, severity: str, what: str, where: str = "", **more: Any) -> Draft:
+        """Return the draft with one finding more; `where` follows the file name."""
+        place = f"{self.file}, {where}" if where else self.file
+        done = severity == "repaired"
+        return replace(self, findings=(*self.findings, Finding(check, severity, what, place, repaired=done, **more)))
+
+    def rows(self, mask: NDArray[np.bool_]) -> str:
+        """Return the row numbers of the file where `mask` (N,) holds, as text."""
+        return row_ranges(np.sort(self.row[mask]))
+
+
+def repaired(table: RawTable, assigned: Mapping[str, Assigned], *, name: str, source: Source) -> Recording:
+    """Return the recording in `table`; raises RecordingError when too little of it can be used."""
+    draft = _start(table, assigned, source)
+    draft = _mask_cells(draft, assigned)
+    draft = _order_time(draft)
+    draft = _clock_unit(draft)
+    draft = _angles(draft)
+    columns = draft.columns
+    pairs = {
+        field: np.column_stack([columns[f"{key}1"], columns[f"{key}2"]])
+        for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"), ("force", "f"))
+        if f"{key}1" in columns
+    }
+    return Recording(
+        name,
+        columns["t"],
+        pairs["q"],
+        pairs["tau"],
+        draft.valid,
+        pairs.get("dq"),
+        pairs.get("ddq"),
+        pairs.get("force"),
+        source,
+        draft.findings,
+        draft.row,
+    )
+
+
+def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source) -> Draft:
+    """Convert units, leave out half pairs, say what was taken for what."""
+    columns = {name: item.column.values * item.factor for name, item in assigned.items()}
+    told = frozenset(name for name, item in assigned.items() if item.told)
+    draft = Draft(columns, np.ones(table.row.shape[0], dtype=bool), table.row, told, source.path, table.notes)
+    renamed = [f"{item.column.name} as {name}" for name, item in assigned.items() if item.column.name != name]
+    if renamed:
+        draft = draft.noted("columns", "info", f"columns were read {', '.join(renamed)}")
+    converted = [f"{n} from {item.unit}" for n, item in assigned.items() if item.factor != 1.0]
+    if converted:
+        draft = draft.noted("units", "info", f"converted to SI: {', '.join(converted)}")
+    for key in ("dq", "ddq", "f"):
+        pair = [n for n in (f"{key}1", f"{key}2") if n in columns]
+        empty = [n for n in pair if np.isfinite(columns[n]).mean() < 0.5]
+        if len(pair) == 1 or empty:
+            reason = f"{', '.join(empty)} is mostly not numbers" if empty else "its partner is missing"
+            draft = draft.noted("columns", "info", f"{' and '.join(pair)} left aside: {reason}")
+            columns = {n: v for n, v in columns.items() if n not in pair}
+    return replace(draft, columns=columns)
+
+
+def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
+    """Mask rows with empty, textual, infinite or absurd cells; refuse a column that is mostly such."""
+    columns = dict(draft.columns)
+    valid = draft.valid.copy()
+    reported: dict[bytes, list[str]] = {}
+    for name, values in draft.columns.items():
+        endless = np.isinf(values) | (np.abs(values) > (ABSURD if name != "t" else 1e19))
+        bad = endless | np.isnan(values)
+        if bad.any():
+            reported.setdefault(np.packbits(bad).tobytes(), []).append(name)
+            columns[name] = np.where(bad, np.nan, values)
+            valid &= ~bad
+        if bad.mean() > 0.5:
+            what, where = _bad_cells(draft, [name], assigned)
+            remedy = f"is this the right column? --map {name}=COLUMN names another"
+            raise RecordingError(what, where=f"{draft.file}, {where}", remedy=remedy)
+    for names in reported.values():
+        what, where = _bad_cells(draft, names, assigned)
+        bad_rows = int(np.isnan(columns[names[0]]).sum())
+        draft = draft.noted(
+            "cells",
+            "repaired",
+            f"{what}; these rows are masked",
+            where,
+            value=float(bad_rows),
+            limit=0.0,
+            remedy="nothing, if the rows are few; otherwise look at the logger",
+            consequence="none: the rows do not enter the fit",
+        )
+    if valid.sum() < 10:
+        raise RecordingError(f"only {int(valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
+    return replace(draft, columns=columns, valid=valid)
+
+
+def _bad_cells(draft: Draft, names: list[str], assigned: Mapping[str, Assigned]) -> tuple[str, str]:
+    """Return what is wrong with the columns `names`, which are bad in the same rows, and where."""
+    values = np.column_stack([draft.columns[name] for name in names])
+    endless = np.isinf(values) | (np.abs(values) > ABSURD)
+    bad = np.isnan(values[:, 0]) | endless[:, 0] if names != ["t"] else ~(np.abs(values[:, 0]) <= 1e19)
+    text = sum(assigned[name].column.text_count for name in names)
+    missing = int(np.isnan(values).sum()) - text
+    counts = (
+        (text, "text"),
+        (int((endless & bad[:, None]).sum()), "infinite or absurd"),
+        (missing, "empty or NaN"),
+    )
+    kinds = ", ".join(f"{count} {label}" for count, label in counts if count > 0)
+    texts = [item for name in names for item in assigned[name].column.texts.items()][:1]
+    example = "".join(f", for example {cell!r} in row {draft.row[index]}" for index, cell in texts)
+    label = ", ".join(names)
+    what = f"{int(bad.sum())} of {bad.size} cells of {label} are not usable numbers ({kinds}{example})"
+    shown = ", ".join(repr(assigned[name].column.name) for name in names)
+    return what, f"column {shown}, {draft.rows(bad)}"
+
+
+def _order_time(draft: Draft) -> Draft:
+    """Bring the rows into strictly increasing time."""
+    t = draft.columns["t"]
+    found = clock.put_in_order(t, np.isfinite(t))
+    count = t.shape[0]
+    if found.kind == "constant":
+        raise RecordingError(
+            "the time is the same in every row",
+            where=f"{draft.file}, column t",
+            remedy="is this the time column? --map t=COLUMN",
+        )
+    if found.kind == "restart":
+        back = np.flatnonzero(np.diff(t) < 0)
+        raise RecordingError(
+            "the clock starts again within the file: it holds more than one recording",
+            where=f"{draft.file}, {row_ranges(draft.row[back + 1])}",
+            remedy="cut it into one file per recording and give them all",
+        )
+    fresh = found.bad & np.isfinite(t[found.order])
+    moved = draft.row[found.order] != draft.row
+    draft = replace(
+        draft,
+        columns={n: v[found.order] for n, v in draft.columns.items()},
+        valid=draft.valid[found.order] & ~found.bad,
+        row=draft.row[found.order],
+    )
+    if found.kind in ("sorted", "reversed"):
+        what = (
+            "the rows stand in reverse order of time; they were turned round"
+            if found.kind == "reversed"
+            else f"{int(moved.sum())} rows stood out of order; they were sorted by time"
+        )
+        draft = draft.noted("time", "repaired", what, value=float(moved.sum()), limit=0.0, remedy="nothing")
+    if found.kind == "ticks":
+        return _ticks(draft)
+    if fresh.any():
+        draft = draft.noted(
+            "time",
+            "repaired",
+            f"time repeats or goes back in {int(fresh.sum())} of {count} rows; they are masked",
+            draft.rows(fresh),
+            value=float(fresh.sum()),
+            limit=0.0,
+            remedy="nothing, if the rows are few",
+            consequence="none: the rows do not enter the fit",
+        )
+    return _stamped(draft, clock.fill_stamps(_since_start(draft.columns["t"]), found.bad))
+
+
+def _ticks(draft: Draft) -> Draft:
+    """Several rows share each stamp: drop exact repeats, space what differs evenly between the ticks."""
+    keep = draft.valid | np.isfinite(draft.columns["t"])
+    cells = np.column_stack(list(draft.columns.values()))
+    same = np.r_[False, np.all(cells[1:] == cells[:-1], axis=1)]
+    if same.mean() > 0.2:
+        draft = draft.noted(
+            "time",
+            "repaired",
+            f"{int(same.sum())} rows repeat the row before in every cell; they are left out",
+            draft.rows(same),
+            value=float(same.sum()),
+            limit=0.0,
+            remedy="log each sample once",
+        )
+        keep &= ~same
+    draft = replace(
+        draft,
+        columns={n: v[keep] for n, v in draft.columns.items()},
+        valid=draft.valid[keep],
+        row=draft.row[keep],
+    )
+    t = _since_start(draft.columns["t"])
+    repeats = float(np.mean(np.diff(t) == 0))
+    if repeats > 0:
+        t = clock.spread_ticks(t)
+        draft = draft.noted(
+            "time",
+            "warning",
+            f"{repeats:.0%} of the rows carry the time of the row before: the clock was written with "
+            "too few digits; these rows were spaced evenly between its ticks",
+            value=repeats,
+            limit=0.0,
+            remedy="log the time with microseconds",
+            confidence="likely",
+            consequence="velocities and accelerations get the error of the spacing",
+        )
+    return _stamped(draft, t)
+
+
+def _since_start(t: Float) -> Float:
+    """Return `t` as logged, counted from the first stamp when it is a date (seconds since 1970 lose
+    digits)."""
+    first = float(t[np.flatnonzero(np.isfinite(t))[0]])
+    return t - first if abs(first) > 1e6 else t
+
+
+def _stamped(draft: Draft, t: Float) -> Draft:
+    steps = np.diff(t)
+    if np.any(steps <= 0) or np.median(steps) < CLOSEST:
+        raise RecordingError(
+            "time stamps are too close together to be told apart",
+            where=f"{draft.file}, column t",
+            remedy="log the time in seconds with at least six decimals",
+        )
+    return replace(draft, columns={**draft.columns, "t": t})
+
+
+def _clock_unit(draft: Draft) -> Draft:
+    """Convert a clock that can only be in ms or µs, unless somebody said its unit."""
+    draft = replace(
+        draft, columns={n: angles.fill(v, draft.valid) if n != "t" else v for n, v in draft.columns.items()}
+    )
+    if "t" in draft.told or draft.valid.sum() < 10:
+        return draft
+    t = draft.columns["t"]
+    q = np.column_stack([draft.columns["q1"], draft.columns["q2"]])
+    unit, scale = clock.clock_unit(t[draft.valid], q[draft.valid])
+    step = float(np.median(np.diff(t)))
+    if unit == "index":
+        return draft.noted(
+            "time",
+            "refused",
+            "the time column counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?",
+            "column t",
+            value=step,
+            limit=0.5,
+            remedy="say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms",
+        )
+    if unit == "s":
+        return draft
+    draft = draft.noted(
+        "time",
+        "repaired",
+        f"the median time step is {step:.4g}, impossible in seconds for these angles: the clock "
+        f"was read in {unit} ({1 / (step * scale):.4g} Hz)",
+        "column t",
+        value=step,
+        limit=0.5,
+        remedy=f"if that is wrong, say so with --units t=s; header 't [{unit}]' avoids the question",
+        confidence="likely",
+    )
+    return _stamped(draft, t * scale)
+
+
+def _angles(draft: Draft) -> Draft:
+    """Unwrap jumps of a full turn and mask single-sample spikes of the encoders."""
+    for name in ("q1", "q2"):
+        values, wraps = angles.unwrapped(draft.columns[name], draft.valid)
+        if wraps.any():
+            draft = draft.noted(
+                "wraps",
+                "repaired",
+                f"{name} jumps by a full turn {int(wraps.sum())} times; it was unwrapped",
+                f"column {name}, {draft.rows(wraps)}",
+                value=float(wraps.sum()),
+                limit=0.0,
+                remedy="nothing",
+            )
+        spikes = angles.spikes(values, draft.valid)
+        valid = draft.valid
+        if spikes.any():
+            valid = valid & ~spikes
+            draft = draft.noted(
+                "spikes",
+                "repaired",
+                f"{name} has {int(spikes.sum())} spikes of one or two samples; they are masked",
+                f"column {name}, {draft.rows(spikes)}",
+                value=float(spikes.mean()),
+                limit=0.0,
+                remedy="look at the encoder cable",
+                consequence="none: the rows do not enter the fit",
+                confidence="likely",
+            )
+            values = angles.fill(values, valid)
+        draft = replace(draft, columns={**draft.columns, name: values}, valid=valid)
+    return draft

@@ -1,0 +1,103 @@
+"""Dates, clock times and split stamps, as spreadsheets, loggers and ROS write them, in seconds since the first.
+
+Only differences count, so it does not matter whether 03/01 is in January or in March; a date is only asked whether it
+changed, and a clock that falls by half a day has passed midnight.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from measurement.finding import Finding
+from measurement.reading.raw import RawColumn, RawTable
+from symbolic.motion import Float
+
+DAY = 86400.0
+ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", re.ASCII)
+CLOCK = re.compile(
+    r"(?:(?P<date>\d{1,4}[./-]\d{1,2}[./-]\d{1,4})[ T,]+)?(?P<h>\d{1,2}):(?P<m>\d\d):(?P<s>\d\d(?:[.,:]\d{1,9})?)"
+    r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?",
+    re.ASCII,
+)
+SHORT_CLOCK = re.compile(r"(?P<m>\d{1,3}):(?P<s>\d\d(?:[.,]\d{1,9})?)", re.ASCII)
+"""What a spreadsheet shows of a time when nobody tells it how: minutes, seconds and one decimal."""
+SPLIT = re.compile(r"(?P<stem>.*?)[._/]?(?P<part>n(?:ano)?secs?|secs?)", re.IGNORECASE)
+
+
+def seconds(texts: Sequence[str]) -> Float | None:
+    """Return seconds (N,) since the first stamp, NaN where a text is none; None when they are no stamps at all."""
+    first = next((text for text in texts if text), "")
+    if ISO.match(first):
+        import pandas as pd
+
+        stamps = pd.to_datetime(pd.Series(list(texts)), errors="coerce", format="ISO8601", utc=True)
+        return since_first(stamps)
+    pattern = CLOCK if CLOCK.fullmatch(first) else SHORT_CLOCK if SHORT_CLOCK.fullmatch(first) else None
+    if pattern is None:
+        return None
+    out = np.full(len(texts), np.nan)
+    days: dict[str | None, int] = {}
+    for i, text in enumerate(texts):
+        found = pattern.fullmatch(text)
+        if found:
+            out[i] = _clock(found.groupdict(), days)
+    return _past_midnight(out, DAY if pattern is CLOCK else 3600.0) - _first(out)
+
+
+def since_first(series: Any) -> Float:
+    """Return seconds since the first stamp for a datetime or duration column (N,)."""
+    first = series.dropna().iloc[0] if series.notna().any() else series.iloc[0]
+    return np.asarray((series - first).dt.total_seconds(), dtype=float)
+
+
+def _clock(found: dict[str, str | None], days: dict[str | None, int]) -> float:
+    """Return seconds of one stamp; each new date in `days` is taken for the day after the last."""
+    hour = int(found.get("h") or 0)
+    half = found.get("half")
+    if half:
+        hour = hour % 12 + (12 if half.lower() == "p" else 0)
+    day = days.setdefault(found.get("date"), len(days))
+    second = re.sub(r"[,:]", ".", found["s"] or "0")
+    return DAY * day + 3600.0 * hour + 60.0 * int(found["m"] or 0) + float(second)
+
+
+def _past_midnight(t: Float, turn: float) -> Float:
+    """Return stamps (N,) that go on where the clock starts again after a whole `turn` in s."""
+    finite = np.flatnonzero(np.isfinite(t))
+    back = np.diff(t[finite]) < -0.5 * turn
+    t = t.copy()
+    t[finite[1:]] += turn * np.cumsum(back)
+    return t
+
+
+def _first(t: Float) -> float:
+    finite = t[np.isfinite(t)]
+    return float(finite[0]) if finite.size else 0.0
+
+
+def join_split(table: RawTable) -> RawTable:
+    """Return `table` with a stamp in seconds and nanoseconds (ROS: header.stamp.secs, .nsecs) as one column.
+
+    It is the instant of the measurement, so it is preferred to a column with the time of arrival.
+    """
+    halves: dict[str, dict[bool, RawColumn]] = {}
+    for column in table.columns:
+        found = SPLIT.fullmatch(column.name)
+        if found:
+            halves.setdefault(found["stem"], {})[found["part"].lower().startswith("n")] = column
+    for stem, pair in halves.items():
+        if len(pair) < 2 or not re.search(r"stamp|time|clock|^t?$", stem, re.IGNORECASE):
+            continue
+        whole, small = pair[False].values, pair[True].values
+        if np.nanmax(np.abs(small), initial=0.0) > 1e9:
+            continue
+        stamp = RawColumn(stem or "stamp", (whole - _first(whole)) + 1e-9 * small, "s", rank=-1)
+        rest = tuple(c for c in table.columns if c is not pair[False] and c is not pair[True])
+        what = f"{pair[False].name} and {pair[True].name} were joined into the time"
+        return replace(table, columns=(stamp, *rest), notes=(*table.notes, Finding("columns", "info", what)))
+    return table

@@ -1,0 +1,1 @@
+"""Signals of a recording: uniform sampling, filtering, derivatives and their noise."""

@@ -1,0 +1,132 @@
+"""A designed motion on disk: its coefficients as TOML, and its samples as CSV for a controller.
+
+period = 10.0                                   # s
+[hip]
+offset = 0.61                                   # rad
+sine = [0.1, ...]                               # rad, harmonics 1, 2, ...
+cosine = [0.2, ...]
+[knee]
+...
+"""
+
+from __future__ import annotations
+
+import io
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ground.errors import ExoidError
+from ground.files import write_whole
+from ground.toml_reader import Table
+from measurement.trajectories.trajectory import Fourier, TrajectoryError
+from symbolic.quantity import JOINTS
+
+LARGEST_FILE = 100_000
+"""Bytes; a motion has a few hundred."""
+MOST_HARMONICS = 20
+MOST_SAMPLES = 10_000_000
+COLUMNS = ("t", "q1", "q2", "dq1", "dq2", "ddq1", "ddq2")
+
+
+def trajectory_content(trajectory: Fourier) -> dict[str, Any]:
+    """Return a motion as plain data."""
+    content: dict[str, Any] = {"period": float(trajectory.period)}
+    for j, joint in enumerate(JOINTS):
+        content[joint] = {
+            "offset": float(trajectory.offset[j]),
+            "sine": trajectory.sine[j].tolist(),
+            "cosine": trajectory.cosine[j].tolist(),
+        }
+    return content
+
+
+def write_trajectory(trajectory: Fourier, path: str | Path) -> Path:
+    """Write the coefficients of a motion as TOML, whole or not at all; return the path."""
+    import tomli_w
+
+    head = "# period in s; offset and coefficients in rad, harmonics 1, 2, ...\n"
+    return write_whole(path, head + tomli_w.dumps(trajectory_content(trajectory)))
+
+
+def read_trajectory(path: str | Path) -> Fourier:
+    """Read a motion; TrajectoryError says what is wrong, where, and what to do."""
+    where = str(path)
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
+        if len(data) > LARGEST_FILE:
+            raise TrajectoryError("is too large for a motion", where=where, remedy="give the TOML exoid design wrote")
+        text = data.decode("utf-8-sig")
+        top = Table(tomllib.loads(text), (), where, text)
+    except OSError as error:
+        raise TrajectoryError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise TrajectoryError(
+            f"is not a TOML file: {error}", where=where, remedy="give the file that exoid design wrote"
+        ) from error
+    try:
+        return _trajectory(top)
+    except TrajectoryError:
+        raise
+    except ExoidError as error:
+        raise TrajectoryError(error.what, where=error.where, remedy=error.remedy) from error
+
+
+def _trajectory(top: Table) -> Fourier:
+    top.only("period", *JOINTS)
+    offset, sine, cosine = [], [], []
+    for joint in JOINTS:
+        _needed(top, joint)
+        own = top.table(joint)
+        own.only("offset", "sine", "cosine")
+        _needed(own, "sine", "cosine")
+        count = len(own.values["sine"]) if isinstance(own.values.get("sine"), list) else 1
+        if not 1 <= count <= MOST_HARMONICS:
+            raise own.error("sine", f"{count} harmonics", f"give 1 to {MOST_HARMONICS} numbers in rad")
+        offset.append(own.number("offset"))
+        sine.append(own.numbers("sine", count))
+        cosine.append(own.numbers("cosine", count))
+    if len(sine[0]) != len(sine[1]):
+        raise TrajectoryError(
+            f"the hip has {len(sine[0])} harmonics and the knee {len(sine[1])}",
+            where=top.where,
+            remedy="fill the shorter lists with zeros",
+        )
+    return Fourier(np.array(offset), np.array(sine), np.array(cosine), top.number("period", above=0.0))
+
+
+def _needed(table: Table, *keys: str) -> None:
+    for key in keys:
+        if key not in table.values:
+            raise table.error(None, f"{key} is missing", "give the file that exoid design wrote")
+
+
+def samples_per_period(period: float, rate: float) -> int:
+    """Return how many samples at `rate` Hz a `period` in s has; TrajectoryError where that is no whole number."""
+    count = period * rate
+    if not np.isfinite(count) or count > MOST_SAMPLES:
+        raise TrajectoryError(f"{count:g} samples are too many", remedy="choose a lower rate")
+    if abs(count - round(count)) > 1e-6 * count or round(count) < 2:
+        raise TrajectoryError(
+            f"a period of {period:g} s at {rate:g} Hz is {count:g} samples, no whole number: played in a loop it would "
+            "jump",
+            remedy="choose a rate or a period so that their product is a whole number",
+        )
+    return round(count)
+
+
+def sample_table(trajectory: Fourier, rate: float, periods: int = 1) -> str:
+    """Return the samples of whole periods at `rate` Hz as CSV: t, q1, q2, dq1, dq2, ddq1, ddq2 in SI units.
+
+    The last sample is one step before the motion repeats, so that a controller can play the table in a loop.
+    TrajectoryError where the period is no whole number of samples, or there would be too many.
+    """
+    t = np.arange(samples_per_period(trajectory.period, rate) * periods) / rate
+    motion = trajectory.at(t)
+    stream = io.StringIO()
+    stream.write(",".join(COLUMNS) + "\n")
+    np.savetxt(stream, np.column_stack([t, motion.q, motion.dq, motion.ddq]), fmt="%.9g", delimiter=",")
+    return stream.getvalue()

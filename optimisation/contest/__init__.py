@@ -1,0 +1,1 @@
+"""Optimisers compared with the certified optimum: runs, statistics, running times, pictures."""

@@ -1,0 +1,93 @@
+"""Runs written in the format of IOHprofiler, which IOHanalyzer and `iohinspector` read.
+
+    <folder>/<optimiser>/IOHprofiler_f1_huber.json            what was run, the best of each run
+    <folder>/<optimiser>/data_f1_huber/IOHprofiler_f1_DIM8.dat    evaluations and best so far, one block per run
+
+`raw_y` is the relative distance above the certified optimum, so that targets mean the same on every problem. Source:
+Doerr, Wang, Ye, van Rijn, Bäck, "IOHprofiler", arXiv:1810.05281; the format is described at iohprofiler.github.io.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ground.files import write_whole
+
+if TYPE_CHECKING:
+    from optimisation.contest.problem import Outcome
+    from optimisation.contest.standings import Rivals
+
+LARGEST = 1e308
+"""Stands for a fitness that was infinite, which the format cannot say."""
+
+
+def write_logs(found: Rivals, folder: str | Path) -> Path:
+    """Write every run of `found` below `folder` and return it."""
+    target = Path(folder)
+    size = found.contest.data.columns.shape[2]
+    for name, runs in found.outcomes.items():
+        data = f"data_f1_huber/IOHprofiler_f1_DIM{size}.dat"
+        blocks = "".join(_block(run) for run in runs)
+        write_whole(target / name / data, blocks)
+        about = _about(found, name, runs, size, data)
+        write_whole(target / name / "IOHprofiler_f1_huber.json", json.dumps(about, indent=1))
+    return target
+
+
+def _block(run: Outcome) -> str:
+    """Return the lines of one run: a head, every improvement, and the last evaluation."""
+    rows = list(zip(run.found_at.astype(int), np.minimum(run.gaps, LARGEST), strict=True))
+    if rows[-1][0] < run.evaluations:
+        rows.append((run.evaluations, rows[-1][1]))
+    return "evaluations raw_y\n" + "".join(f"{count} {gap:.17g}\n" for count, gap in rows)
+
+
+def _about(found: Rivals, name: str, runs: Iterable[Outcome], size: int, data: str) -> dict[str, Any]:
+    contest = found.contest
+    return {
+        "version": "0.3.5",
+        "suite": "exoid",
+        "function_id": 1,
+        "function_name": "huber",
+        "maximization": False,
+        "algorithm": {"name": name, "info": repr(found.searches[name])},
+        "experiment_attributes": [
+            {"problem": contest.name},
+            {"exoid": _exoid()},
+            {"individuals": str(contest.individuals)},
+            {"generations": str(contest.generations)},
+            {"optimum": repr(contest.certificate.primal)},
+        ],
+        "attributes": ["evaluations", "raw_y"],
+        "scenarios": [
+            {
+                "dimension": size,
+                "path": data,
+                "runs": [
+                    {
+                        "instance": 1,
+                        "evals": run.evaluations,
+                        "best": {
+                            "evals": int(run.found_at[-1]),
+                            "y": min(run.gap, LARGEST),
+                            "x": run.x.tolist(),
+                        },
+                    }
+                    for run in runs
+                ],
+            }
+        ],
+    }
+
+
+def _exoid() -> str:
+    try:
+        return importlib.metadata.version("exoid")
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"

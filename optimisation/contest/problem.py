@@ -1,0 +1,185 @@
+"""One problem on which optimisers compete: the Huber loss of a fit whose optimum is proven, with one budget, and for
+each seed one first population for all.
+
+The first population is drawn evenly from the physical box of `problem.py`. An optimiser that searches in whitened
+coordinates gets the very same points, and the box around the image of the physical box, so that nobody starts nearer.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ground.errors import ExoidError
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import Search
+from optimisation.linear.certificate import Certificate, certify
+from optimisation.linear.fitness import population_fitness
+from optimisation.linear.loss import huber
+from optimisation.linear.problem import LinearData, Problem, huber_problem
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from optimisation.optimiser import GENERATIONS, INDIVIDUALS, minimise
+from symbolic.model import Model
+from symbolic.motion import Float
+
+VERSION = 1
+"""Raised when a change of the code makes results kept on disk those of another experiment."""
+
+DURATION, RATE, OUTLIERS, NOISE = 35.0, 100.0, 0.10, 5.0
+"""The paper's recording: s, Hz; share of spoilt torque samples and standard deviation of the others, N·m."""
+
+
+class ContestError(ExoidError):
+    """A comparison that would mean nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Minimise the Huber loss of `data` for thresholds `delta` (J,) from within the box around `sse_linear` (P,)."""
+
+    name: str
+    data: LinearData = field(repr=False)
+    delta: Float
+    sse_linear: Float = field(repr=False)
+    certificate: Certificate
+    individuals: int = INDIVIDUALS
+    generations: int = GENERATIONS
+
+    @property
+    def budget(self) -> int:
+        """Evaluations each run may spend."""
+        return self.individuals * self.generations
+
+    def gap(self, loss: Float) -> Float:
+        """Return how far losses lie above the certified optimum, relative to it; what rounding puts below is 0."""
+        best = self.certificate.primal
+        # A perfect fit has a loss of rounding size, which is no measure of anything.
+        scale = max(best, 1e-12 * huber(self.data.tau, self.delta), np.finfo(float).tiny)
+        return np.maximum((np.asarray(loss, dtype=float) - best) / scale, 0.0)
+
+    def problem(self) -> Problem:
+        """Return the problem in physical coordinates, with the compiled fitness."""
+        compiled, delta = population_fitness(self.data), self.delta
+        return huber_problem(self.data, lambda x: compiled.huber(x, delta), delta, self.sse_linear)
+
+    def fingerprint(self) -> str:
+        """Return a SHA-256 of everything about the problem and the budget that a result depends on."""
+        content = hashlib.sha256()
+        for array in (self.data.columns, self.data.tau, self.delta, self.sse_linear):
+            content.update(np.ascontiguousarray(array).tobytes())
+        sizes = [VERSION, self.data.columns.shape, self.individuals, self.generations]
+        versions = [importlib.metadata.version(name) for name in ("numpy", "pymoo", "cma")]
+        content.update(json.dumps([sizes, versions]).encode())
+        return content.hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """One run of the optimiser called `name`: `gaps` (K,) found at evaluations `found_at` (K,), each better than all
+    before; the best `x` (P,) in physical parameters.
+    """
+
+    name: str
+    seed: int
+    found_at: Float = field(repr=False)
+    gaps: Float = field(repr=False)
+    x: Float
+    evaluations: int
+    seconds: float
+
+    @property
+    def gap(self) -> float:
+        """The relative distance to the certified optimum at the end."""
+        return float(self.gaps[-1])
+
+    def hit(self, target: float) -> float:
+        """Return the number of the evaluation that first came to `target` or below; ∞ if none did."""
+        reached = np.flatnonzero(self.gaps <= target)
+        return float(self.found_at[reached[0]]) if reached.size else float("inf")
+
+    def at(self, evaluations: Float) -> Float:
+        """Return the best gap after each number of `evaluations` (G,)."""
+        place = np.searchsorted(self.found_at, evaluations, side="right") - 1
+        return self.gaps[np.maximum(place, 0)]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the outcome in plain types."""
+        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
+
+
+def contest_of(fit: Fit, individuals: int = INDIVIDUALS, generations: int = GENERATIONS) -> Contest:
+    """Return the Huber problem of `fit`; shape parameters stay where the fit found them."""
+    name = f"{fit.model.name}: {', '.join(fit.recordings)}"
+    return _proven(name, fit.data, fit.delta, individuals, generations)
+
+
+def paper_contest(seed: int = 0, individuals: int = INDIVIDUALS, generations: int = GENERATIONS) -> Contest:
+    """Return the paper's problem on the virtual bench: its leg on its motion, 35 s at 10 ms, 10 % outliers.
+
+    The regressor is that of the true motion: what is compared here are optimisers, not filters.
+    """
+    from measurement.bench.leg import paper_leg
+    from measurement.bench.sensors import Sensors
+    from measurement.bench.simulation import Bench, run
+    from measurement.trajectories.trajectory import paper_trajectory
+
+    model = Model.standard()
+    sensors = replace(Sensors.ideal(), torque_noise=NOISE, outlier_share=OUTLIERS, outlier_size=30.0 * NOISE)
+    bench = Bench(duration=DURATION, rate=RATE, sensors=sensors)
+    made = run(model, paper_leg(), excitation=paper_trajectory(), seed=seed, bench=bench)
+    tau = made.recording.tau.T
+    names, units = zip(*((p.name, p.unit) for p in model.parameters), strict=True)
+    data = LinearData(model.columns(made.motion), tau, np.zeros(tau.shape[1], dtype=np.int64), names, units)
+    return _proven("the paper's leg on the virtual bench", data, None, individuals, generations)
+
+
+def _proven(name: str, data: LinearData, delta: Float | None, individuals: int, generations: int) -> Contest:
+    data.require_enough()
+    if individuals < 4 or generations < 2:
+        raise ContestError(
+            f"{individuals} individuals for {generations} generations are no comparison",
+            remedy="give at least 4 individuals and 2 generations",
+        )
+    sse = solve_sse(data)
+    limit = delta_rule(data.residual(sse), use=data.use) if delta is None else delta
+    certificate = certify(data, solve_huber(data, limit, sse), limit)
+    if not certificate.holds:
+        raise ContestError(
+            f"there is no proven optimum to measure distances from: {certificate}",
+            where=name,
+            remedy="see with `exoid identify` what these recordings do not determine",
+        )
+    return Contest(name, data, limit, sse, certificate, individuals, generations)
+
+
+def race(contest: Contest, name: str, search: Search, seed: int) -> Outcome:
+    """Run one optimiser once. The same arguments give the same outcome, whoever else runs."""
+    problem = contest.problem()
+    # A stream of its own, so that an optimiser's first numbers are not those of the first population.
+    draw = np.random.default_rng([seed, 1]).random((contest.individuals, problem.low.size))
+    start = problem.low + draw * (problem.high - problem.low)
+    if search.whitened:
+        forward = contest.data.factor.forward
+        start, problem = start @ forward.T, _image(problem, forward)
+    run = minimise(
+        problem,
+        search.optimiser,
+        name=name,
+        individuals=contest.individuals,
+        generations=contest.generations,
+        seed=seed,
+        start=start,
+    )
+    return Outcome(name, seed, run.found_at, contest.gap(run.found), run.x, run.evaluations, run.seconds)
+
+
+def _image(problem: Problem, forward: Float) -> Problem:
+    """Return the whitened problem on the smallest box around the image of the physical box."""
+    middle = forward @ (0.5 * (problem.low + problem.high))
+    half = np.abs(forward) @ (0.5 * (problem.high - problem.low))
+    return replace(problem.whitened(), low=middle - half, high=middle + half)

@@ -1,0 +1,123 @@
+"""NFO and its rivals on the same problem, against the proven optimum, often enough that chance has no say.
+
+    rivals()                         the paper's leg on the virtual bench, 51 seeds
+    rivals(fit)                      the problem of a fit (or: a model and its recordings, as for `identify`)
+
+Runs are spread over processes by joblib. On a Dask cluster, with a `distributed.Client` open, it takes one line:
+
+    with joblib.parallel_config("dask"): rivals(backend=None)
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, paper_contest, race
+from optimisation.contest.standings import Rivals
+from optimisation.contest.store import Store
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import SEARCHES, Search, identify
+from optimisation.optimiser import GENERATIONS, INDIVIDUALS
+from optimisation.optimisers import optimisers
+
+if TYPE_CHECKING:
+    from measurement.recording import Recording
+    from optimisation.fitting.assemble import FittableModel, Prepared
+
+SEEDS = 51
+Progress = Callable[[float, str], None]
+
+
+def entrants(whitened: bool = False) -> Mapping[str, Search]:
+    """Return who competes: NFO as printed and whitened, and every other file of `optimisers/` as it comes.
+
+    With `whitened` each of the others competes in whitened coordinates too.
+    """
+    found = dict(SEARCHES)
+    others = {name: kind for name, kind in optimisers().items() if name != "nfo"}
+    found |= {name: Search(kind()) for name, kind in others.items()}
+    if whitened:
+        found |= {f"{name}_whitened": Search(kind(), whitened=True) for name, kind in others.items()}
+    return found
+
+
+def rivals(
+    subject: FittableModel | Fit | Contest | None = None,
+    recordings: Sequence[Prepared] | Sequence[Recording] = (),
+    *,
+    seeds: int = SEEDS,
+    seed: int = 0,
+    individuals: int = INDIVIDUALS,
+    generations: int = GENERATIONS,
+    competing: Mapping[str, Search] | None = None,
+    whitened: bool = False,
+    folder: str | Path | None = None,
+    jobs: int = -1,
+    backend: str | None = "loky",
+    progress: Progress | None = None,
+) -> Rivals:
+    """Let all optimisers run from `seeds` first populations and return who came how near, how fast.
+
+    `competing` {name: Search} names others than `entrants(whitened)`. `folder` keeps every run in a file of its own:
+    what is there is not run again, so a comparison that was stopped goes on where it was. `jobs` processes (-1: one
+    per core) with one thread each; `backend` None leaves both to `joblib.parallel_config`.
+    Refuses fewer than two seeds, and a problem without a proven optimum.
+    """
+    began = time.perf_counter()
+    if seeds < 2:
+        raise ContestError(f"{seeds} seeds say nothing about chance", remedy=f"give at least two, better {SEEDS}")
+    contest = _contest(subject, recordings, seed, individuals, generations)
+    searches = dict(competing or entrants(whitened))
+    tasks = [(name, k) for k in range(seed, seed + seeds) for name in searches]
+    store = Store(folder, contest)
+    done = {task: kept for task in tasks if (kept := store.read(task[0], searches[task[0]], task[1])) is not None}
+    missing = [task for task in tasks if task not in done]
+    resumed = len(done)
+    report = progress or _silent
+    for outcome in _run(contest, searches, missing, jobs, backend):
+        store.write(outcome, searches[outcome.name])
+        done[outcome.name, outcome.seed] = outcome
+        report(len(done) / len(tasks), f"{outcome.name}, seed {outcome.seed}: gap {outcome.gap:.0e}")
+    outcomes = {name: tuple(done[name, k] for k in range(seed, seed + seeds)) for name in searches}
+    return Rivals(contest, searches, outcomes, time.perf_counter() - began, resumed)
+
+
+def _contest(subject: Any, recordings: Any, seed: int, individuals: int, generations: int) -> Contest:
+    if isinstance(subject, Contest):
+        return subject
+    if isinstance(subject, Fit):
+        return contest_of(subject, individuals, generations)
+    if subject is None and not recordings:
+        return paper_contest(seed, individuals, generations)
+    if subject is None:
+        from symbolic.model import Model
+
+        subject = Model.standard()
+    return contest_of(identify(subject, recordings, optimisers=(), seed=seed), individuals, generations)
+
+
+def _run(
+    contest: Contest, searches: Mapping[str, Search], tasks: Sequence[tuple[str, int]], jobs: int, backend: str | None
+) -> Any:
+    """Yield outcomes as they come."""
+    from joblib import Parallel, delayed, parallel_config
+
+    if not tasks:
+        return
+    # One thread of BLAS per process: the matrices are tiny and the processes share the cores.
+    threads = {"inner_max_num_threads": 1} if backend == "loky" else {}
+    chosen = contextlib.nullcontext() if backend is None else parallel_config(backend, n_jobs=jobs, **threads)
+    with chosen:
+        calls = (delayed(race)(contest, name, searches[name], seed) for name, seed in tasks)
+        yield from Parallel(return_as="generator_unordered")(calls)
+
+
+def _silent(fraction: float, text: str) -> None:
+    """Say nothing."""
+
+
+__all__ = ["Contest", "Outcome", "Rivals", "entrants", "rivals"]

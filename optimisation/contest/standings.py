@@ -1,0 +1,181 @@
+"""What a comparison of optimisers hands back: who came how near the proven optimum, how fast, and how surely."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ground.html import lines, table
+from optimisation.contest.problem import Contest, Outcome
+from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime
+from optimisation.fitting.identify import Search
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+TARGETS = tuple(10.0**-k for k in range(2, 11))
+"""Relative distances above the certified optimum that a run may come to."""
+ROUNDING = 1e-14
+"""Gaps below this are rounding: they count as equal."""
+REFERENCE = "nfo_whitened"
+"""Whom the others are tested against, if it competes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rivals:
+    """All runs: `outcomes` {name: one Outcome per seed}; `resumed` of them were on disk already."""
+
+    contest: Contest
+    searches: Mapping[str, Search]
+    outcomes: Mapping[str, tuple[Outcome, ...]] = field(repr=False)
+    seconds: float
+    resumed: int
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """The seeds of the first populations."""
+        return tuple(run.seed for run in next(iter(self.outcomes.values())))
+
+    @property
+    def reference(self) -> str:
+        """Whom the others are tested against."""
+        return REFERENCE if REFERENCE in self.outcomes else next(iter(self.outcomes))
+
+    def gaps(self, name: str) -> Float:
+        """Return the relative gap at the end of each run (R,)."""
+        return np.array([run.gap for run in self.outcomes[name]])
+
+    def hits(self, name: str, targets: Float) -> Float:
+        """Return the evaluations (R, T) at which each run came to each target, ∞ where it did not."""
+        return np.array([[run.hit(target) for target in targets] for run in self.outcomes[name]])
+
+    def convergence(self, name: str) -> tuple[Float, Float]:
+        """Return evaluations (G,), one per generation, and the best gap of each run after them (R, G)."""
+        grid = np.arange(1, self.contest.generations + 1, dtype=np.float64) * self.contest.individuals
+        return grid, np.array([run.at(grid) for run in self.outcomes[name]])
+
+    @cached_property
+    def runtimes(self) -> Mapping[str, tuple[Runtime, ...]]:
+        """ERT of each optimiser to each of `TARGETS`, with bootstrap intervals."""
+        found = {}
+        for name in self.outcomes:
+            hits = self.hits(name, np.array(TARGETS))
+            # The same resampled seeds for every optimiser and target.
+            found[name] = tuple(
+                expected_runtime(hits[:, k], self.contest.budget, target, np.random.default_rng(self.seeds[0]))
+                for k, target in enumerate(TARGETS)
+            )
+        return found
+
+    @cached_property
+    def differences(self) -> tuple[Difference, ...]:
+        """Every optimiser against `reference`: the gap at the end, and the evaluations to the last target."""
+        last = np.array(TARGETS[-1:])
+        gaps = {name: np.maximum(self.gaps(name), ROUNDING) for name in self.outcomes}
+        # A run that never came there is slower than any that did, by however much.
+        slow = {n: np.minimum(self.hits(n, last)[:, 0], 2.0 * self.contest.budget) for n in self.outcomes}
+        return differences(gaps, self.reference, "gap at the end") + differences(
+            slow, self.reference, f"evaluations to {last[0]:.0e}"
+        )
+
+    def rows(self) -> list[tuple[Any, ...]]:
+        """Return per optimiser: median gap and quartiles, success at the last target, ERT and interval, seconds, p."""
+        p = {d.first: d.p_holm for d in self.differences if d.question == "gap at the end"}
+        found = []
+        for name, runs in self.outcomes.items():
+            low, middle, high = np.quantile(self.gaps(name), [0.25, 0.5, 0.75])
+            last = self.runtimes[name][-1]
+            seconds = float(np.median([run.seconds for run in runs]))
+            found.append(
+                (name, middle, low, high, last.hits, last.runs, last.ert, last.low, last.high, seconds, p.get(name))
+            )
+        return sorted(found, key=lambda row: (row[6], row[1]))
+
+    def __repr__(self) -> str:
+        contest, lines_ = self.contest, []
+        lines_.append(
+            f"Rivals on {contest.name}: {len(self.seeds)} seeds, {contest.individuals} × {contest.generations}"
+            f" evaluations, {contest.certificate}"
+        )
+        width = max(len(name) for name in self.outcomes)
+        for name, middle, low, high, hits, runs, ert, *_ in self.rows():
+            near = f"{hits} of {runs} within {TARGETS[-1]:.0e}" + (f", ERT {ert:.0f}" if np.isfinite(ert) else "")
+            lines_.append(f"  {name:<{width}}  median gap {middle:.1e} ({low:.1e} to {high:.1e}), {near}")
+        return "\n".join(lines_)
+
+    def _repr_html_(self) -> str:
+        head = (
+            "optimiser", "median gap", "25 %", "75 %", f"within {TARGETS[-1]:.0e}", "runs", "ERT", "95 % low",
+            "95 % high", "s per run", "p (Holm)",
+        )  # fmt: skip
+        title = f"{self.contest.name}: {len(self.seeds)} seeds, {self.contest.budget} evaluations each"
+        return table(head, self.rows(), title) + lines(str(self.contest.certificate))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row per optimiser and target: ERT with interval, hits, runs, success rate."""
+        import pandas as pd
+
+        rows = [(name, *r.to_json().values()) for name, all_ in self.runtimes.items() for r in all_]
+        return pd.DataFrame(rows, columns=["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"])
+
+    def runs_frame(self) -> pd.DataFrame:
+        """Return one row per run: optimiser, seed, gap at the end, evaluations, seconds."""
+        import pandas as pd
+
+        rows = [(n, r.seed, r.gap, r.evaluations, r.seconds) for n, runs in self.outcomes.items() for r in runs]
+        return pd.DataFrame(rows, columns=["optimiser", "seed", "gap", "evaluations", "seconds"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what was found in plain types."""
+        contest = self.contest
+        return {
+            "problem": contest.name,
+            "individuals": contest.individuals,
+            "generations": contest.generations,
+            "seeds": list(self.seeds),
+            "delta": contest.delta.tolist(),
+            "optimum": contest.certificate.primal,
+            "certificate": contest.certificate.to_json(),
+            "reference": self.reference,
+            "optimisers": {
+                name: {
+                    "settings": repr(self.searches[name].optimiser),
+                    "whitened": self.searches[name].whitened,
+                    "gaps": self.gaps(name).tolist(),
+                    "median_gap": float(np.median(self.gaps(name))),
+                    "seconds": float(np.median([run.seconds for run in runs])),
+                    "runtimes": [one.to_json() for one in self.runtimes[name]],
+                }
+                for name, runs in self.outcomes.items()
+            },
+            "differences": [one.to_json() for one in self.differences],
+            "resumed": self.resumed,
+            "seconds": self.seconds,
+        }
+
+    def write_logs(self, folder: str | Path) -> Path:
+        """Write all runs into `folder` in the format of IOHprofiler; return the folder."""
+        from optimisation.contest.ioh_log import write_logs
+
+        return write_logs(self, folder)
+
+    def plot(self) -> Figure:
+        """Draw convergence to the optimum, the share of targets solved over time, and ERT over the target."""
+        from optimisation.contest.plots import plot_rivals
+
+        return plot_rivals(self)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return the figures for a report: (title, sentence that stands for it, figure)."""
+        alt = (
+            "Left: distance above the certified optimum over evaluations, median and quartiles of each optimiser. "
+            "Middle: share of runs and targets solved. Right: expected running time to each target."
+        )
+        return [("How near, how fast", alt, self.plot())]

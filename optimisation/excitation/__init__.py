@@ -1,0 +1,1 @@
+"""Motions designed to be informative: criteria, search space, search, reference, result."""

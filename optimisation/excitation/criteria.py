@@ -1,0 +1,121 @@
+"""What makes a motion good, from the information it carries.
+
+With G_j = Σ y y^T / N per joint (symbolic/codegen/information.py), n independent samples and noise
+of standard deviation σ_j:
+
+    condition   sqrt(λ_max / λ_min) of Σ_j G_j                      cond(Ȳ), the paper's
+    d_optimal   -log det F,  F = Σ_j n_j G_j / σ_j²                  volume of the confidence ellipsoid (squared)
+    worst       max_i sqrt((F⁻¹)_ii) / |Φ_i|                         largest relative standard deviation
+
+All are minimised. The first depends on the units of the parameters (it is the paper's choice), the second does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from measurement.bench.sensors import Sensors
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+TINY = 1e-300
+
+LOST = 1e-13
+"""Share of the largest eigenvalue (columns scaled alike) below which a direction carries no information."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Torque noise: `sd` (J,) N·m of a sample, `per_second` (J,) independent samples, and where this is known from."""
+
+    sd: Float
+    per_second: Float
+    source: str
+
+    @classmethod
+    def white(cls, sd: tuple[float, float] | float | None = None, rate: float = 100.0) -> Noise:
+        """Return white noise on samples at `rate` Hz; default the torque sensors of the virtual bench, 0.5 N·m."""
+        source = "as given"
+        if sd is None:
+            sd, source = Sensors().torque_noise, "the torque sensors of the virtual bench"
+        return cls(np.broadcast_to(np.asarray(sd, dtype=float), (2,)), np.full(2, float(rate)), source)
+
+    @property
+    def weight(self) -> Float:
+        """Information (J,) per second in 1/(N·m)² s: independent samples over variance."""
+        return self.per_second / self.sd**2
+
+    def __str__(self) -> str:
+        parts = ", ".join(
+            f"{joint} {sd:.3g} N·m on {count:.3g} independent samples/s"
+            for joint, sd, count in zip(JOINTS, self.sd, self.per_second, strict=True)
+        )
+        return f"{parts} ({self.source})"
+
+
+def eigenvalues(gram: Float) -> Float:
+    """Return the eigenvalues (I, M) of Σ_j G_j for `gram` (I, J, M, M), ascending, not below a tiny number."""
+    return np.maximum(np.linalg.eigvalsh(gram.sum(axis=1)), TINY)
+
+
+def condition(gram: Float) -> Float:
+    """Return cond(Ȳ) (I,) for `gram` (I, J, M, M)."""
+    values = eigenvalues(gram)
+    return np.sqrt(values[:, -1] / values[:, 0])
+
+
+def fisher(gram: Float, noise: Noise, duration: float) -> Float:
+    """Return the information F (I, M, M) of `duration` s of the motion."""
+    return np.einsum("ijpr,j->ipr", gram, noise.weight * duration)
+
+
+def log_det(information: Float) -> Float:
+    """Return log det F (I,); -∞ where a direction is not informed about."""
+    sign, value = np.linalg.slogdet(information)
+    return np.where(sign > 0.0, value, -np.inf)
+
+
+def deviations(information: Float) -> Float:
+    """Return the standard deviation (I, M) of each number; infinite where nothing is known of it."""
+    scale = np.sqrt(np.maximum(np.einsum("ipp->ip", information), TINY))
+    values, axes = np.linalg.eigh(information / (scale[:, :, None] * scale[:, None, :]))
+    lost = values <= LOST * values[:, -1:]
+    spread = np.einsum("ipk,ik->ip", axes**2, np.where(lost, 0.0, 1.0 / np.maximum(values, TINY)))
+    blind = np.einsum("ipk,ik->ip", axes**2, lost.astype(float)) > 1e-9
+    return np.where(blind, np.inf, np.sqrt(spread)) / scale
+
+
+def softened(gram: Float, power: float = 4.0) -> Float:
+    """Return a smooth upper bound of 2 log cond(Ȳ) (I,): all eigenvalues take part, the extreme ones most."""
+    logs = np.log(eigenvalues(gram))
+    above = np.log(np.sum(np.exp(power * (logs - logs[:, -1:])), axis=1)) / power + logs[:, -1]
+    below = np.log(np.sum(np.exp(-power * (logs - logs[:, :1])), axis=1)) / power - logs[:, 0]
+    return above + below
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """What is known when a motion is judged: `size` (M,) of each number (0: it has none), noise, duration in s."""
+
+    size: Float
+    noise: Noise
+    duration: float
+
+    def relative(self, gram: Float) -> Float:
+        """Return relative standard deviations (I, M); zero for numbers without a size, which are not judged."""
+        spread = deviations(fisher(gram, self.noise, self.duration))
+        return np.where(self.size > 0.0, spread / np.maximum(self.size, TINY), 0.0)
+
+
+CRITERIA: Mapping[str, Callable[[Float, Aim], Float]] = MappingProxyType(
+    {
+        "condition": lambda gram, aim: condition(gram),
+        "d_optimal": lambda gram, aim: -log_det(fisher(gram, aim.noise, aim.duration)),
+        "worst": lambda gram, aim: aim.relative(gram).max(axis=1),
+    }
+)
+"""Name -> (gram (I, J, M, M), aim) -> values (I,) to minimise."""

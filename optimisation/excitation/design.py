@@ -1,0 +1,243 @@
+"""Motions that tell as much as possible about a leg's numbers: designed, checked, and judged.
+
+    θ_i(t) = θ_i0 + Σ_{k=1..K} a_ik sin(kωt) + b_ik cos(kωt)                          (13) of the paper
+
+NFO searches the coefficients, 20 individuals × 400 generations (optimisation/excitation/search.py). IPOPT, started from
+short searches, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from measurement.trajectories.extremes import bounds, margin, uses
+from measurement.trajectories.trajectory import Fourier, paper_trajectory
+from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
+from optimisation.excitation.result import Candidate, Excitation, Precision
+from optimisation.excitation.search import DesignError, MotionSearch, NoMotionError, Progress
+from optimisation.excitation.space import motion_space
+from optimisation.fitting.nominal import Nominal, nominal, sizes
+from optimisation.preparation.prepare import STICK
+from symbolic.codegen.information import Information, information
+from symbolic.memory import memory_operations
+from symbolic.model import Model
+from symbolic.model_file import Numbers
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+__all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper"]
+
+GRID = 500
+"""Samples per period in a search; its sums differ from those of 4000 by 1e-4, its proof of the limits costs 0.05 %."""
+INDIVIDUALS, GENERATIONS = 20, 400
+"""The paper's population and generations for this problem."""
+STARTS = 3
+"""Starts of IPOPT."""
+DURATION = 30.0
+"""s of recording for which standard deviations are predicted."""
+MOST_CREEP = 0.1
+"""Share of time in which a joint may creep before that is said."""
+
+
+def design(
+    model: Model | None = None,
+    *,
+    criterion: str = "condition",
+    period: float = 10.0,
+    harmonics: int = 5,
+    offsets: str = "paper",
+    rest: bool = False,
+    use: float = 1.0,
+    printed: bool = False,
+    box: float = 1.0,
+    noise: Noise | None = None,
+    numbers: Numbers | None = None,
+    duration: float = DURATION,
+    starts: int = STARTS,
+    individuals: int = INDIVIDUALS,
+    generations: int = GENERATIONS,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Excitation:
+    """Return the motion of `period` s inside the model's limits that is best by `criterion` (see `CRITERIA`).
+
+    `offsets` (paper, middle, free), `rest` and `harmonics` are those of `motion_space`; `use` is the share of each
+    limit that may be used (less than one leaves room for tracking errors). `printed` searches with Inf outside the
+    limits, in a box of ± `box` times each harmonic's largest amplitude. `starts` of IPOPT, 0 for none. `numbers` are
+    the model's identified ones. DesignError where no motion is inside the limits or determines the model.
+    """
+    began = time.perf_counter()
+    say = progress or _silent
+    model = Model.standard() if model is None else model
+    if criterion not in CRITERIA:
+        raise DesignError(f"there is no criterion {criterion!r}", remedy=f"one of: {', '.join(CRITERIA)}")
+    if not 0.0 < use <= 1.0:
+        raise DesignError(f"{use:g} of the limits", remedy="give a share above 0 and at most 1")
+    room = bounds(model.limits, use)
+    space = motion_space(
+        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
+    )
+    at = nominal(model, numbers)
+    aim = Aim(sizes(model, at), noise or Noise.white(), duration)
+    info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
+    search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
+    found = search.run()
+    references: list[Candidate] = []
+    if starts > 0 and not printed and not memory_operations(model):
+        say(0.6, "IPOPT")
+        references = search.reference(starts)
+    best = min([found, *references], key=lambda one: one.value)
+    say(0.95, "judging the motion")
+    cautions = _cautions(model, starts, printed)
+    return _judged(
+        model, best, (found, *references), aim, at, criterion, room, offsets, rest, seed, cautions,
+        time.perf_counter() - began,
+    )  # fmt: skip
+
+
+def evaluate(
+    trajectory: Fourier,
+    model: Model | None = None,
+    *,
+    criterion: str = "condition",
+    name: str = "given",
+    noise: Noise | None = None,
+    numbers: Numbers | None = None,
+    duration: float = DURATION,
+    use: float = 1.0,
+) -> Excitation:
+    """Return how good a given motion is and what it makes of the model's limits, without any search."""
+    began = time.perf_counter()
+    model = Model.standard() if model is None else model
+    at = nominal(model, numbers)
+    aim = Aim(sizes(model, at), noise or Noise.white(), duration)
+    room = bounds(model.limits, use)
+    info = information(
+        model, at.linear, at.shape, room,
+        period=trajectory.period, harmonics=trajectory.sine.shape[1], grid=GRID,
+    )  # fmt: skip
+    swing = np.concatenate([trajectory.sine, trajectory.cosine], axis=1)[None]
+    value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
+    one = Candidate(name, trajectory, float(value[0]), 1, 0.0, "")
+    rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
+    return _judged(
+        model, one, (one,), aim, at, criterion, room, "given", rest, 0, (), time.perf_counter() - began
+    )  # fmt: skip
+
+
+def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
+    """Return the judgement of the paper's published coefficients at a `period` in s, which the paper does not print."""
+    return evaluate(paper_trajectory(period), model, name="the paper's")
+
+
+def _silent(fraction: float, text: str) -> None:
+    """Say nothing."""
+
+
+def shrunk(room: Float, share: float) -> Float:
+    """Return limits (J, 4) drawn in about the middle of each range to `share`: what values on the grid may use."""
+    middle, half = 0.5 * (room[:, 0] + room[:, 1]), 0.5 * (room[:, 1] - room[:, 0]) * share
+    return np.column_stack([middle - half, middle + half, room[:, 2:] * share])
+
+
+def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
+    out = []
+    if memory_operations(model):
+        out.append(
+            "operators with a past (play, dahl, delay, ddt) have no formula at an instant: their columns are "
+            "computed in Python, the motion is taken to start at rest in its past, and there is no IPOPT reference"
+        )
+    elif starts <= 0 and not printed:
+        out.append("no IPOPT reference was asked for")
+    if any("t" in str(term.effect.torque) and term.effect.family == "drift" for term in model.terms):
+        out.append("an effect that drifts with time is judged over one period, from its start")
+    choices = [s.name for s in model.shapes if s.shape.choices]
+    if choices:
+        out.append(f"held as they are, since they are choices and have no derivative: {', '.join(choices)}")
+    return tuple(out)
+
+
+def _judged(
+    model: Model,
+    best: Candidate,
+    candidates: tuple[Candidate, ...],
+    aim: Aim,
+    at: Nominal,
+    criterion: str,
+    room: Float,
+    offsets: str,
+    rest: bool,
+    seed: int,
+    cautions: tuple[str, ...],
+    seconds: float,
+) -> Excitation:
+    """Return the result, every figure of merit computed anew for the motion chosen."""
+    motion = best.trajectory
+    info = information(
+        model, at.linear, at.shape, room, period=motion.period, harmonics=motion.sine.shape[1], grid=2 * GRID
+    )
+    swing = np.concatenate([motion.sine, motion.cosine], axis=1)[None]
+    gram = info.sums(swing, motion.offset[None], rescale=False).gram
+    known = fisher(gram, aim.noise, aim.duration)
+    spread = deviations(known)[0]
+    units = {p.name: p.unit for p in model.parameters} | {s.name: s.shape.unit for s in model.shapes}
+    values = dict(zip((p.name for p in model.parameters), at.linear, strict=True))
+    values |= dict(zip((s.name for s in model.shapes), at.shape, strict=True))
+    precision = tuple(
+        Precision(name, float(values[name]), units[name], float(sd), float(sd / size) if size > 0.0 else None)
+        for name, sd, size in zip(info.names, spread, aim.size, strict=True)
+    )
+    creeping, moving = _without_creep(info, motion)
+    if max(creeping) > MOST_CREEP:
+        shares = " and ".join(f"{joint} {100 * part:.0f} %" for joint, part in zip(JOINTS, creeping, strict=True))
+        cautions = (
+            *cautions,
+            f"slower than {STICK:g} rad/s for {shares} of the time, where a real joint may stick and a fit leaves "
+            f"samples out; without them cond(Ȳ) is {moving:.1f}",
+        )
+    lost = [p.name for p in precision if not np.isfinite(p.deviation)]
+    if lost:
+        cautions = (*cautions, f"this motion says nothing about {', '.join(lost)} one by one")
+    return Excitation(
+        model=model,
+        trajectory=motion,
+        criterion=criterion,
+        value=best.value,
+        condition=float(condition(gram)[0]),
+        log_det=float(log_det(known)[0]),
+        candidates=candidates,
+        chosen=best.name,
+        uses=uses(motion, _limits(room)),
+        precision=precision,
+        noise=aim.noise,
+        duration=aim.duration,
+        numbers=at.source,
+        offsets=offsets,
+        rest=rest,
+        backend=info.backend,
+        seed=seed,
+        creeping=creeping,
+        condition_moving=moving,
+        cautions=cautions,
+        seconds=seconds,
+    )
+
+
+def _without_creep(info: Information, motion: Fourier) -> tuple[tuple[float, float], float]:
+    """Return the share of time each joint may stick, and cond(Ȳ) of the other samples."""
+    along = motion.at(info.times)
+    slow = np.abs(along.dq) < STICK
+    rows = info.sensitivities(along)
+    kept = np.concatenate([rows[j][~slow[:, j]] for j in range(len(JOINTS))])
+    size = np.linalg.svd(kept, compute_uv=False)
+    share = slow.mean(axis=0)
+    return (float(share[0]), float(share[1])), float(size[0] / size[-1]) if size[-1] > 0.0 else float("inf")
+
+
+def _limits(room: Float) -> Any:
+    from symbolic.model import Limits
+
+    return {j: Limits((r[0], r[1]), r[2], r[3]) for j, r in zip(JOINTS, room.tolist(), strict=True)}

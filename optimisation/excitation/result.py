@@ -1,0 +1,175 @@
+"""What a design hands back: the motion, how good it is, what it makes of the limits, and what it will tell."""
+
+from __future__ import annotations
+
+import html
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from measurement.trajectories.extremes import UNITS, Use
+from measurement.trajectories.trajectory import Fourier
+from measurement.trajectories.trajectory_file import trajectory_content
+from optimisation.excitation.criteria import Noise
+from symbolic.model import Model
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+MEANING = {
+    "condition": "cond(Ȳ)",
+    "d_optimal": "-log det of the information",
+    "worst": "worst relative standard deviation",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A motion that a search ended with: its criterion `value`, `evaluations` (IPOPT: iterations), its last word."""
+
+    name: str
+    trajectory: Fourier
+    value: float
+    evaluations: int
+    seconds: float
+    status: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the figures without the motion."""
+        return {key: value for key, value in self.__dict__.items() if key != "trajectory"}
+
+
+@dataclass(frozen=True)
+class Precision:
+    """How well one number will be known: standard `deviation` in `unit`, and `relative` to its size (None: it has
+    none).
+    """
+
+    name: str
+    value: float
+    unit: str
+    deviation: float
+    relative: float | None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields."""
+        return dict(self.__dict__)
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A motion and its judgement.
+
+    `value` is what was minimised; `condition` is cond(Ȳ), `log_det` that of the information in `duration` s under
+    `noise`. `candidates` are all that was found, best known: no optimum is claimed. `uses` are the limits with bounds
+    proven for all times, `precision` the predicted standard deviations at `numbers`. `creeping` (hip, knee) is the
+    share of time in which a joint is slow enough to stick, `condition_moving` is cond(Ȳ) without it.
+    """
+
+    model: Model
+    trajectory: Fourier
+    criterion: str
+    value: float
+    condition: float
+    log_det: float
+    candidates: tuple[Candidate, ...]
+    chosen: str
+    uses: tuple[Use, ...]
+    precision: tuple[Precision, ...]
+    noise: Noise
+    duration: float
+    numbers: str
+    offsets: str
+    rest: bool
+    backend: str
+    seed: int
+    creeping: tuple[float, float] = (0.0, 0.0)
+    condition_moving: float = float("nan")
+    cautions: tuple[str, ...] = ()
+    seconds: float = field(default=0.0, repr=False)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether every limit is proven to hold at all times."""
+        return all(use.holds for use in self.uses)
+
+    @property
+    def informative(self) -> bool:
+        """Whether the motion informs about every number."""
+        return all(math.isfinite(one.deviation) for one in self.precision)
+
+    def __repr__(self) -> str:
+        period, count = self.trajectory.period, self.trajectory.sine.shape[1]
+        lines = [f"Motion of {period:g} s with {count} harmonics, {self.chosen}: cond(Ȳ) = {self.condition:.2f}"]
+        if self.criterion != "condition":
+            lines.append(f"  {MEANING[self.criterion]}: {self.value:.5g}")
+        for one in self.candidates:
+            status = f", {one.status}" if one.status else ""
+            lines.append(f"  {one.name:<10} {one.value:10.4f}  {one.evaluations} steps, {one.seconds:.1f} s{status}")
+        tightest = max(self.uses, key=lambda use: use.share)
+        word = "inside all limits at all times" if self.feasible else "OUTSIDE its limits"
+        lines.append(
+            f"  {word}; most used: {tightest.joint} {tightest.quantity}, {100 * tightest.share:.2f} % of the limit"
+        )
+        known = [one for one in self.precision if one.relative is not None]
+        if known:
+            worst = max(known, key=lambda one: one.relative or 0.0)
+            lines.append(
+                f"  worst known after {self.duration:g} s: {worst.name}, ±{100 * (worst.relative or 0.0):.3g} % (1 σ; "
+                f"noise: {self.noise})"
+            )
+        return "\n".join(lines + [f"  caution: {text}" for text in self.cautions])
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}</pre>" + self.to_frame().to_html(float_format="{:.4g}".format)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row per number of the model: value assumed, unit, predicted standard deviation."""
+        import pandas as pd
+
+        rows = [(p.value, p.unit, p.deviation, p.relative) for p in self.precision]
+        columns = ["value", "unit", "deviation", "relative"]
+        return pd.DataFrame(rows, index=[p.name for p in self.precision], columns=columns)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result in plain types."""
+        return {
+            "model": self.model.name,
+            "criterion": self.criterion,
+            "value": self.value,
+            "condition": self.condition,
+            "condition_moving": self.condition_moving,
+            "creeping": list(self.creeping),
+            "log_det": self.log_det,
+            "chosen": self.chosen,
+            "best_known": True,
+            "feasible": self.feasible,
+            "trajectory": trajectory_content(self.trajectory),
+            "candidates": [one.to_json() for one in self.candidates],
+            "limits": [use.to_json() for use in self.uses],
+            "precision": {p.name: p.to_json() for p in self.precision},
+            "noise": {
+                "sd": self.noise.sd.tolist(),
+                "independent_per_second": self.noise.per_second.tolist(),
+                "source": self.noise.source,
+            },
+            "duration": self.duration,
+            "numbers": self.numbers,
+            "offsets": self.offsets,
+            "rest": self.rest,
+            "seed": self.seed,
+            "cautions": list(self.cautions),
+            "seconds": self.seconds,
+        }
+
+    def plot(self) -> Figure:
+        """Draw angles, velocities and accelerations of both joints with their limits, as the paper's Fig. 4."""
+        from optimisation.excitation.plots import plot_motion
+
+        return plot_motion(self)
+
+
+def limit_rows(found: Excitation) -> list[tuple[str, str, str, float, float, float, float, float]]:
+    """Return (joint, quantity, unit, lowest, highest, limit low, limit high, share in use) per limit."""
+    return [(u.joint, u.quantity, UNITS[u.quantity], u.low, u.high, *u.limit, u.share) for u in found.uses]

@@ -1,0 +1,317 @@
+"""The search for the most informative motion: NFO in stages, IPOPT from its short runs.
+
+Every candidate is stretched to the first limit it meets, so that the search stays among motions that a leg can make
+("feasible by construction"); Inf outside the limits, as the paper has it, starves the search and is kept to compare.
+Individuals are the stretched motions themselves, shifted in time to resemble each other where the start does not
+matter, so that near neighbours are near motions.
+
+The best motions lie where kinks meet: of cond(Ȳ), where eigenvalues change places, and of the stretching, where another
+instant or another limit becomes the first. Most of the budget therefore goes to smooth stand-ins, which become sharper
+from stage to stage. Being smooth they have a curvature: in coordinates in which it is the same in all directions NFO
+descends a curved valley as it does a round one (what whitening does for the fit of a leg).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ground.errors import ExoidError
+from measurement.trajectories.trajectory import Fourier
+from optimisation.excitation.criteria import CRITERIA, Aim, softened
+from optimisation.excitation.reference import solve_motions
+from optimisation.excitation.result import Candidate
+from optimisation.excitation.space import MotionSpace
+from optimisation.linear.problem import Problem
+from optimisation.optimiser import Box, Optimiser, minimise
+from optimisation.optimisers.nfo import NFO
+from symbolic.codegen.information import Information
+from symbolic.motion import Float
+
+Progress = Callable[[float, str], None]
+
+
+class DesignError(ExoidError):
+    """A design that cannot be made: unknown words, or no motion inside the limits."""
+
+
+class NoMotionError(DesignError):
+    """A search that met no motion inside the limits."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A `share` of the budget with limits of order 2^`doublings` and eigenvalues of order `power`; 0: exactly.
+
+    `whitened`: in the coordinates of the curvature at the best motion so far.
+    """
+
+    share: float
+    doublings: int
+    power: float
+    whitened: bool = False
+
+
+STAGES = (
+    Stage(0.375, 4, 2.0),
+    Stage(0.25, 4, 4.0, whitened=True),
+    Stage(0.25, 5, 8.0, whitened=True),
+    Stage(0.125, 0, 0.0),
+)
+"""From smooth to exact. Chosen on 96 seeds that are not those of docs/design.md."""
+RECIPE = NFO(alpha=0.9, crossover=0.95)
+"""NFO with almost every component taken: coefficients act together, a motion is no sum of independent choices."""
+WHITENED = NFO(alpha=1.0)
+"""NFO in whitened coordinates, as for the fit of a leg."""
+NEAR = 0.3
+"""Spread of the first population of a whitened stage, where the stand-in has grown by half its square."""
+FLAT = 1e-4
+"""Share of the largest curvature that counts as none: a motion's size and its start have none at all."""
+STEP = 0.01
+"""Step of the differences that give the curvature."""
+DEAREST = 0.5
+"""Share of a stage's evaluations that its curvature may cost; otherwise it goes on without."""
+WIDE = 2.0
+"""Half-width of the box around stretched motions: a mixture of harmonics may exceed what each alone may do."""
+SHORT = 120
+"""Generations of the search from whose result IPOPT starts."""
+
+
+@dataclass(frozen=True)
+class Remembering:
+    """An optimiser whose candidates are brought into a common form, and which keeps its last population.
+
+    `form` turns points (I, n) into points (I, n) that stand for the same motions, so that near points are near motions.
+    """
+
+    optimiser: Optimiser
+    form: Callable[[Float], Float]
+    last: list[Any] = field(default_factory=list)
+
+    @property
+    def boundary(self) -> str:
+        """As the optimiser's own."""
+        return self.optimiser.boundary
+
+    @property
+    def invariances(self) -> frozenset[str]:
+        """As the optimiser's own."""
+        return self.optimiser.invariances
+
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Any:
+        """Start it."""
+        return self._keep(self.optimiser.start(x, f, box, rng))
+
+    def ask(self, state: Any, rng: np.random.Generator) -> Float:
+        """Ask it."""
+        return self.form(self.optimiser.ask(state, rng))
+
+    def tell(self, state: Any, x: Float, f: Float) -> Any:
+        """Tell it."""
+        return self._keep(self.optimiser.tell(state, x, f))
+
+    def _keep(self, state: Any) -> Any:
+        self.last[:] = [state]
+        return state
+
+
+@dataclass(frozen=True, eq=False)
+class MotionSearch:
+    """A search of `space` by `criterion` with `individuals` × `generations` evaluations.
+
+    `printed`: with Inf outside the limits, in a box of ± `box` times each harmonic's largest amplitude.
+    """
+
+    info: Information
+    space: MotionSpace
+    aim: Aim
+    criterion: str
+    individuals: int
+    generations: int
+    seed: int
+    printed: bool = False
+    box: float = 1.0
+    say: Progress = lambda share, text: None
+
+    def value(self, y: Float) -> Float:
+        """Return the criterion (I,) of points `y` (I, n), stretched to the limits or Inf outside them."""
+        swings, offsets = self.space.split(y)
+        sums = self.info.sums(swings, offsets, rescale=not self.printed)
+        value = CRITERIA[self.criterion](sums.gram, self.aim)
+        return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.printed else value
+
+    def smooth(self, y: Float, stage: Stage) -> Float:
+        """Return the stand-in (I,) of the criterion that `stage` searches."""
+        swings, offsets = self.space.split(y)
+        gram = self.info.sums(swings, offsets, rescale=True, doublings=stage.doublings).gram
+        soft = self.criterion == "condition" and stage.power > 0.0
+        return softened(gram, stage.power) if soft else CRITERIA[self.criterion](gram, self.aim)
+
+    def run(self) -> Candidate:
+        """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
+        began = time.perf_counter()
+        if self.printed:
+            run = minimise(
+                self._problem(self.value, self.box), NFO(), individuals=self.individuals, generations=self.generations,
+                seed=self.seed,
+            )  # fmt: skip
+            best = run.x, run.fitness
+        else:
+            best = self._staged(self.generations, self.seed)
+        if not np.isfinite(best[1]):
+            raise NoMotionError(
+                f"not one of {self.individuals * self.generations} motions was inside the limits: Inf outside starves "
+                "the search",
+                where=f"NFO as printed, box {self.box:g}",
+                remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
+            )
+        spent = self.individuals * self.generations
+        name = "NFO as printed" if self.printed else "NFO"
+        return self._candidate(name, best[0][None], best[1], spent, time.perf_counter() - began)
+
+    def _staged(self, generations: int, seed: int) -> tuple[Float, float]:
+        """Return the best point and its value after all stages."""
+        rng = np.random.default_rng(seed)
+        x = self.stretched(rng.uniform(-1.0, 1.0, (self.individuals, self.space.size)))
+        value = self.value(x)
+        first = x[int(np.argmin(value))]
+
+        def form(y: Float) -> Float:
+            return self.stretched(self.space.aligned(y, first) if self.shiftable else y)
+
+        x = form(x)
+        spent, until = 1, 0.0  # generations: the first population has been judged
+        for stage in STAGES:
+            self.say(0.05 + 0.5 * until, "NFO")
+            until += stage.share
+            left = round(until * generations) - spent
+            if left <= 0:
+                continue
+            spent += left
+            x, value = self._stage(stage, x, left, form, rng, seed)
+            if stage.doublings or stage.power:
+                value = np.full(len(x), np.nan)
+        if not np.isfinite(value).all():
+            value = self.value(x)
+        best = int(np.argmin(value))
+        return x[best], float(value[best])
+
+    def _stage(
+        self, stage: Stage, x: Float, generations: int, form: Callable[[Float], Float], rng: np.random.Generator,
+        seed: int,
+    ) -> tuple[Float, Float]:  # fmt: skip
+        """Return the population (I, n) after a stage, and what it searched for of each (I,)."""
+
+        def stand_in(y: Float) -> Float:
+            return self.smooth(y, stage)
+
+        price = -(-_differences(self.space.size) // self.individuals)
+        if stage.whitened and price + 1 <= DEAREST * generations:
+            best = x[int(np.argmin(stand_in(x)))]
+            axes = _whitening(stand_in, best)
+            edge = self._edge(WIDE)
+
+            def placed(z: Float) -> Float:
+                return np.clip(best + z @ axes.T, -edge, edge)
+
+            near = NEAR * rng.normal(size=x.shape)
+            near[0] = 0.0
+            far = np.full(self.space.size, 100.0 * NEAR)
+            inner = Problem(lambda z: stand_in(placed(z)), -far, far, self.space.names, ("1",) * self.space.size)
+            plain = Remembering(WHITENED, lambda z: z)
+            left = generations - price - 1
+            run = minimise(inner, plain, individuals=self.individuals, generations=left, seed=seed, start=near)
+            found, f = _with(plain.last[0], run.x, run.fitness)
+            return form(placed(found)), f
+        remember = Remembering(RECIPE, form)
+        run = minimise(
+            self._problem(stand_in, WIDE), remember, individuals=self.individuals, generations=generations, seed=seed,
+            start=x,
+        )  # fmt: skip
+        return _with(remember.last[0], run.x, run.fitness)
+
+    def stretched(self, y: Float) -> Float:
+        """Return points (I, n) as the motions they stand for: stretched to the first limit they meet."""
+        edge = self._edge(np.inf)
+        y = np.clip(y, -edge, edge)  # a free offset stays between the limits
+        swings, offsets = self.space.split(y)
+        factor = self.info.sums(swings, offsets, rescale=False).factor
+        width = self.space.basis.shape[2]
+        out = y.copy()
+        out[:, : 2 * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
+        return out
+
+    def reference(self, starts: int) -> list[Candidate]:
+        """Return where IPOPT ends from what short searches of its own find, best first."""
+        began = time.perf_counter()
+        points = [self._staged(SHORT, self._seed(k))[0] for k in range(starts)]
+        ended = solve_motions(self.info, self.space, self.aim, self.criterion, np.array(points))
+        sums = self.info.sums(ended.swings, ended.offsets, rescale=True)
+        values = CRITERIA[self.criterion](sums.gram, self.aim)
+        each = (time.perf_counter() - began) / starts
+        out = []
+        for k, value in enumerate(values):
+            swing = ended.swings[k] * sums.factor[k][:, None]
+            motion = self.space.trajectory(swing, ended.offsets[k])
+            out.append(Candidate(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k]))
+        return sorted(out, key=lambda one: one.value if np.isfinite(one.value) else np.inf)
+
+    @property
+    def shiftable(self) -> bool:
+        """Whether a motion that starts later, or runs backwards, is the same motion to the criterion."""
+        return not self.info.model.terms and self.space.whole
+
+    def _edge(self, width: float) -> Float:
+        edge = np.full(self.space.size, width)
+        if self.space.centre is None:
+            edge[-2:] = 1.0
+        return edge
+
+    def _problem(self, fitness: Callable[[Float], Float], width: float) -> Problem:
+        edge = self._edge(width)
+        return Problem(fitness, -edge, edge, self.space.names, ("1",) * self.space.size)
+
+    def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> Candidate:
+        swings, offsets = self.space.split(y)
+        factor = self.info.sums(swings, offsets, rescale=False).factor[0] if not self.printed else np.ones(2)
+        motion: Fourier = self.space.trajectory(swings[0] * factor[:, None], offsets[0])
+        return Candidate(name, motion, value, evaluations, seconds, "")
+
+    def _seed(self, k: int) -> int:
+        return int(np.random.SeedSequence([self.seed, k]).generate_state(1)[0])
+
+
+def _with(field: Any, x: Float, f: float) -> tuple[Float, Float]:
+    """Return a population and its fitness with the best of a run in it: the last generation was not selected from."""
+    points, values = field.x.copy(), field.f.copy()
+    worst = int(np.argmax(values))
+    if f < values.min():
+        points[worst], values[worst] = x, f
+    return points, values
+
+
+def _differences(size: int) -> int:
+    """Return how many evaluations a curvature costs in `size` dimensions."""
+    return 1 + 2 * size + size * (size - 1) // 2
+
+
+def _whitening(function: Callable[[Float], Float], at: Float) -> Float:
+    """Return axes (n, n) along which `function` has curvature ±1 at the point `at` (n,), by differences.
+
+    A direction without curvature gets that of the flattest that has any.
+    """
+    size = len(at)
+    steps = STEP * np.eye(size)
+    one, other = np.tril_indices(size, -1)
+    points = np.concatenate([at[None], at + steps, at - steps, at + steps[one] + steps[other]])
+    values = function(points)
+    middle, up, down, both = np.split(values, [1, 1 + size, 1 + 2 * size])
+    curvature = np.diag((up + down - 2.0 * middle) / STEP**2)
+    curvature[one, other] = curvature[other, one] = (both - up[one] - up[other] + middle) / STEP**2
+    size_of, axes = np.linalg.eigh(curvature)
+    largest = np.abs(size_of).max()
+    return axes / np.sqrt(np.maximum(np.abs(size_of), FLAT * largest if largest > 0.0 else 1.0))

@@ -1,0 +1,1 @@
+"""From prepared samples to a fitted model: shape parameters, identification, plausibility."""

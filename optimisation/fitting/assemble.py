@@ -1,0 +1,161 @@
+"""From a model and prepared recordings to the linear data of a fit.
+
+The regressor is filtered exactly like the torque, so that filtering cannot bend the parameters. A model whose
+effects act on a torque of the model itself (load friction) needs parameters to compute its columns; these are
+found as a fixed point: columns from the last parameters, parameters from the columns, until nothing changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from optimisation.linear.loss import Bool
+from optimisation.linear.problem import LinearData
+from symbolic.motion import Float, Motion
+
+FIXED_POINT_ROUNDS = 60
+FIXED_POINT_TOLERANCE = 1e-11
+
+
+class Prepared(Protocol):
+    """A recording ready to be fitted: `motion` (N samples), `tau` and `use` (K, J) of the K samples kept."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def motion(self) -> Motion: ...  # noqa: D102
+    @property
+    def tau(self) -> Float: ...  # noqa: D102
+    @property
+    def use(self) -> Bool: ...  # noqa: D102
+
+    def smooth(self, x: Float) -> Float:
+        """Filter `x` (N, ...) over time as the torque was filtered and return the kept samples (K, ...)."""
+
+
+class FittableModel(Protocol):
+    """The part of `symbolic.model.Model` that a fit needs."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def limits(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def parameters(self) -> Sequence[Any]: ...  # noqa: D102
+    @property
+    def shapes(self) -> Sequence[Any]: ...  # noqa: D102
+    @property
+    def needs_reference(self) -> bool: ...  # noqa: D102
+
+    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+        """Return the regressor (J, N, P)."""
+
+    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the torque (N, J) in N·m."""
+
+
+class Assembly:
+    """Builds the linear data of one model and its recordings again and again, for other shapes.
+
+    Filtering costs more than evaluating, and most columns do not depend on the shapes: a column that
+    comes out as it did last time is not filtered again.
+    """
+
+    def __init__(self, model: FittableModel, prepared: Sequence[Prepared]) -> None:
+        self.model = model
+        self.prepared = tuple(prepared)
+        self._raw: list[Float | None] = [None] * len(self.prepared)
+        self._smooth: list[Float | None] = [None] * len(self.prepared)
+        self._tau = np.concatenate([one.tau for one in self.prepared]).T
+        self._use = np.concatenate([one.use for one in self.prepared]).T
+        self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.tau) for one in self.prepared])
+
+    def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
+        """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
+        columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
+        return LinearData(
+            columns=np.concatenate(columns, axis=1),
+            tau=self._torque(columns),
+            groups=self._groups,
+            names=tuple(p.name for p in self.model.parameters),
+            units=tuple(p.unit for p in self.model.parameters),
+            use=self._use,
+        )
+
+    def _torque(self, columns: Sequence[Float]) -> Float:
+        """Return the torque (J, K) that is left to explain: without that of known payloads, filtered as the columns."""
+        payloads = [one.motion.payload for one in self.prepared]
+        if all(payload is None for payload in payloads):
+            return self._tau
+        known = [
+            np.zeros(part.shape[:2]) if payload is None else part[:, :, : len(payload)] @ payload
+            for part, payload in zip(columns, payloads, strict=True)
+        ]
+        return np.asarray(self._tau - np.concatenate(known, axis=1))
+
+    def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
+        one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
+        own = shape[index] if shape is not None and np.ndim(shape) == 2 else shape
+        raw = self.model.columns(one.motion, own, reference)
+        if before is None or smooth is None:
+            smooth = np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1)
+        else:
+            changed = np.flatnonzero((raw != before).any(axis=(0, 1)))
+            if changed.size:
+                smooth = smooth.copy()
+                smooth[:, :, changed] = np.moveaxis(one.smooth(np.moveaxis(raw[:, :, changed], 0, 1)), 0, 1)
+        self._raw[index], self._smooth[index] = raw, smooth
+        return smooth
+
+
+def assemble(
+    model: FittableModel,
+    prepared: Sequence[Prepared],
+    shape: Float | None = None,
+    reference: Float | None = None,
+) -> LinearData:
+    """Return the linear data of all `prepared` recordings.
+
+    `shape` (S,) are the shape values, `reference` (P,) the parameters a fed-back torque is computed from.
+    """
+    return Assembly(model, prepared).data(shape, reference)
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """Linear data, the parameters (P,) that solve it, and how many `rounds` the fixed point took."""
+
+    data: LinearData
+    linear: Float
+    rounds: int
+    converged: bool
+
+
+def settle(
+    assembly: Assembly,
+    shape: Float | None,
+    solve: Callable[[LinearData], Float],
+    reference: Float | None = None,
+) -> Settled:
+    """Solve the linear parameters; a model that needs reference parameters is iterated to their fixed point.
+
+    The first reference is `reference` (P,) or zero, which makes the fed-back columns vanish in round one.
+    """
+    model = assembly.model
+    if not model.needs_reference:
+        data = assembly.data(shape)
+        return Settled(data, solve(data), 1, True)
+    last = np.zeros(len(model.parameters)) if reference is None else np.asarray(reference, dtype=float)
+    for count in range(1, FIXED_POINT_ROUNDS + 1):
+        data = assembly.data(shape, last)
+        linear = solve(data)
+        change = float(np.linalg.norm(data.factor.forward @ (linear - last)))
+        size = float(np.linalg.norm(data.factor.forward @ linear))
+        if change <= FIXED_POINT_TOLERANCE * max(size, np.finfo(float).tiny):
+            return Settled(data, linear, count, True)
+        last = linear
+    return Settled(data, linear, FIXED_POINT_ROUNDS, False)

@@ -1,0 +1,174 @@
+"""What an identification hands back: numbers with units, intervals, proof, and what to be careful about."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ground.html import bullets, lines, table
+from measurement.finding import Finding
+from optimisation.fitting.assemble import FittableModel
+from optimisation.linear.certificate import Certificate
+from optimisation.linear.physical import Held
+from optimisation.linear.problem import LinearData
+from optimisation.linear.reference import Reference
+from optimisation.optimiser import Run
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS, Estimate
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One of the two stages ("sse", "huber"): parameters, loss, the optimisers' runs, IPOPT, the proof."""
+
+    kind: str
+    linear: Float
+    shape: Float
+    delta: Float
+    loss: float
+    runs: Mapping[str, Run]
+    reference: Reference | None
+    certificate: Certificate
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the stage in plain types."""
+        return {
+            "kind": self.kind,
+            "parameters": self.linear.tolist(),
+            "shape": self.shape.tolist(),
+            "delta": [None if math.isinf(d) else float(d) for d in self.delta],
+            "loss": self.loss,
+            "runs": {name: run.to_json() for name, run in self.runs.items()},
+            "reference": None if self.reference is None else self.reference.to_json(),
+            "certificate": self.certificate.to_json(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """An identified model.
+
+    `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with 95 %
+    intervals valid under autocorrelated residuals. `shapes` (R, S) are the shape parameters of each recording, which
+    differ only where a shape belongs to the recording (`Shape.per_recording`). `delta`, `rms` (J,) in N·m.
+    `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
+    `plausibility` is what to be careful about. `held` says what asking for a possible leg changed; None where nobody
+    asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
+    """
+
+    model: FittableModel
+    estimates: tuple[Estimate, ...]
+    linear: Float
+    shape: Float
+    shapes: Float = field(repr=False)
+    delta: Float
+    rms: Float
+    loss: float
+    runs: Mapping[str, Run]
+    reference: Reference | None
+    certificate: Certificate
+    plausibility: tuple[Finding, ...]
+    sse: Stage
+    data: LinearData = field(repr=False)
+    covariance: Float = field(repr=False)
+    best_known: bool
+    lag: int
+    seconds: float
+    recordings: tuple[str, ...]
+    held: Held | None = None
+    agreeing: tuple[int, int] | None = None
+
+    @property
+    def residual(self) -> Float:
+        """Residual torque (J, N), N·m; zero where a sample was not used."""
+        return self.data.residual(self.linear)
+
+    @property
+    def shapes_known(self) -> str:
+        """How well the shape parameters are known, in words; empty for a model without any."""
+        if not self.best_known:
+            return ""
+        text = "shape parameters: best known of a wide and of local searches, not proven"
+        return text if self.agreeing is None else f"{text}; {self.agreeing[0]} of {self.agreeing[1]} starts agree"
+
+    def estimate(self, name: str) -> Estimate:
+        """Return the estimate called `name`."""
+        return {e.name: e for e in self.estimates}[name]
+
+    def __repr__(self) -> str:
+        where = ", ".join(self.recordings)
+        lines = [f"Fit of {self.model.name!r} to {where}"]
+        width = max(len(e.name) for e in self.estimates)
+        for e in self.estimates:
+            lines.append(f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}")
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
+        lines.append(f"  rms residual [N·m]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
+        if self.best_known:
+            lines.append(f"  {self.shapes_known}")
+        for name, run in self.runs.items():
+            lines.append(f"  {name}: relative gap {run.gap:.1e}, {run.evaluations} evaluations, {run.seconds:.2f} s")
+        if self.reference is not None:
+            r = self.reference
+            lines.append(f"  IPOPT: relative gap {r.gap:.1e}, {r.iterations} iterations, {r.seconds:.2f} s, {r.status}")
+        lines += [f"  caution, {caution}" for caution in self.plausibility]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        first = map(float, (*self.sse.linear, *self.sse.shape))
+        rows = [(e.name, e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
+        gaps = [(name, run.gap, run.evaluations, run.seconds) for name, run in self.runs.items()]
+        if self.reference is not None:
+            gaps.append(("IPOPT", self.reference.gap, self.reference.iterations, self.reference.seconds))
+        head = ("optimiser", "relative gap", "evaluations or iterations", "seconds")
+        return (
+            table(("parameter", "value", "unit", "95 % low", "95 % high", "SSE"), rows)
+            + lines(f"RMS residual [N·m]: {rms}", str(self.certificate))
+            + (table(head, gaps) if gaps else "")
+            + bullets(self.plausibility)
+        )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row per parameter: value, unit, 95 % interval, value of the SSE stage."""
+        import pandas as pd
+
+        first = [*self.sse.linear, *self.sse.shape]
+        rows = [(e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
+        names = [e.name for e in self.estimates]
+        return pd.DataFrame(rows, index=names, columns=["value", "unit", "low", "high", "sse"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fit in plain types; an interval the data do not determine is null."""
+        return {
+            "model": self.model.name,
+            "recordings": list(self.recordings),
+            "parameters": {e.name: {k: _plain(v) for k, v in e.to_json().items()} for e in self.estimates},
+            "delta": self.delta.tolist(),
+            "rms": self.rms.tolist(),
+            "loss": self.loss,
+            "best_known": self.best_known,
+            "starts_agreeing": None if self.agreeing is None else list(self.agreeing),
+            "runs": {name: run.to_json() for name, run in self.runs.items()},
+            "reference": None if self.reference is None else self.reference.to_json(),
+            "certificate": self.certificate.to_json(),
+            "sse": self.sse.to_json(),
+            "plausibility": [c.to_json() for c in self.plausibility],
+            "physical": None if self.held is None else self.held.to_json([p.name for p in self.model.parameters]),
+            "seconds": self.seconds,
+        }
+
+    def plot(self) -> Figure:
+        """Draw parameters with intervals, residuals, and the convergence of the optimisers."""
+        from optimisation.fitting.plots import plot_fit
+
+        return plot_fit(self)
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,213 @@
+"""Shape parameters beside a start, and those that belong to one recording.
+
+Where a stop is met moves with strapping and encoder zero: each recording has its own place, while the stiffness is the
+leg's. Such values (`Shape.per_recording`) are fitted to every recording, an unseen one included; the linear parameters
+never are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from optimisation.linear.loss import huber
+from symbolic.model import Model
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from optimisation.fitting.assemble import FittableModel
+    from optimisation.fitting.assemble import Prepared as Working
+    from optimisation.fitting.fit import Fit
+    from optimisation.linear.problem import LinearData
+    from optimisation.preparation.prepare import Prepared, PreparedRecording
+
+SWEEPS = 10
+"""Rounds of a descent at most."""
+HALVINGS = 5
+"""Times a step is halved before it is given up."""
+DIFFERENCE = 1e-4
+"""Step of a derivative, as a share of the range of the shape."""
+SETTLED = 1e-6
+"""Relative fall of the loss below which a descent stops."""
+
+
+def own_shapes(model: FittableModel) -> tuple[int, ...]:
+    """Return the indices of shape parameters that each recording has to itself."""
+    return tuple(i for i, s in enumerate(model.shapes) if s.shape.per_recording)
+
+
+def shapes_for(fit: Fit, prepared: Prepared) -> Float:
+    """Return shape values (R, S) for all recordings: fitted ones for training, own ones found for verification."""
+    model: Model = fit.model  # type: ignore[assignment]
+    train = np.broadcast_to(fit.shapes, (len(prepared.train), len(model.shapes)))
+    own = own_shapes(model)
+    rows = [
+        _fit_own(model, one, fit.linear, np.array(fit.shape), own, fit.delta) if own else np.array(fit.shape)
+        for one in prepared.verify
+    ]
+    return np.array([*train, *rows], dtype=float).reshape(len(prepared.all), len(model.shapes))
+
+
+def _fit_own(
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, own: Sequence[int], delta: Float
+) -> Float:
+    """Return `shape` with the values of index `own` fitted to one recording, everything else fixed."""
+
+    def loss(values: Float) -> float:
+        return _own_loss(model, one, linear, values, delta)
+
+    best = shape.copy()
+    for _ in range(2 if len(own) > 1 else 1):
+        for index in own:
+            entry = model.shapes[index].shape
+            joint = 0 if model.shapes[index].term.endswith(":hip") else 1
+            path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
+            trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
+            best = _scan(loss, best, index, trials)
+    return best
+
+
+def _own_loss(model: FittableModel, one: Working, linear: Float, shape: Float, delta: Float) -> float:
+    """Return the Huber loss on one recording, everything held; torques pass the filter, not columns: it is linear."""
+    residual = one.tau - one.smooth(model.torque(one.motion, linear, shape))
+    return huber(np.where(one.use, residual, 0.0).T, delta)
+
+
+def _scan(loss: Callable[[Float], float], shape: Float, index: int, trials: Float) -> Float:
+    """Return `shape` with value `index` at the best of `trials`, refined between its neighbours."""
+    k = int(np.argmin([loss(_with(shape, index, v)) for v in trials]))
+    low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
+    return _with(shape, index, _minimum(lambda v: loss(_with(shape, index, v)), low, high))
+
+
+def _with(shape: Float, index: int, value: float) -> Float:
+    out = shape.copy()
+    out[index] = value
+    return out
+
+
+def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import minimize_scalar
+
+    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 2e-4 * (high - low)})
+    return float(found.x)
+
+
+class ShapeProblem(Protocol):
+    """What a descent needs of the fit it is part of; shape values are (R, S), one row per recording."""
+
+    def loss(self, shapes: Float) -> float:
+        """Return the loss with the linear parameters solved anew."""
+
+    def linear(self, shapes: Float) -> Float:
+        """Return the linear parameters (P,) there."""
+
+    def data(self, shapes: Float, linear: Float) -> LinearData:
+        """Return the linear data there, fed-back torques computed from `linear`."""
+
+
+def descend(
+    problem: ShapeProblem, model: FittableModel, prepared: Sequence[Working], start: Float, delta: Float
+) -> Float:
+    """Return shape values (R, S) near `start` with a smaller loss.
+
+    What a recording has to itself is fitted to that recording with the linear parameters held; the others by
+    Gauss-Newton steps taken together with the linear parameters (variable projection).
+    """
+    far = reach(model, prepared)
+    own = own_shapes(model)
+    shared = [i for i, s in enumerate(model.shapes) if not s.shape.choices and i not in own]
+    best, value = np.array(start, dtype=float), problem.loss(start)
+    for _ in range(SWEEPS):
+        before = value
+        if own:
+            linear = problem.linear(best)
+            moved = np.array(
+                [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
+            )
+            if (reached := problem.loss(moved)) < value:
+                best, value = moved, reached
+        if shared:
+            best, value = _step(problem, model, best, value, shared, far, delta)
+        if before - value <= SETTLED * max(before, 1e-300):
+            break
+    return best
+
+
+def _step(
+    problem: ShapeProblem,
+    model: FittableModel,
+    shapes: Float,
+    value: float,
+    shared: Sequence[int],
+    far: Float,
+    delta: Float,
+) -> tuple[Float, float]:
+    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does."""
+    linear = problem.linear(shapes)
+    here = problem.data(shapes, linear)
+    residual = here.residual(linear)
+    slopes = []
+    for index in shared:
+        entry = model.shapes[index].shape
+        h = DIFFERENCE * (entry.max - entry.min)
+        up, down = _all(shapes, index, min, entry.max, h), _all(shapes, index, max, entry.min, -h)
+        rise = problem.data(down, linear).residual(linear) - problem.data(up, linear).residual(linear)
+        slopes.append(rise / (up[0, index] - down[0, index]))
+    jacobian = np.concatenate([here.columns, np.stack(slopes, axis=2)], axis=2)
+    weight = np.sqrt(np.minimum(1.0, delta[:, None] / np.maximum(np.abs(residual), 1e-300)))
+    scale = np.sqrt(np.sum(jacobian**2, axis=(0, 1)))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    matrix = (jacobian / scale * weight[:, :, None]).reshape(-1, jacobian.shape[2])
+    gram, right = matrix.T @ matrix, matrix.T @ (weight * residual).ravel()
+    step = (np.linalg.lstsq(gram, right, rcond=1e-10)[0] / scale)[here.columns.shape[2] :]
+    step = np.clip(step, -2.0 * far[shared], 2.0 * far[shared])
+    for _ in range(HALVINGS):
+        trial = shapes.copy()
+        for index, change in zip(shared, step, strict=True):
+            entry = model.shapes[index].shape
+            trial[:, index] = np.clip(shapes[:, index] + change, entry.min, entry.max)
+        reached = problem.loss(trial)
+        if reached < value:
+            return trial, reached
+        step = 0.5 * step
+    return shapes, value
+
+
+def _all(shapes: Float, index: int, bound: Callable[[float, float], float], edge: float, change: float) -> Float:
+    """Return `shapes` with value `index` of every row changed, not beyond `edge`."""
+    out = shapes.copy()
+    out[:, index] = bound(float(shapes[0, index]) + change, edge)
+    return out
+
+
+def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
+    """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
+    best = shape.copy()
+    for index in own_shapes(model):
+        entry = model.shapes[index].shape
+
+        def loss(v: float, base: Float = best, index: int = index) -> float:
+            return _own_loss(model, one, linear, _with(base, index, v), delta)
+
+        at = float(best[index])
+        found = _minimum(loss, max(entry.min, at - far[index]), min(entry.max, at + far[index]))
+        best = _with(best, index, found) if loss(found) < loss(at) else best
+    return best
+
+
+def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
+    """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
+    out = []
+    for entry in model.shapes:
+        shape = entry.shape
+        width = shape.max - shape.min
+        if shape.spacing == "position":
+            joint = 0 if entry.term.endswith(":hip") else 1
+            path = np.concatenate([p.motion.q[:, joint] for p in prepared])
+            out.append(0.1 * float(np.ptp(path)))
+        else:
+            out.append(width / max(2, shape.points - 1))
+    return np.array(out)

@@ -1,0 +1,102 @@
+"""Does the answer depend on the filter? The same fit at a lower and a higher cut-off, held against its intervals.
+
+The cut-off moves parameters more than any effect (a faster one lets the noise of accelerations pull inertias to zero,
+a slower one shows less of what is missing). Where neighbouring cut-offs agree within the intervals stated, they may be
+believed; where not, the report says which parameter moves, from where to where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ground.errors import ExoidError
+from measurement.finding import Finding
+from measurement.recording import Recording
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared, prepare
+from symbolic.model import Model
+from symbolic.motion import Float
+
+FACTORS = (0.8, 1.25)
+"""Neighbouring cut-offs, relative to the one used."""
+BEYOND = 0.1
+"""Half-widths by which a value must leave its interval; less is a matter of rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbours:
+    """Every parameter at neighbouring cut-offs: `values` (C, M) at `cutoffs` (C,) in Hz, in the order of `fit`."""
+
+    fit: Fit
+    cutoff: float
+    cutoffs: tuple[float, ...]
+    values: tuple[Float, ...]
+
+    @property
+    def moved(self) -> tuple[tuple[str, float, float], ...]:
+        """(name, cut-off, value) of every parameter that leaves its 95 % interval at a neighbouring cut-off."""
+        return tuple(
+            (e.name, cutoff, float(value))
+            for cutoff, row in zip(self.cutoffs, self.values, strict=True)
+            for e, value in zip(self.fit.estimates, row, strict=True)
+            if max(e.low - value, value - e.high) > 0.5 * BEYOND * (e.high - e.low)
+        )
+
+    @property
+    def agree(self) -> bool:
+        """Whether every parameter stays within its interval."""
+        return not self.moved
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what to be careful about; nothing where they agree."""
+        at = {e.name: e for e in self.fit.estimates}
+        remedy = "do not trust its interval: something is missing or noise reaches the accelerations; `exoid diagnose`"
+        return tuple(
+            Finding(
+                "cut_off",
+                "warning",
+                f"{value:.4g} {at[name].unit} at {cutoff:g} Hz, outside its interval "
+                f"{at[name].low:.4g} to {at[name].high:.4g} at {self.cutoff:g} Hz",
+                name,
+                value,
+                at[name].high if value > at[name].high else at[name].low,
+                remedy,
+            )
+            for name, cutoff, value in self.moved
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return cut-offs, values by parameter, and what moved, in plain types."""
+        names = [e.name for e in self.fit.estimates]
+        return {
+            "cutoff": self.cutoff,
+            "cutoffs": list(self.cutoffs),
+            "parameters": {n: [float(row[k]) for row in self.values] for k, n in enumerate(names)},
+            "agree": self.agree,
+            "moved": [{"parameter": n, "cutoff": c, "value": v} for n, c, v in self.moved],
+        }
+
+
+def neighbours(fit: Fit, model: Model, prepared: Prepared, recordings: Sequence[Recording]) -> Neighbours:
+    """Return `fit` of `prepared` (from `recordings`) at neighbouring cut-offs, as many as the sampling rate allows.
+
+    Shape parameters are searched from where they are; they are numbers like the others.
+    """
+    cutoffs, values = [], []
+    for factor in FACTORS:
+        cutoff = factor * prepared.choice.cutoff
+        try:
+            again = prepare(model, recordings, cutoff=cutoff, derivative=prepared.derivative)
+            own = any(entry.shape.per_recording for entry in model.shapes)
+            start = (fit.shapes if own else fit.shape) if fit.shape.size else None
+            near = identify(model, again.train, optimisers=(), start=start, physical=fit.held is not None)
+        except ExoidError:  # too fast for the recordings' clock: then there is no such neighbour
+            continue
+        cutoffs.append(cutoff)
+        values.append(np.concatenate([near.linear, near.shape]))
+    return Neighbours(fit, prepared.choice.cutoff, tuple(cutoffs), tuple(values))

@@ -1,0 +1,46 @@
+"""The numbers at which a model is judged beforehand: identified ones, else those of the bench's leg."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from measurement.bench.leg import standard_leg
+from symbolic.model import Model
+from symbolic.model_file import Numbers
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Nominal:
+    """Values `linear` (P,) and `shape` (S,) of a model, and in words where they come from."""
+
+    linear: Float
+    shape: Float
+    source: str
+
+
+def nominal(model: Model, numbers: Numbers | None = None) -> Nominal:
+    """Return the identified `numbers` of `model` where there are some, else the standard leg's and typical ones."""
+    linear = {} if numbers is None else numbers.linear
+    shape = {} if numbers is None else numbers.shape
+    usual = dict(zip((p.name for p in model.parameters), standard_leg().base, strict=False))
+    values = [linear.get(p.name, usual.get(p.name, p.typical or 0.0)) for p in model.parameters]
+    shapes = [shape.get(s.name, s.typical) for s in model.shapes]
+    wanted = {p.name for p in model.parameters} | {s.name for s in model.shapes}
+    known = wanted & {*linear, *shape}
+    if not known:
+        source = "the virtual bench's standard leg, effects at their typical size"
+    elif known == wanted:
+        source = "the model file's identified numbers"
+    else:
+        source = "the model file's identified numbers, typical ones where it has none"
+    return Nominal(np.array(values, dtype=float), np.array(shapes, dtype=float), source)
+
+
+def sizes(model: Model, at: Nominal) -> Float:
+    """Return the size (M,) that relative deviations are relative to: |value|, else the typical size, else 0."""
+    linear = [abs(v) or abs(p.typical or 0.0) for v, p in zip(at.linear, model.parameters, strict=True)]
+    shape = [abs(v) for v, s in zip(at.shape, model.shapes, strict=True) if not s.shape.choices]
+    return np.array([*linear, *shape], dtype=float)

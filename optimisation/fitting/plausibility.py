@@ -1,0 +1,115 @@
+"""Does the fit describe a leg that could exist? Findings in words, for someone who has to act on them.
+
+Checked: every parameter against its physical bounds (friction cannot push), the mass matrix over the joint
+range (a leg cannot have negative inertia in any posture), and whether some positive masses, lengths and
+inertias could produce Φ1 to Φ4 at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from measurement.finding import Finding
+from optimisation.fitting.assemble import FittableModel
+from symbolic.motion import Float, Motion
+from symbolic.quantity import Estimate
+
+
+def check_plausibility(
+    model: FittableModel, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None
+) -> tuple[Finding, ...]:
+    """Return what is physically doubtful about `linear` (P,) with shape values (S,); nothing when all is
+    well.
+
+    `estimates` give the intervals: a value whose interval reaches the bound is called indistinguishable
+    from it.
+    """
+    found = [*_bounds(model, linear, estimates), *_inertia(model, linear, shape), *_realisable(model, linear)]
+    return tuple(found)
+
+
+def _bounds(model: FittableModel, linear: Float, estimates: Sequence[Estimate]) -> list[Finding]:
+    found = []
+    for parameter, value, estimate in zip(model.parameters, linear, estimates, strict=False):
+        low, high = parameter.min, parameter.max
+        below = low is not None and value < low
+        above = high is not None and value > high
+        if not below and not above:
+            continue
+        limit = float(low if below else high)
+        word = "negative" if below and limit == 0.0 else f"{'below' if below else 'above'} {limit:g} {parameter.unit}"
+        reaches = estimate.low <= limit <= estimate.high
+        if reaches:
+            verdict = f"but its 95 % interval reaches {limit:g}: these recordings cannot tell it from that"
+            remedy = "record motion that excites it more, or leave it out"
+        else:
+            verdict = f"and its 95 % interval excludes {limit:g}"
+            remedy = "a missing effect or a wrong sign hides in it: run `exoid diagnose`"
+        value_text = f"{parameter.label} = {value:.4g} {parameter.unit}"
+        what = f"{value_text} is {word}, which is physically impossible, {verdict}"
+        severity = "info" if reaches else "warning"
+        found.append(Finding("bounds", severity, what, parameter.name, float(value), limit, remedy))
+    return found
+
+
+def mass_matrix(model: FittableModel, linear: Float, shape: Float | None, angles: Float) -> Float:
+    """Return the mass matrix (N, J, J) in kg·m² at joint `angles` (N, J), from the model's own torque."""
+    count = len(angles)
+    still = np.zeros((count, 2))
+    reference = linear if model.needs_reference else None
+
+    def torque(joint: int | None) -> Float:
+        acceleration = still.copy()
+        if joint is not None:
+            acceleration[:, joint] = 1.0
+        motion = Motion(0.01 * np.arange(count, dtype=float), angles, still, acceleration, still)
+        return np.asarray(model.columns(motion, shape, reference) @ linear)
+
+    rest = torque(None)
+    return np.stack([(torque(joint) - rest).T for joint in range(2)], axis=2)
+
+
+def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[Finding]:
+    low, high = model.limits["knee"].angle
+    knee = np.linspace(low, high, 61)
+    hip = float(np.mean(model.limits["hip"].angle))
+    angles = np.column_stack([np.full(knee.size, hip), knee])
+    mass = mass_matrix(model, linear, shape, angles)
+    smallest = np.linalg.eigvalsh(0.5 * (mass + mass.transpose(0, 2, 1)))[:, 0]
+    if np.all(smallest > 0.0):
+        return []
+    worst = int(np.argmin(smallest))
+    bad = knee[smallest <= 0.0]
+    what = (
+        f"the mass matrix is not positive definite for knee angles "
+        f"from {bad.min():.2f} to {bad.max():.2f} rad: "
+        "the leg would gain energy by being accelerated, and a simulation of it diverges"
+    )
+    remedy = "record faster motion with more acceleration on both joints; check the filter cut-off"
+    return [Finding("inertia", "warning", what, f"knee = {knee[worst]:.2f} rad", float(smallest[worst]), 0.0, remedy)]
+
+
+def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
+    """Φ comes from some positive m, l, I exactly when Φ2, Φ3 > 0 and Φ3²/Φ2 < Φ1 - Φ2 + min(0, Φ4).
+
+    Reason: I_sh > 0 means m_sh a² > Φ3²/Φ2; I_th + m_th l_th² = Φ1 - Φ2 - m_sh a² and m_th a l_th = Φ4 + that
+    must stay positive; a short thigh lever with a large mass then always leaves I_th > 0.
+    """
+    at = {p.name: i for i, p in enumerate(model.parameters)}
+    if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")):
+        return []
+    one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
+    remedy = "no masses and lengths can be computed from this fit; its torque prediction may still be good"
+    for name, value in (("Phi2", two), ("Phi3", three)):
+        if value <= 0.0 and model.parameters[at[name]].min is None:  # else _bounds has said it
+            what = f"{name} = {value:.4g} kg·m², but a shank with mass has a positive one"
+            return [Finding("realisable", "warning", what, name, value, 0.0, remedy)]
+    if two <= 0.0 or three <= 0.0:
+        return []
+    room = one - two + min(0.0, four)
+    if three**2 / two < room:
+        return []
+    what = "no positive masses, lengths and inertias give Φ1 to Φ4 (Φ3²/Φ2 must be below Φ1 - Φ2 + min(0, Φ4))"
+    return [Finding("realisable", "warning", what, "Phi1..Phi4", three**2 / two, room, remedy)]

@@ -1,0 +1,214 @@
+"""Parameters the torque is *not* linear in: search them outside, solve the linear ones exactly inside.
+
+This is variable projection (Golub, Pereyra 1973). A grid as fine as each effect declares (`Shape.points`,
+`spacing`, `choices`) finds the valleys, or a population does (NFO, or any optimiser of the same interface); a local
+search refines the best few. The loss over shape parameters is not convex, so the result is "best known", never "the
+optimum"; how many starts end at it is a hint of how well it is known.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from optimisation.linear.problem import Problem
+from optimisation.optimiser import Optimiser, minimise
+from symbolic.effect import Shape
+from symbolic.motion import Float
+
+MAX_NODES = 400
+"""Nodes of the grid at most; with many shape parameters each gets fewer points."""
+STARTS = 3
+"""Valleys refined by the local search."""
+POPULATION, GENERATIONS = 20, 20
+"""Of a population that searches instead of the grid: as many evaluations as the grid has nodes."""
+SAME = 1e-6
+"""Relative difference of losses up to which two starts have ended in the same valley."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeSearch:
+    """Best shape values `best` (S,), their `value`, every node tried (T, S) with its value (T,).
+
+    The local searches `began` at (R, S) and `reached` values (R,).
+    """
+
+    best: Float
+    value: float
+    nodes: Float
+    values: Float
+    began: Float
+    reached: Float
+
+    @property
+    def agreeing(self) -> tuple[int, int]:
+        """How many starts ended at the best value, and how many there were."""
+        same = self.reached <= self.value + SAME * max(abs(self.value), np.finfo(float).tiny)
+        return int(np.count_nonzero(same)), len(self.reached)
+
+    def leaders(self, count: int) -> list[Float]:
+        """Return the `count` best nodes, the refined best first."""
+        order = np.argsort(self.values, kind="stable")[:count]
+        return [self.best, *(self.nodes[i] for i in order)]
+
+
+def to_unit(shape: Shape, value: float) -> float:
+    """Return where `value` lies between the bounds of `shape`, 0 to 1, in its declared spacing."""
+    if shape.spacing == "log":
+        return float(np.log(value / shape.min) / np.log(shape.max / shape.min))
+    return (value - shape.min) / (shape.max - shape.min)
+
+
+def from_unit(shape: Shape, unit: float) -> float:
+    """Return the value of `shape` at `unit` (0 to 1, clipped)."""
+    u = min(max(unit, 0.0), 1.0)
+    if shape.spacing == "log":
+        return float(min(max(shape.min * (shape.max / shape.min) ** u, shape.min), shape.max))
+    return float(shape.min + u * (shape.max - shape.min))
+
+
+def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
+    """Return the nodes of the search, each with one value per shape."""
+    points = [len(s.choices) or max(2, s.points) for s in shapes]
+    while np.prod(points) > MAX_NODES:
+        finest = max(range(len(points)), key=lambda i: 0 if shapes[i].choices else points[i])
+        if shapes[finest].choices or points[finest] <= 2:
+            break
+        points[finest] -= 1
+    axes = [
+        s.choices or tuple(from_unit(s, u) for u in np.linspace(0.0, 1.0, n))
+        for s, n in zip(shapes, points, strict=True)
+    ]
+    return list(itertools.product(*axes))
+
+
+@dataclass(frozen=True)
+class ShapeMethod:
+    """How shapes are searched: by the grid, or by `optimiser`; of `starts` valleys found, `refined` (all) are refined.
+
+    `apart` is how far from each other these begin, as a share of the ranges; `seed` is that of the optimiser.
+    """
+
+    optimiser: Optimiser | None = None
+    starts: int = STARTS
+    refined: int | None = None
+    apart: float = 0.0
+    seed: int = 0
+
+
+GRID = ShapeMethod()
+
+
+def search_shape(
+    evaluate: Callable[[Float], float],
+    shapes: Sequence[Shape],
+    starts: Sequence[Float] | None = None,
+    method: ShapeMethod = GRID,
+) -> ShapeSearch:
+    """Minimise `evaluate` ((S,) -> loss) over `shapes`: everywhere (or only from `starts`), then locally."""
+    if starts is None and method.optimiser is not None:
+        nodes, values = _population(evaluate, shapes, method.optimiser, method.seed)
+    else:
+        nodes = np.array(grid(shapes) if starts is None else [tuple(s) for s in starts], dtype=float)
+        values = np.array([evaluate(node) for node in nodes])
+    values = np.where(np.isnan(values), np.inf, values)
+    best, value = nodes[int(np.argmin(values))], float(values.min())
+    chosen = _apart(nodes, values, shapes, method)
+    reached = []
+    for index in chosen[: method.refined or method.starts]:
+        found, low = _refine(evaluate, shapes, nodes[index])
+        reached.append(low)
+        if low < value:
+            best, value = found, low
+    return ShapeSearch(best, value, nodes, values, nodes[chosen], np.array(reached))
+
+
+def _population(
+    evaluate: Callable[[Float], float], shapes: Sequence[Shape], optimiser: Optimiser, seed: int
+) -> tuple[Float, Float]:
+    """Return every point (T, S) an optimiser tried, and its value (T,)."""
+    points: list[Float] = []
+    values: list[float] = []
+
+    def fitness(units: Float) -> Float:
+        for unit in units:
+            points.append(np.array([_value(s, float(u)) for s, u in zip(shapes, unit, strict=True)]))
+            values.append(evaluate(points[-1]))
+        return np.array(values[-len(units) :])
+
+    count = len(shapes)
+    names = tuple(f"shape {k + 1}" for k in range(count))
+    problem = Problem(fitness, np.zeros(count), np.ones(count), names, ("1",) * count)
+    minimise(problem, optimiser, individuals=POPULATION, generations=GENERATIONS, seed=seed)
+    return np.array(points), np.array(values)
+
+
+def _value(shape: Shape, unit: float) -> float:
+    """Return the value at `unit` (0 to 1), a choice where there are choices."""
+    if shape.choices:
+        return float(shape.choices[min(int(unit * len(shape.choices)), len(shape.choices) - 1)])
+    return from_unit(shape, unit)
+
+
+def _apart(nodes: Float, values: Float, shapes: Sequence[Shape], method: ShapeMethod) -> list[int]:
+    """Return the best nodes that are far enough from each other to be starts of their own."""
+    order = [int(k) for k in np.argsort(values, kind="stable")]
+    if method.apart <= 0.0:
+        return order[: method.starts]
+    places = np.array(
+        [[float(v) if s.choices else to_unit(s, v) for s, v in zip(shapes, n, strict=True)] for n in nodes]
+    )
+    chosen: list[int] = []
+    for index in order:
+        if np.isfinite(values[index]) and all(
+            np.max(np.abs(places[index] - places[other])) >= method.apart for other in chosen
+        ):
+            chosen.append(index)
+        if len(chosen) == method.starts:
+            break
+    return chosen
+
+
+def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: Float) -> tuple[Float, float]:
+    """Refine the continuous shapes around `node`; choices stay as they are."""
+    from scipy.optimize import minimize, minimize_scalar
+
+    free = [i for i, s in enumerate(shapes) if not s.choices]
+    if not free:
+        return node, evaluate(node)
+    reach = [1.0 / max(1, shapes[i].points - 1) for i in free]
+    middle = [to_unit(shapes[i], node[i]) for i in free]
+
+    def at(units: float | Float) -> Float:
+        out = node.copy()
+        for i, u in zip(free, np.ravel(units), strict=True):
+            out[i] = from_unit(shapes[i], float(u))
+        return out
+
+    if len(free) == 1:
+        bounds = (max(0.0, middle[0] - reach[0]), min(1.0, middle[0] + reach[0]))
+        result = minimize_scalar(lambda u: evaluate(at(u)), bounds=bounds, method="bounded", options={"xatol": 1e-7})
+        return at(float(result.x)), float(result.fun)
+    corners = [np.array(middle)]
+    for i, step in enumerate(reach):
+        corner = np.array(middle)
+        corner[i] += 0.5 * step if corner[i] < 0.5 else -0.5 * step
+        corners.append(corner)
+    options: Any = {
+        "initial_simplex": np.array(corners),
+        "xatol": 1e-6,
+        "fatol": 0.0,
+        "maxfev": 120 * len(free),
+    }
+    box: Any = [(0.0, 1.0)] * len(free)
+
+    def objective(units: Float) -> float:
+        return evaluate(at(units))
+
+    start: Float = np.array(middle, dtype=float)
+    refined: Any = minimize(objective, start, method="Nelder-Mead", bounds=box, options=options)
+    return at(refined.x), float(refined.fun)

@@ -1,0 +1,91 @@
+"""The same problem solved by IPOPT through CasADi: an independent second opinion on the optimum.
+
+IPOPT sees the residual and the branch-free Huber loss c(2|r| - c) in parameters scaled column by column; it
+does not see our QR. The loss is continuously differentiable with a piecewise constant Hessian, which CasADi
+derives, so IPOPT's Newton steps end in a handful of iterations without slack variables.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from optimisation.linear.loss import huber
+from optimisation.linear.problem import LinearData
+from symbolic.motion import Float
+
+OPTIONS: Any = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    "ipopt.tol": 1e-11,
+    "ipopt.acceptable_tol": 1e-11,
+    "ipopt.max_iter": 200,
+    "ipopt.nlp_scaling_method": "none",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """What IPOPT returned: parameters `x` (P,), their `loss` (recomputed by us), its word."""
+
+    x: Float
+    loss: float
+    iterations: int
+    seconds: float
+    status: str
+    gap: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields in plain types."""
+        return {**self.__dict__, "x": self.x.tolist()}
+
+
+def solve_reference(data: LinearData, delta: Float, start: Float | None = None) -> Reference:
+    """Solve the Huber problem of `data` for thresholds `delta` (J,) with IPOPT; infinite thresholds give SSE.
+
+    `start` (P,) defaults to zero.
+    """
+    import casadi as ca
+
+    began = time.perf_counter()
+    scale = column_scale(data)
+    x = ca.MX.sym("x", scale.size)
+    problem: Any = {"x": x, "f": loss_expression(data, delta, x, scale)}
+    solver = ca.nlpsol("reference", "ipopt", problem, OPTIONS)
+    first = np.zeros(scale.size) if start is None else np.asarray(start, dtype=float) / scale
+    found = np.asarray(solver(x0=first)["x"]).reshape(-1) * scale
+    stats = solver.stats()
+    return Reference(
+        x=found,
+        loss=huber(data.residual(found), delta),
+        iterations=int(stats["iter_count"]),
+        seconds=time.perf_counter() - began,
+        status=str(stats["return_status"]),
+    )
+
+
+def column_scale(data: LinearData) -> Float:
+    """Return the size (P,) of each parameter at which its column alone is as long as the torque."""
+    length = np.linalg.norm(data.matrix, axis=0)
+    return np.where(length > 0.0, np.linalg.norm(data.vector) / np.where(length > 0.0, length, 1.0), 1.0)
+
+
+def loss_expression(data: LinearData, delta: Float, x: Any, scale: Float) -> Any:
+    """Return the loss of parameters `x` (CasADi, in units of `scale`), divided by its value at zero.
+
+    So IPOPT's absolute tolerances mean relative ones.
+    """
+    import casadi as ca
+
+    limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
+    residual = ca.DM(data.vector) - ca.sparsify(ca.DM(data.matrix * scale)) @ x
+    size = huber(data.tau, delta) or 1.0
+    if np.isinf(limit).all():
+        return ca.sumsqr(residual) / size
+    miss = ca.fabs(residual)
+    inner = ca.fmin(miss, ca.DM(np.minimum(limit, 1e300)))
+    return ca.dot(inner, 2 * miss - inner) / size

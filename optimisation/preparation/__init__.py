@@ -1,0 +1,1 @@
+"""From recordings to samples that a fit may use: cut-off, filtering, outliers."""

@@ -1,0 +1,421 @@
+"""From recordings to samples that a fit may use: derivatives, one cut-off for all, outliers taken out.
+
+The cut-off matters more than any added term (docs: how the numbers are made), so it is chosen from the data and
+its reason is told. Outliers of the torque are judged against the *local median of the residual* of a robust
+eight-parameter fit: an unmodelled effect moves that median and is kept, a single bad sample does not. They are
+bridged before filtering, once, before anything is diagnosed, so that every model sees the same samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ground.errors import RecordingError
+from ground.html import bullets, lines, table
+from measurement.finding import Finding
+from measurement.recording import Recording
+from measurement.signals.conditioning import (
+    EvenSignals,
+    acceleration_noise,
+    acceleration_quality,
+    bridging,
+    decimate,
+    derivatives,
+    even_clock,
+    low_pass,
+    low_pass_at,
+    noise_density,
+    quiet_noise,
+    spikes,
+    velocity_noise,
+    widen,
+)
+from measurement.signals.derivatives import BUTTERWORTH, METHODS, check_method
+from optimisation.fitting.assemble import assemble
+from optimisation.linear.loss import Bool
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
+
+CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
+"""Cut-off frequencies tried, Hz."""
+COMMON_BAND = 3.0
+"""Every cut-off is judged on the unseen torque below this frequency, Hz."""
+BIAS_LIMIT = 0.005
+"""Largest share of noise in the accelerations: about the relative bias of an inertia."""
+NOISE_LIMIT = 0.05
+"""Largest noise power that accelerations may carry into the model's torque, relative to the torque sensor's own: more,
+and effects that happen to smooth the model (a flexible drive) look real."""
+TOLERANCE = 0.03
+"""A cut-off may predict this much worse than the best one; then the faster one is preferred (more information)."""
+NOISE_SEEN = 1e-4
+"""Share of noise in the accelerations at the fastest cut-off tried from which on the spectrum of the angles plainly
+shows the encoders' noise, so that what it does at every cut-off is known."""
+LOOSE_TOLERANCE = 0.25
+"""The same where the noise is known: unseen torque is then mostly predicted worse because faster motion shows more of
+what the base model misses (friction near standstill), which is no reason to look away."""
+WORKING_RATE = 100.0
+"""Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
+OUTLIER = 4.0
+"""Robust deviations from the local median beyond which a torque sample is an outlier."""
+SIGN_WIDTH = (1e-4, 5e-2)
+"""Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
+INNER = 2.0
+"""Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
+torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
+were flexible. What noise the wider band lets in, the common filter takes out again."""
+STICK = 0.03
+"""Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
+function of the motion can tell, so these samples of that joint are not fitted."""
+STICK_REACH = 0.5
+"""Periods of the angles' cut-off by which these samples reach into their neighbours: there velocity and direction are
+smeared. The torque of all of them, and every column of a model alike, is replaced by a straight line before the common
+filter, so that nothing of it gets into the samples that are fitted."""
+EDGE = 0.5
+"""Seconds cut at both ends, where a zero-phase filter is not settled."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecording:
+    """A recording ready to be fitted: `motion` at N working samples, `tau` and `use` (K, J) at the K kept ones.
+
+    `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
+    `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
+    encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
+    may be sticking; its torque there is bridged.
+    """
+
+    name: str
+    motion: Motion
+    tau: Float
+    use: Bool
+    kept: np.ndarray
+    cutoff: float
+    rate: float
+    outliers: Float
+    wide_tau: Float
+    angle_noise: Float
+    band: float
+    stuck: Bool
+
+    def noisier(self, rng: np.random.Generator) -> PreparedRecording:
+        """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
+        1994): what a model gains by that, it had gained from noise.
+        """
+        deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
+        white = rng.standard_normal(self.motion.q.shape) * deviation
+        dq, ddq = derivatives(low_pass(white, self.band, self.rate), self.rate)
+        old = self.motion
+        q = old.q + low_pass(white, self.band, self.rate)
+        width = sign_width(2.0 * self.angle_noise, self.band)
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width), old.payload)
+        return replace(self, motion=motion)
+
+    def smooth(self, x: Float, joints: Sequence[int] = (0, 1), axis: int = 1) -> Float:
+        """Bridge and filter `x` (N, ...) exactly as the torque was; return the kept samples (K, ...).
+
+        `axis` of `x` has the rows of `joints`.
+        """
+        return low_pass_at(bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
+
+    @cached_property
+    def _bridges(self) -> list[Bridge]:
+        """For each joint what bridges the samples at which it may be sticking."""
+        return bridges(self.stuck, self.rate)
+
+    @property
+    def t(self) -> Float:
+        """Time of the kept samples (K,), s."""
+        return self.motion.t[self.kept]
+
+    @property
+    def kept_rate(self) -> float:
+        """Rate of the kept samples, Hz."""
+        return 1.0 / float(self.t[1] - self.t[0])
+
+
+@dataclass(frozen=True)
+class CutoffChoice:
+    """The common cut-off in Hz and, in words, why it is that one. `table` holds (cut-off, error, noise share)."""
+
+    cutoff: float
+    reason: str
+    automatic: bool = True
+    table: tuple[tuple[float, float, float], ...] = field(default=())
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted."""
+
+    train: tuple[PreparedRecording, ...]
+    verify: tuple[PreparedRecording, ...]
+    choice: CutoffChoice
+    noise_floor: Float
+    findings: tuple[Finding, ...] = ()
+    derivative: str = BUTTERWORTH
+
+    @property
+    def all(self) -> tuple[PreparedRecording, ...]:
+        """Training recordings, then verification recordings."""
+        return self.train + self.verify
+
+    def __repr__(self) -> str:
+        names = ", ".join(one.name for one in self.train), ", ".join(one.name for one in self.verify) or "none"
+        return f"Prepared(train: {names[0]}; verify: {names[1]}; cut-off {self.choice.reason})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (one.name, use, len(one.t), one.kept_rate, *(f"{100 * float(x):.1f} %" for x in one.outliers))
+            for use, group in (("fitted", self.train), ("unseen", self.verify))
+            for one in group
+        ]
+        head = ("recording", "used as", "samples", "Hz", "hip torque bridged", "knee torque bridged")
+        return lines(f"cut-off: {self.choice.reason}") + table(head, rows) + bullets(self.findings)
+
+
+def prepare(
+    model: Model,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording] = (),
+    *,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
+) -> Prepared:
+    """Prepare `recordings` and `verify` for `model`, whose geometry (not whose effects) is used to find outliers.
+
+    `cutoff` in Hz; None chooses it. `derivative` is one of `measurement.signals.derivatives.METHODS`. Refuses any that
+    are too short or too slow for the cut-off, and motion that does not repeat where periods are to be averaged.
+    """
+    check_method(derivative)
+    if not recordings:
+        raise RecordingError("there is no recording to fit", remedy="name at least one recording")
+    base = model.base()
+    even = [even_clock(r) for r in (*recordings, *verify)]
+    names = [r.name for r in (*recordings, *verify)]
+    slowest = min(e.rate for e in even)
+    if cutoff is not None and not 0.0 < cutoff <= 0.4 * slowest:
+        raise RecordingError(
+            f"a cut-off of {cutoff:g} Hz does not fit recordings sampled at {slowest:.4g} Hz",
+            remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
+        )
+    count = len(recordings)
+    inputs = list(zip(names, even, strict=True))
+    beta = _robust_base(
+        base, [_prepare_one(base, n, e, COMMON_BAND, None, derivative=derivative) for n, e in inputs[:count]]
+    )
+    if cutoff is None:
+        choice = _choose(base, names[:count], even[:count], beta, derivative)
+    else:
+        choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
+    done = [_prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
+    return Prepared(
+        train=tuple(done[:count]),
+        verify=tuple(done[count:]),
+        choice=choice,
+        noise_floor=_noise_floor(done, choice.cutoff),
+        findings=tuple(f for r in (*recordings, *verify) for f in r.findings) + _outlier_findings(done),
+        derivative=derivative,
+    )
+
+
+def _prepare_one(
+    base: Model,
+    name: str,
+    even: EvenSignals,
+    cutoff: float,
+    beta: Float | None,
+    reach: float = np.inf,
+    derivative: str = BUTTERWORTH,
+) -> PreparedRecording:
+    """Prepare one recording; without `beta` the outliers are judged by the torque's own running median.
+
+    Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
+    """
+    factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
+    tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
+    rate = even.rate / factor
+    inner = min(INNER * cutoff, 0.4 * even.rate)
+    smoothed = METHODS[derivative]
+    noise = noise_density(even)
+    if smoothed is None:
+        q = np.array(low_pass(even.q, inner, even.rate)[::factor])
+        dq, ddq = derivatives(q, rate)
+    else:
+        *parts, periods = smoothed(even, inner, name)
+        q, dq, ddq = (np.array(part[::factor]) for part in parts)
+        noise = noise / periods
+    payload = np.sum([p.numbers(base.thigh_length) for p in even.payloads], axis=0) if even.payloads else None
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)), payload)
+    known = tau * 0.0 if beta is None else base.torque(motion, beta)
+    bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    tau = np.where(bad, known + middle, tau)
+    gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
+    edge = int(np.ceil(EDGE * rate))
+    kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
+    near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
+    stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
+    use = ~gap[kept, None] & ~stuck[kept]
+    level = bridged(tau, bridges(stuck, rate), (0, 1), 1)
+    return PreparedRecording(
+        name=name,
+        motion=motion,
+        tau=low_pass_at(level, cutoff, rate, kept),
+        use=use,
+        kept=kept,
+        cutoff=cutoff,
+        rate=rate,
+        outliers=bad.mean(axis=0),
+        wide_tau=tau,
+        angle_noise=noise,
+        band=min(inner, 0.4 * rate),
+        stuck=stuck,
+    )
+
+
+Bridge = tuple[np.ndarray, np.ndarray, csr_array]
+"""Samples that are bridged (H,), samples beside them that the bridges stand on (E,), and the matrix (H, E)."""
+
+
+def bridges(stuck: Bool, rate: float) -> list[Bridge]:
+    """Return for each joint what bridges the samples at which it is `stuck` (N, J)."""
+    out = []
+    for column in stuck.T:
+        matrix = bridging(column, rate).tocsc()
+        beside = np.flatnonzero(np.diff(matrix.indptr))
+        out.append((np.flatnonzero(column), beside, matrix[:, beside].tocsr()))
+    return out
+
+
+def bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: int) -> Float:
+    """Return `x` (N, ...) with the rows of each of `joints`, along `axis`, bridged where that joint may stick."""
+    out = np.array(x, dtype=float, order="C")
+    for place, joint in enumerate(joints):
+        rows, beside, matrix = bridges[joint]
+        if rows.size:
+            part = np.moveaxis(out, axis, 1)[:, place]
+            ends = part[beside]
+            part[rows] = (matrix @ ends.reshape(beside.size, -1)).reshape(rows.size, *ends.shape[1:])
+    return out
+
+
+def sign_width(noise: Float, band: float) -> Float:
+    """Return the velocity (J,) in rad/s over which the sign fades: a part of the noise of a velocity.
+
+    `noise` (J,) is the density of the angle noise in rad²/Hz, `band` in Hz what is left of it.
+    """
+    return np.clip(0.3 * velocity_noise(noise, band), *SIGN_WIDTH)
+
+
+def _fit(data: LinearData) -> Float:
+    first = solve_sse(data)
+    return solve_huber(data, delta_rule(data.residual(first), use=data.use), first)
+
+
+def _robust_base(base: Model, prepared: Sequence[PreparedRecording]) -> Float:
+    return _fit(assemble(base, prepared))
+
+
+def _part(data: LinearData, keep: np.ndarray) -> LinearData:
+    return replace(
+        data, columns=data.columns[:, keep], tau=data.tau[:, keep], groups=data.groups[keep], use=data.use[:, keep]
+    )
+
+
+def _folds(groups: np.ndarray) -> list[np.ndarray]:
+    """Return masks of held-out samples: whole recordings, or four long blocks of a single one."""
+    labels = np.unique(groups)
+    if labels.size > 1:
+        return [groups == label for label in labels]
+    block = np.arange(groups.size) * 4 // groups.size
+    return [block == b for b in range(4)]
+
+
+def _choose(
+    base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta: Float, derivative: str
+) -> CutoffChoice:
+    """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean."""
+    slowest = min(e.rate for e in even)
+    tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
+    inputs = list(zip(names, even, strict=True))
+    slow = min(COMMON_BAND, tried[0])
+    judge = assemble(base, [_prepare_one(base, n, e, slow, beta, derivative=derivative) for n, e in inputs])
+    errors, shares, carried = [], [], []
+    for cutoff in tried:
+        # All on motion equally far from standstill: nearer to it friction is more than the base model knows, and a
+        # faster cut-off, which gets nearer, would be blamed for that.
+        prepared = [_prepare_one(base, n, e, cutoff, beta, COMMON_BAND, derivative) for n, e in inputs]
+        data = assemble(base, prepared)
+        square = np.zeros(2)
+        for held, out in zip(_folds(data.groups), _folds(judge.groups), strict=True):
+            square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
+        errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
+        # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
+        shares.append(float(np.max(np.min([acceleration_quality(e, cutoff) for e in even], axis=0))))
+        carried.append(_carried_noise(beta, even, cutoff, _noise_floor(prepared, cutoff)))
+    relative = np.max(np.array(errors) / np.min(errors, axis=0), axis=1)
+    tolerance = LOOSE_TOLERANCE if shares[-1] >= NOISE_SEEN else TOLERANCE
+    predicts = relative <= 1.0 + tolerance
+    clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
+    good = [i for i in range(len(tried)) if predicts[i] and clean[i]]
+    index = good[-1] if good else int(np.argmin(relative + np.array(shares)))
+    table = tuple((c, float(r), s) for c, r, s in zip(tried, relative, shares, strict=True))
+    return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried, tolerance), table=table)
+
+
+def _carried_noise(beta: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
+    """Return the noise power that accelerations carry into the model's torque, relative to the torque's own."""
+    first, second, coupling = abs(beta[0]), abs(beta[1]), abs(beta[2])
+    hip, knee = np.median([acceleration_noise(e, cutoff) for e in even], axis=0) ** 2
+    power = np.array(
+        [
+            (first + 2.0 * coupling) ** 2 * hip + (second + coupling) ** 2 * knee,
+            (second + coupling) ** 2 * hip + second**2 * knee,
+        ]
+    )
+    return float(np.max(power / np.maximum(floor**2, 1e-300)))
+
+
+def _reason(
+    tried: Sequence[float],
+    index: int,
+    relative: Float,
+    shares: Sequence[float],
+    carried: Sequence[float],
+    tolerance: float,
+) -> str:
+    text = f"{tried[index]:g} Hz: noise makes up {100 * shares[index]:.2g} % of the accelerations"
+    if index + 1 == len(tried):
+        return text + ", and no faster cut-off was tried"
+    after = index + 1
+    beyond = f"{text}; at {tried[after]:g} Hz"
+    if relative[after] > 1.0 + tolerance:
+        return f"{beyond} unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
+    if shares[after] > BIAS_LIMIT:
+        return f"{beyond} it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
+    return f"{beyond} they would carry {100 * carried[after]:.0f} % of the torque sensor's noise power into the model"
+
+
+def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
+    """Return the RMS (J,) in N·m that sensor noise leaves below the cut-off, from the top of the torque's spectrum.
+
+    Estimated without a model. A torque sensor whose noise is not white has a floor of its own; this one is then low.
+    """
+    return np.sqrt(np.mean([quiet_noise(p.wide_tau, p.rate, cutoff) ** 2 for p in prepared], axis=0))
+
+
+def _outlier_findings(prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:
+    most = np.max([one.outliers for one in prepared], axis=0)
+    if most.max() < 0.01:
+        return ()
+    shares = ", ".join(f"{joint} up to {100 * share:.0f} %" for joint, share in zip(JOINTS, most, strict=True))
+    what = f"torque samples far off their neighbours were bridged before filtering ({shares})"
+    remedy = "look at the torque sensor and its cable if this is unexpected"
+    return (Finding("torque_outliers", "repaired", what, "all recordings", float(most.max()), 0.01, remedy, True),)

@@ -1,0 +1,1 @@
+"""From equations to compiled C: CasADi expressions, instructions, kernels, compiler and cache."""

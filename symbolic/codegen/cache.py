@@ -1,0 +1,131 @@
+"""Compiled C libraries, kept in the user's cache under the hash of everything they depend on.
+
+An entry is a folder with the library, a JSON record and the hash of both. It is made under another name and
+moved into place in one step, so that two processes may build the same entry at once. An entry whose content
+does not match its hash is thrown away and built again.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ground.files import cache_folder, sha256, sha256_file
+from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
+from symbolic.codegen.fingerprint import canonical, generator_key, processor, versions
+
+LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
+
+LEFTOVER = 86_400.0
+"""Seconds after which an unfinished entry counts as abandoned; a compilation takes at most a minute."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """C text, the flags it is to be compiled with, and a `record` (plain data) to be kept beside the
+    library.
+    """
+
+    text: str
+    flags: tuple[str, ...]
+    record: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """A loaded library and its record."""
+
+    c: ctypes.CDLL
+    record: dict[str, Any]
+
+
+def load(kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[], Source]) -> Library | None:
+    """Return the library for `content` (plain data), generating and compiling it only where the cache has
+    none.
+
+    None (with one warning) where there is no compiler or it fails: the caller then takes the slow path.
+    """
+    compiler = find_compiler()
+    if compiler is None:
+        return None
+    entry = cache_folder() / f"{kind}-{_key(content, compiler, flags)[:40]}"
+    found = _open(entry)
+    if found is not None:
+        return found
+    try:
+        _build(entry, generate(), compiler)
+    except (CompilerError, OSError) as error:
+        warn_slow(str(error))
+        return None
+    return _open(entry)
+
+
+def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
+    parts = [content, versions(), compiler.identity, flags, processor(), generator_key()]
+    return sha256(canonical(parts))
+
+
+def _open(entry: Path) -> Library | None:
+    """Load an entry after checking it against its seal; a damaged one is removed."""
+    if not entry.is_dir():
+        return None
+    try:
+        seal = json.loads((entry / SEAL).read_text())
+        intact = all(sha256_file(entry / name) == seal[name] for name in (LIBRARY, RECORD))
+        record = json.loads((entry / RECORD).read_text()) if intact else None
+        library = ctypes.CDLL(str(entry / LIBRARY)) if intact else None
+    except (OSError, ValueError, KeyError, TypeError):
+        record = library = None
+    if library is None or record is None:
+        _discard(entry)
+        return None
+    return Library(library, record)
+
+
+def _build(entry: Path, source: Source, compiler: Compiler) -> None:
+    _sweep(entry.parent)
+    folder = Path(tempfile.mkdtemp(prefix=".building-", dir=entry.parent))
+    try:
+        (folder / "library.c").write_text(source.text)
+        compiler.build(folder / "library.c", folder / LIBRARY, source.flags)
+        (folder / RECORD).write_text(canonical(source.record))
+        seal = {name: sha256_file(folder / name) for name in (LIBRARY, RECORD)}
+        (folder / SEAL).write_text(canonical(seal))
+        try:
+            os.rename(folder, entry)
+        except OSError:
+            # Another process was first, which is as good, or left something broken, which _open has to judge.
+            if not entry.is_dir():
+                raise
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _sweep(cache: Path) -> None:
+    """Remove what processes that were killed left behind more than a day ago."""
+    for pattern in (".building-*", ".damaged-*"):
+        for folder in cache.glob(pattern):
+            try:
+                old = time.time() - folder.stat().st_mtime > LEFTOVER
+            except OSError:
+                continue
+            if old:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _discard(entry: Path) -> None:
+    """Take a damaged entry out of the way in one step, then delete it."""
+    try:
+        grave = Path(tempfile.mkdtemp(prefix=".damaged-", dir=entry.parent))
+        os.rename(entry, grave / "entry")
+    except OSError:
+        return
+    shutil.rmtree(grave, ignore_errors=True)

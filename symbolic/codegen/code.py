@@ -1,0 +1,275 @@
+"""Model -> C: seven CasADi functions, the loops over samples around them, a header, and a manifest.
+
+The text depends on the model and on the versions of SymPy and CasADi alone: no dates, no paths, no machine.
+So `generated/` can be compared byte for byte with what the derivation gives today.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ground.files import sha256, write_whole
+from symbolic.codegen.equation import STATE, Expressions, model_expressions
+from symbolic.codegen.fingerprint import equations_key, versions
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+
+PREFIX = "leg"
+NEWTON_STEPS = 4
+"""Corrections of θ'' where the torque is not linear in it (load-dependent friction): it is piecewise
+smooth.
+"""
+
+MEANING = {
+    "columns": "non-zero entries of the regressor Y, in the order of the table below",
+    "inverse_dynamics": "torque (hip, knee) in N m for a motion",
+    "forward_dynamics": "acceleration (hip, knee) in rad/s^2 for a torque; the accelerations in `state` are not used",
+    "mass_matrix": "M, 2 x 2 by columns, of the rigid leg",
+    "coriolis": "Christoffel C, 2 x 2 by columns, of the rigid leg",
+    "gravity": "G (hip, knee) of the rigid leg, N m",
+    "jacobian": "J, 2 x 2 by columns, of a point on the shank `reach` m below the knee",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """Generated text: C `code`, `header`, and `manifest` (JSON).
+
+    `entries` are the (joint, parameter) of the regressor that the C computes; `needs_reference` says whether some of
+    them depend on the linear parameters.
+    """
+
+    code: str
+    header: str
+    manifest: str
+    entries: tuple[tuple[int, int], ...]
+    needs_reference: bool
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Return {file name: text}."""
+        return {f"{PREFIX}.c": self.code, f"{PREFIX}.h": self.header, "manifest.json": self.manifest}
+
+
+def functions(expressions: Expressions) -> dict[str, Any]:
+    """Return the CasADi functions {name: Function}, each of (state (9,), linear (P,), shape (S,), memory
+    (K,), extra).
+
+    `extra` is the torque (2,) for forward_dynamics and `reach` for jacobian; the others have none.
+    """
+    import casadi
+
+    x = expressions
+    state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign)
+    inputs = [state, x.linear, x.shape, x.memory]
+    tau = casadi.SX.sym("tau", 2)
+    outputs = {
+        "columns": (inputs, casadi.vertcat(*(entry for _, _, entry in x.columns))),
+        "inverse_dynamics": (inputs, x.torque),
+        "forward_dynamics": ([*inputs, tau], _forward(casadi, x, tau)),
+        "mass_matrix": (inputs, casadi.densify(casadi.vec(x.M))),
+        "coriolis": (inputs, casadi.densify(casadi.vec(x.C))),
+        "gravity": (inputs, casadi.densify(x.G)),
+        "jacobian": ([*inputs, x.reach], casadi.densify(casadi.vec(x.J))),
+    }
+    return {
+        name: casadi.Function(f"{PREFIX}_{name}", given, [casadi.densify(value)], {"cse": True})
+        for name, (given, value) in outputs.items()
+    }
+
+
+def _forward(casadi: Any, x: Expressions, tau: Any) -> Any:
+    """Return θ'' with inverse_dynamics(θ'') = tau: one Newton step where that is linear, a few where it is
+    not.
+    """
+    slope = casadi.jacobian(x.torque, x.ddq)
+    residual = casadi.Function(
+        "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau], [x.torque - tau, slope]
+    )
+    linear = not casadi.depends_on(slope, x.ddq)
+    acceleration = casadi.SX.zeros(2)
+    for _ in range(1 if linear else NEWTON_STEPS):
+        r, m = residual(acceleration, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau)
+        m = casadi.densify(m)
+        det = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+        step = casadi.vertcat(m[1, 1] * r[0] - m[0, 1] * r[1], m[0, 0] * r[1] - m[1, 0] * r[0]) / det
+        acceleration = acceleration - step
+    return acceleration
+
+
+def generate(model: Model) -> Sources:
+    """Derive `model` and return its C code, header and manifest."""
+    expressions = model_expressions(model)
+    made = functions(expressions)
+    entries = [(joint, parameter) for joint, parameter, _ in expressions.columns]
+    code = _TITLE + _casadi_text(made) + _loops(len(expressions.memories), len(entries))
+    header = _header(model, entries, [memory.operator for memory in expressions.memories])
+    needed = reference_needed(expressions)
+    manifest = {
+        "model": describe(model),
+        "equations": equations_key(model),
+        "versions": versions(),
+        "regressor": [f"{JOINTS[joint]} {model.parameters[p].name}" for joint, p in entries],
+        "regressor_needs_reference": needed,
+        "operations": {name: operations(function) for name, function in made.items()},
+        "sha256": {f"{PREFIX}.c": sha256(code), f"{PREFIX}.h": sha256(header)},
+    }
+    text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
+    return Sources(code, header, text, tuple(entries), needed)
+
+
+def reference_needed(expressions: Expressions) -> bool:
+    """Whether some column of the regressor depends on the linear parameters."""
+    import casadi
+
+    return any(casadi.depends_on(entry, expressions.linear) for _, _, entry in expressions.columns)
+
+
+def describe(model: Model) -> dict[str, Any]:
+    """Return the model as plain data: geometry, terms, and its numbers with their units."""
+    return {
+        "name": model.name,
+        "thigh_length": model.thigh_length,
+        "gravity": model.gravity,
+        "terms": [term.name for term in model.terms],
+        "parameters": {parameter.name: parameter.unit for parameter in model.parameters},
+        "inertial": inertial(model),
+        "shape": {shape.name: shape.shape.unit for shape in model.shapes},
+    }
+
+
+def inertial(model: Model) -> dict[str, str]:
+    """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
+    from symbolic.mechanics.rigid import rigid
+
+    form = rigid(model.derived).regressor
+    return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
+
+
+def operations(function: Any) -> int:
+    """Return how many arithmetic operations one evaluation takes."""
+    import casadi
+
+    silent = {casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST}
+    return sum(function.instruction_id(k) not in silent for k in range(function.n_instructions()))
+
+
+def write_generated(model: Model, folder: str | Path) -> tuple[Path, ...]:
+    """Write leg.c, leg.h and manifest.json into `folder`; return the paths of those whose content changed."""
+    changed = []
+    for name, text in generate(model).files.items():
+        path = Path(folder) / name
+        if not path.is_file() or path.read_bytes() != text.encode():
+            write_whole(path, text)
+            changed.append(path)
+    return tuple(changed)
+
+
+def stale_files(model: Model, folder: str | Path) -> tuple[str, ...]:
+    """Return the names of files in `folder` that differ from what the model generates today, byte for byte."""
+    stale = []
+    for name, text in generate(model).files.items():
+        path = Path(folder) / name
+        if not path.is_file() or path.read_bytes() != text.encode():
+            stale.append(name)
+    return tuple(stale)
+
+
+def _casadi_text(made: dict[str, Any]) -> str:
+    import casadi
+
+    generator = casadi.CodeGenerator(PREFIX, {"with_header": False, "main": False, "mex": False})
+    for function in made.values():
+        generator.add(function)
+    return str(generator.dump())
+
+
+_TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited by hand. See the header. */\n"
+
+
+def _loops(memories: int, entries: int) -> str:
+    """Return the C loops over samples; arrays are row by row, a sample per row."""
+    text = "\n/* Loops over samples: `state` (n, 9), `memory` (n, K), `extra` and `out` row by row. */\n"
+    text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
+    for name, width, extra in (
+        ("columns", entries, 0),
+        ("inverse_dynamics", 2, 0),
+        ("forward_dynamics", 2, 2),
+        ("mass_matrix", 4, 0),
+        ("coriolis", 4, 0),
+        ("gravity", 2, 0),
+        ("jacobian", 4, 1),
+    ):
+        text += _LOOP.format(prefix=PREFIX, name=name, width=width, extra=extra, memories=memories, states=len(STATE))
+    return text + "#ifdef __cplusplus\n}\n#endif\n"
+
+
+_LOOP = """
+CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, const double *linear,
+    const double *shape, const double *memory, const double *extra, double *out) {{
+  long k;
+  for (k = 0; k < n; ++k) {{
+    const casadi_real *arg[5];
+    casadi_real *res[1];
+    arg[0] = state + k * {states};
+    arg[1] = linear;
+    arg[2] = shape;
+    arg[3] = memory ? memory + k * {memories} : 0;
+    arg[4] = extra ? extra + k * {extra} : 0;
+    res[0] = out + k * {width};
+    {prefix}_{name}(arg, res, 0, 0, 0);
+  }}
+}}
+"""
+
+
+def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
+    parameters = [f"  {k}: {p.name} [{p.unit}]" for k, p in enumerate(model.parameters)]
+    shapes = [f"  {k}: {s.name} [{s.shape.unit}]" for k, s in enumerate(model.shapes)]
+    table = [f"  {k}: Y[{JOINTS[j]}][{model.parameters[p].name}]" for k, (j, p) in enumerate(entries)]
+    prototypes = "".join(
+        f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
+        "    const double *shape, const double *memory, const double *extra, double *out);\n"
+        for name, meaning in MEANING.items()
+    )
+    return _HEADER.format(
+        name=model.name.replace("*/", "* /"),
+        state=", ".join(STATE),
+        parameters="\n".join(parameters),
+        shapes="\n".join(shapes) or "  none",
+        memories="\n".join(f"  {k}: {word}" for k, word in enumerate(memories)) or "  none",
+        table="\n".join(table),
+        prototypes=prototypes,
+        guard=f"EXOID_{PREFIX.upper()}_H",
+    )
+
+
+_HEADER = """/* Written by `exoid generate` from the model "{name}"; never edited by hand.
+
+state (9 per sample): {state}  [s, rad, rad/s, rad/s^2, -1..1]
+linear:
+{parameters}
+shape:
+{shapes}
+memory (one value per sample of each operator with memory):
+{memories}
+entries of the regressor:
+{table}
+
+`extra` is the torque (hip, knee) for forward_dynamics, `reach` for jacobian, and NULL for the rest. */
+#ifndef {guard}
+#define {guard}
+#ifdef __cplusplus
+extern "C" {{
+#endif
+{prototypes}
+#ifdef __cplusplus
+}}
+#endif
+#endif
+"""

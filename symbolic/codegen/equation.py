@@ -1,0 +1,251 @@
+"""A model's equation of motion as CasADi expressions: what C is generated from and integrators are built on.
+
+The path of every term is torque text -> SymPy -> derivative by each coefficient -> CasADi; the rigid part
+comes from Lagrange through SymPy as well. Operators with memory (play, dahl, delay, ddt) need more than an
+instant: each becomes an input `memory[k]`, and `memories[k]` says what feeds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from ground.errors import EffectError
+from symbolic.language.instant import separate
+from symbolic.language.torque import is_transform, torques
+from symbolic.mechanics.friction import FRICTION
+from symbolic.mechanics.lagrange import mechanics
+from symbolic.mechanics.rigid import rigid, symbols_of
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+    from symbolic.term import Term
+
+STATE = ("t", "theta1", "theta2", "dtheta1", "dtheta2", "ddtheta1", "ddtheta2", "sign1", "sign2")
+"""Names of the motion at an instant, in the order of the generated code's `state`."""
+
+
+@dataclass(frozen=True, eq=False)
+class MemorySignal:
+    """What feeds an input `memory[k]`: `operator` (its word), `argument` and `parameter` (SX; None for ddt).
+
+    Both may hold earlier memory inputs.
+    """
+
+    operator: str
+    argument: Any
+    parameter: Any | None
+
+
+@dataclass(frozen=True, eq=False)
+class Expressions:
+    """A model in CasADi SX.
+
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (2,), `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
+    (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
+    serves there as reference. `rigid`, `base` (rigid and friction) and `torque` (all) are torques (2,) in
+    N·m, `terms` the torque (2,) of each term, transforms included (they have no columns). M, C (2, 2) and G
+    (2,) belong to `rigid`.
+    """
+
+    t: Any
+    q: Any
+    dq: Any
+    ddq: Any
+    sign: Any
+    linear: Any
+    shape: Any
+    memory: Any
+    columns: tuple[tuple[int, int, Any], ...]
+    rigid: Any
+    base: Any
+    torque: Any
+    terms: Mapping[str, Any]
+    memories: tuple[MemorySignal, ...]
+    M: Any
+    C: Any
+    G: Any
+    J: Any
+    reach: Any
+
+
+def model_expressions(model: Model) -> Expressions:
+    """Return the model's equation of motion in CasADi; EffectError where a torque is not linear in a
+    coefficient.
+    """
+    return _Builder(model).expressions()
+
+
+class _Builder:
+    """Collects symbols, columns and memories while walking over the terms once."""
+
+    def __init__(self, model: Model) -> None:
+        import casadi
+
+        self.ca = casadi
+        self.model = model
+        self.state = {name: casadi.SX.sym(name) for name in STATE}
+        self.linear = casadi.SX.sym("linear", len(model.parameters))
+        self.shape = casadi.SX.sym("shape", len(model.shapes))
+        self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
+        self.numbers |= {s.name: self.shape[k] for k, s in enumerate(model.shapes)}
+        self.place = {p.name: k for k, p in enumerate(model.parameters)}
+        self.inputs: list[Any] = []
+        self.memories: list[MemorySignal] = []
+        self.columns: list[tuple[int, int, Any]] = []
+        self.words: dict[str, Any] = dict(self.state)
+
+    def expressions(self) -> Expressions:
+        ca = self.ca
+        known = {"a_th": ca.SX(self.model.thigh_length), "g": ca.SX(self.model.gravity)}
+        rigid_torque = self._rigid({**self.state, **self.numbers, **known})
+        for term in FRICTION:
+            self._text(term, {"c": term.name})
+        base = self._sum(self.columns)
+        for j in range(len(JOINTS)):
+            self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
+        terms = {}
+        for term in self.model.terms:
+            if term.effect.derive is not None:
+                own = [entry for entry in self.columns if self._belongs(entry[1], term)]
+                terms[term.name] = self._sum(own)
+            elif is_transform(term):
+                terms[term.name] = self._transform(term)
+            else:
+                before = len(self.columns)
+                self._text(term, {key: f"{term.name}.{key}" for key in term.effect.coefficients})
+                terms[term.name] = self._sum(self.columns[before:])
+        torque = base
+        for term in self.model.terms:
+            if term.effect.derive is None:
+                torque = torque + terms[term.name]
+        return self._result(rigid_torque, base, torque, terms)
+
+    def _belongs(self, parameter: int, term: Term) -> bool:
+        return self.model.parameters[parameter].term == term.name
+
+    def _sum(self, entries: list[tuple[int, int, Any]]) -> Any:
+        total = self.ca.SX(2, 1)
+        for joint, parameter, expression in entries:
+            total[joint] += expression * self.linear[parameter]
+        return total
+
+    def _rigid(self, symbols: dict[str, Any]) -> Any:
+        from symbolic.codegen.translate import to_casadi
+
+        form = rigid(self.model.derived)
+        for k, name in enumerate(form.names):
+            for joint, value in enumerate(to_casadi(list(form.matrix[:, k]), symbols)):
+                if form.matrix[joint, k] != 0:
+                    self.columns.append((joint, self.place[name], value))
+        jacobian = mechanics(form.mechanism).J
+        self.reach = self.ca.SX.sym("reach")
+        entries = to_casadi(list(jacobian), {**symbols, "reach": self.reach})
+        self.jacobian = self.ca.reshape(self.ca.vertcat(*entries), 2, 2).T
+        return self._sum(self.columns)
+
+    def _text(self, term: Term, names: Mapping[str, str]) -> None:
+        """Add the columns of a text: its derivative by each coefficient."""
+        from symbolic.codegen.translate import to_casadi
+
+        local = symbols_of(term)
+        for torque in torques(term):
+            form, words = self._lowered(term, torque)
+            remaining = form
+            for key, full in names.items():
+                coefficient = local[key]
+                slope = form.diff(coefficient)
+                if slope.has(*(local[name] for name in names)):
+                    raise EffectError(
+                        f"the torque is not linear in {key}",
+                        where=f"{term.effect.id}: {torque.text}",
+                        remedy=f"declare {key} as a shape with bounds instead of a coefficient",
+                    )
+                remaining = remaining.subs(coefficient, 0)
+                if slope != 0:
+                    self.columns.append((torque.joint, self.place[full], to_casadi([slope], words)[0]))
+            if remaining != 0:
+                raise EffectError(
+                    f"a part of the torque has no coefficient: {remaining}",
+                    where=f"{term.effect.id}: {torque.text}",
+                    remedy="multiply every part by a coefficient",
+                )
+
+    def _transform(self, term: Term) -> Any:
+        from symbolic.codegen.translate import to_casadi
+
+        total = self.ca.SX(2, 1)
+        for torque in torques(term):
+            form, words = self._lowered(term, torque)
+            total[torque.joint] += to_casadi([form], words)[0]
+        return total
+
+    def _lowered(self, term: Term, torque: Any) -> tuple[Any, dict[str, Any]]:
+        """Return the text in SymPy, and the CasADi symbol behind each of its words; operators become
+        memories.
+        """
+        from symbolic.language.lower import to_casadi as node_to_casadi
+        from symbolic.language.lower import to_sympy
+        from symbolic.mechanics.mechanism import real
+
+        local = symbols_of(term)
+        words = {
+            **self.words,
+            **{s.name: self.numbers[s.name] for s in local.values() if s.name in self.numbers},
+        }
+        shapes = {key: self.numbers[f"{term.name}.{key}"] for key in term.effect.shape}
+        node, operations = separate(torque.node, torque.joint, len(self.memories))
+        for operation in operations:
+            inside = {**words, **shapes}
+            argument = node_to_casadi(operation.argument, inside)
+            parameter = None if operation.parameter is None else node_to_casadi(operation.parameter, inside)
+            self.memories.append(MemorySignal(operation.operator, argument, parameter))
+            signal = self.ca.SX.sym(operation.name)
+            self.inputs.append(signal)
+            words[operation.name] = self.words[operation.name] = signal
+        symbols = {name: real(name) for name in words}
+        return to_sympy(node, {**symbols, **local}), words
+
+    def _result(self, rigid_torque: Any, base: Any, torque: Any, terms: dict[str, Any]) -> Expressions:
+        ca = self.ca
+        q, dq, ddq, sign = (ca.vertcat(self.state[f"{s}1"], self.state[f"{s}2"]) for s in _PAIRS)
+        still = ca.substitute(rigid_torque, ddq, ca.SX.zeros(2))
+        mass = ca.jacobian(rigid_torque, ddq)
+        return Expressions(
+            t=self.state["t"],
+            q=q,
+            dq=dq,
+            ddq=ddq,
+            sign=sign,
+            linear=self.linear,
+            shape=self.shape,
+            memory=ca.vertcat(ca.SX(0, 1), *self.inputs),
+            columns=tuple(self.columns),
+            rigid=rigid_torque,
+            base=base,
+            torque=torque,
+            terms=MappingProxyType(terms),
+            memories=tuple(self.memories),
+            M=mass,
+            C=_christoffel(ca, mass, q, dq),
+            G=ca.substitute(still, dq, ca.SX.zeros(2)),
+            J=self.jacobian,
+            reach=self.reach,
+        )
+
+
+_PAIRS = ("theta", "dtheta", "ddtheta", "sign")
+
+
+def _christoffel(ca: Any, mass: Any, q: Any, dq: Any) -> Any:
+    """Return the Christoffel C (2, 2) of a mass matrix in CasADi."""
+    slopes = [ca.reshape(ca.jacobian(ca.vec(mass), q[k]), 2, 2) for k in range(2)]
+    coriolis = ca.SX(2, 2)
+    for i in range(2):
+        for j in range(2):
+            for k in range(2):
+                coriolis[i, j] += 0.5 * dq[k] * (slopes[k][i, j] + slopes[j][i, k] - slopes[i][j, k])
+    return coriolis

@@ -1,0 +1,193 @@
+"""Compiled models: regressor, inverse and forward dynamics, M, C, G and J at the speed of C.
+
+The first use derives, generates and compiles; later ones load the library from the cache, without SymPy or
+CasADi. Without a compiler the same CasADi functions run in CasADi's virtual machine.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ground.errors import ExpressionError
+from symbolic.codegen.cache import Library, Source, load
+from symbolic.codegen.compiler import EXACT, NoCompilerWarning
+from symbolic.codegen.fingerprint import equations, equations_key
+from symbolic.codegen.fitness import Fitness, fitness
+from symbolic.columns import apply_transforms, vector
+from symbolic.memory import memory_operations, memory_signals
+from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+
+__all__ = ["Compiled", "Fitness", "NoCompilerWarning", "compiled", "fitness"]
+
+WIDTH = {"inverse_dynamics": 2, "forward_dynamics": 2, "mass_matrix": 4, "coriolis": 4, "gravity": 2, "jacobian": 4}
+STATES = 9
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A model that runs fast; `entries` are the (joint, parameter) of its columns that are not zero."""
+
+    model: Model
+    entries: tuple[tuple[int, int], ...]
+    needs_reference: bool
+    library: Library | None
+    machine: dict[str, Any]
+
+    @property
+    def backend(self) -> str:
+        """Return "c", or "vm" for CasADi's virtual machine."""
+        return "vm" if self.library is None else "c"
+
+    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+        """Return the regressor (J, N, P); arguments and refusals (ExpressionError) as of Model.columns."""
+        shapes = vector(shape, self.model.typical_shape, "shape")
+        linear = vector(reference, np.zeros(len(self.model.parameters)), "reference")
+        out = self._pointwise(motion, linear, shapes, self._memory(motion, linear, shapes))
+        apply_transforms(self.model, out, shapes, motion)
+        self._refuse_what_is_not_finite(out)
+        return out
+
+    def _refuse_what_is_not_finite(self, columns: Float) -> None:
+        """Refuse as NumPy does (lower.py): C would hand on an infinity."""
+        if np.isfinite(columns.sum()) or np.isfinite(columns).all():
+            return
+        joint, sample, parameter = (int(k) for k in np.argwhere(~np.isfinite(columns))[0])
+        raise ExpressionError(
+            f"the torque is not a finite number at sample {sample}",
+            where=f"{self.model.parameters[parameter].name} at the {JOINTS[joint]}",
+            remedy="keep log, sqrt, exp and / away from where they have no value, for example with max(...)",
+        )
+
+    def inverse_dynamics(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the torque (N, J) in N·m that `motion` takes, for linear parameters (P,)."""
+        values, shapes = self._numbers(linear, shape)
+        memory = self._memory(motion, values, shapes)
+        return self._run("inverse_dynamics", _state(motion), values, shapes, memory, None)
+
+    def forward_dynamics(
+        self, motion: Motion, tau: Any, linear: Any, shape: Float | None = None, memory: Any = None
+    ) -> Float:
+        """Return the acceleration (N, J) in rad/s² under torque `tau` (N, J) at the states of `motion`.
+
+        Its own accelerations are not used. `memory` (N, K) are values of the operators with memory, which
+        states that need not follow each other cannot supply (default: zero).
+        """
+        values, shapes = self._numbers(linear, shape)
+        torque = np.ascontiguousarray(np.broadcast_to(np.asarray(tau, dtype=float), (len(motion), len(JOINTS))))
+        signals = None if memory is None else np.ascontiguousarray(memory, dtype=float)
+        return self._run("forward_dynamics", _state(motion), values, shapes, signals, torque)
+
+    def mass_matrix(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return M (N, J, J) of the rigid leg."""
+        return self._matrix("mass_matrix", motion, linear, shape)
+
+    def coriolis(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return the Christoffel C (N, J, J) of the rigid leg."""
+        return self._matrix("coriolis", motion, linear, shape)
+
+    def gravity(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
+        """Return G (N, J) of the rigid leg, N·m."""
+        values, shapes = self._numbers(linear, shape)
+        return self._run("gravity", _state(motion), values, shapes, None, None)
+
+    def jacobian(self, motion: Motion, reach: float, shape: Float | None = None) -> Float:
+        """Return J (N, 2, J) of the point on the shank `reach` m below the knee (rows: forward, upward)."""
+        return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
+
+    def pointwise(self, motion: Motion, linear: Float, shape: Float, first: int = 0) -> Float:
+        """Return the columns (J, N, P - first) from parameter `first` on, with operators with memory at zero and
+        without transforms.
+        """
+        return self._pointwise(motion, linear, shape, None, first)
+
+    def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
+        values, shapes = self._numbers(linear, shape)
+        given = None if extra is None else np.full((len(motion), 1), extra)
+        flat = self._run(name, _state(motion), values, shapes, None, given)
+        return np.ascontiguousarray(flat.reshape(-1, 2, 2).transpose(0, 2, 1))
+
+    def _numbers(self, linear: Any, shape: Float | None) -> tuple[Float, Float]:
+        default = np.zeros(len(self.model.parameters))
+        return vector(linear, default, "linear"), vector(shape, self.model.typical_shape, "shape")
+
+    def _memory(self, motion: Motion, linear: Float, shapes: Float) -> Float | None:
+        def base_columns() -> Float:
+            return self._pointwise(motion, linear, shapes, None)
+
+        return memory_signals(self.model, motion, shapes, linear, base_columns)
+
+    def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None, first: int = 0) -> Float:
+        values = self._run("columns", _state(motion), linear, shapes, memory, None)
+        out = np.zeros((len(JOINTS), len(motion), len(self.model.parameters) - first))
+        for k, (joint, parameter) in enumerate(self.entries):
+            if parameter >= first:
+                out[joint, :, parameter - first] += values[:, k]
+        return out
+
+    def _run(
+        self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None
+    ) -> Float:
+        """Evaluate one function at all samples; the result is (N, width)."""
+        width = len(self.entries) if name == "columns" else WIDTH[name]
+        out = np.zeros((len(state), width))
+        if not out.size:
+            return out
+        if memory is None:
+            memory = np.zeros((len(state), len(memory_operations(self.model))))
+        if self.library is not None:
+            arrays = [np.ascontiguousarray(a) for a in (state, linear, shape, memory)]
+            given = [None if a is None or not a.size else a.ctypes.data_as(_DOUBLES) for a in (*arrays, extra, out)]
+            self.library.c[f"leg_{name}_many"](ctypes.c_long(len(state)), *given)
+            return out
+        inputs = [state.T, linear, shape, memory.T, *([] if extra is None else [extra.T])]
+        return np.ascontiguousarray(np.asarray(self.machine[name](*inputs)).T)
+
+
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
+_RECENT: dict[tuple[str, str], Compiled] = {}
+
+
+def compiled(model: Model, backend: str = "auto") -> Compiled:
+    """Return the compiled form of `model`; `backend` "auto" takes C where there is a compiler, "vm" never
+    does.
+    """
+    key = (equations_key(model), backend)
+    if key not in _RECENT:
+        while len(_RECENT) >= 128:
+            _RECENT.pop(next(iter(_RECENT)))
+        _RECENT[key] = _make(model, backend)
+    found = _RECENT[key]
+    return found if found.model is model else replace(found, model=model)
+
+
+def _make(model: Model, backend: str) -> Compiled:
+    library = None if backend == "vm" else load("model", equations(model), EXACT, lambda: _source(model))
+    if library is not None:
+        entries = tuple((int(j), int(p)) for j, p in library.record["entries"])
+        return Compiled(model, entries, bool(library.record["needs_reference"]), library, {})
+    from symbolic.codegen.code import functions, reference_needed
+    from symbolic.codegen.equation import model_expressions
+
+    expressions = model_expressions(model)
+    entries = tuple((j, p) for j, p, _ in expressions.columns)
+    return Compiled(model, entries, reference_needed(expressions), None, functions(expressions))
+
+
+def _source(model: Model) -> Source:
+    from symbolic.codegen.code import generate
+
+    made = generate(model)
+    record = {"entries": made.entries, "needs_reference": made.needs_reference}
+    return Source(made.code, EXACT, record)
+
+
+def _state(motion: Motion) -> Float:
+    return np.column_stack([motion.t, motion.q, motion.dq, motion.ddq, motion.sign])

@@ -1,0 +1,174 @@
+"""Whether an effect keeps what it declares: known names, ordered bounds, linear in its coefficients.
+
+A torque is evaluated with one coefficient at one and the others at zero, so it has to be linear *and*
+homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (degree.py).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+
+from ground.errors import EffectError
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.language.linearity import check_proportional
+from symbolic.language.parser import parse
+from symbolic.language.tokens import refusal
+from symbolic.language.torque import MODEL_TORQUE, OWN
+from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Call, Node
+from symbolic.quantity import JOINTS
+
+NUMBERED = tuple(f"{stem}{index}" for stem in OWN for index in (1, 2))
+RESERVED = frozenset((*OWN, *NUMBERED, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
+"""Words no coefficient and no shape may be called."""
+
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_ID = re.compile(r"[a-z][a-z0-9_]{0,59}")
+
+
+def check_effect(effect: Effect) -> None:
+    """Refuse an effect that contradicts itself: EffectError for a declaration, ExpressionError for a text."""
+    _check_place(effect)
+    for key in (*effect.coefficients, *effect.shape):
+        _check_word(effect, key)
+    for key, coefficient in effect.coefficients.items():
+        _check_coefficient(f"{effect.id}.{key}", coefficient)
+    for key, shape in effect.shape.items():
+        _check_shape(f"{effect.id}.{key}", shape)
+    if not (effect.coefficients or effect.shape):
+        raise EffectError("no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one")
+    used: set[str] = set()
+    for text in texts(effect):
+        used |= _check_text(effect, text)
+    for key in (*effect.coefficients, *effect.shape):
+        if effect.torque is not None and key not in used:
+            raise EffectError(
+                f"{key} is declared but does not appear in the torque",
+                where=f"{effect.id}: {'; '.join(texts(effect))}",
+                remedy=f"use {key} in the text or drop its declaration",
+            )
+
+
+def texts(effect: Effect) -> tuple[str, ...]:
+    """Return the torque texts of an effect; none for a derived one."""
+    if effect.torque is None:
+        return ()
+    return (effect.torque,) if isinstance(effect.torque, str) else tuple(effect.torque.values())
+
+
+def allowed_names(effect: Effect) -> frozenset[str]:
+    """Return the names the effect's texts may use."""
+    own = () if effect.on_both else OWN
+    return frozenset((*own, *NUMBERED, "t", *CONSTANTS, *effect.coefficients, *effect.shape))
+
+
+def _check_text(effect: Effect, text: str) -> frozenset[str]:
+    """Check one torque text and return the names it uses."""
+    node = parse(text, allowed_names(effect))
+    if effect.coefficients:
+        check_proportional(node, text, effect.coefficients, "coefficient")
+    else:
+        check_proportional(node, text, MODEL_TORQUE, "model torque")
+    for call in _memory(node):
+        varying = call.arguments[1].names() - effect.shape.keys() if len(call.arguments) > 1 else frozenset()
+        if varying:
+            raise refusal(
+                f"the second argument of {call.function} depends on {', '.join(sorted(varying))}",
+                text,
+                call.arguments[1].span,
+                "it is a number or a shape: the memory of a joint does not change while it moves",
+            )
+    return node.names()
+
+
+def _memory(node: Node) -> Iterator[Call]:
+    return (part for part in node.walk() if isinstance(part, Call) and part.function in OPERATORS)
+
+
+def _check_place(effect: Effect) -> None:
+    """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
+    if not _ID.fullmatch(effect.id):
+        raise EffectError(
+            f"{effect.id[:60]!r} is not an effect's id",
+            where="id",
+            remedy="use small letters, digits and _, beginning with a letter",
+        )
+    joints = effect.joints
+    if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not {*joints} <= {*JOINTS}):
+        raise EffectError(
+            f"joints are {joints!r}", where=effect.id, remedy='use "hip", "knee", both of these, or "both"'
+        )
+    if (effect.torque is None) == (effect.derive is None):
+        raise EffectError("an effect has either a torque text or derive()", where=effect.id, remedy="give exactly one")
+    if effect.torque is None:
+        return
+    if effect.on_both == isinstance(effect.torque, str):
+        raise EffectError(
+            "one torque text does not fit its joints" if effect.on_both else "one text per joint is too many",
+            where=effect.id,
+            remedy='an effect on "both" has a text for hip and one for knee; any other has a single text',
+        )
+    if not isinstance(effect.torque, str) and not {*effect.torque} <= {*JOINTS}:
+        raise EffectError(
+            f"torque texts for {', '.join(effect.torque)}", where=effect.id, remedy="name them hip and knee"
+        )
+
+
+def _check_word(effect: Effect, key: str) -> None:
+    """Check the name of a coefficient or shape."""
+    if not _IDENTIFIER.fullmatch(key):
+        raise EffectError(
+            f"{key[:60]!r} is not a name",
+            where=effect.id,
+            remedy="use ASCII letters, digits and _, beginning with a letter",
+        )
+    if key in RESERVED:
+        raise EffectError(f"{key} already means something else", where=effect.id, remedy="choose another name")
+    if key in effect.coefficients and key in effect.shape:
+        raise EffectError(
+            f"{key} is declared as a coefficient and as a shape", where=effect.id, remedy="keep one of them"
+        )
+
+
+def _check_coefficient(where: str, coefficient: Coefficient) -> None:
+    """Check unit and bounds of a coefficient."""
+    low = -math.inf if coefficient.min is None else coefficient.min
+    high = math.inf if coefficient.max is None else coefficient.max
+    _check_bounds(where, coefficient.unit, low, high, coefficient.typical)
+
+
+def _check_shape(where: str, shape: Shape) -> None:
+    """Check unit, bounds, choices and grid of a shape."""
+    if not (math.isfinite(shape.min) and math.isfinite(shape.max)):
+        raise EffectError(
+            f"the bounds are {shape.min!r} and {shape.max!r}", where=where, remedy="give two finite numbers"
+        )
+    _check_bounds(where, shape.unit, shape.min, shape.max, shape.typical)
+    if not all(shape.min <= choice <= shape.max for choice in shape.choices):
+        raise EffectError(
+            f"the choices {shape.choices!r} do not lie within the bounds",
+            where=where,
+            remedy=f"use values from {shape.min:g} to {shape.max:g}",
+        )
+    if shape.spacing not in ("linear", "log", "position") or (shape.spacing == "log" and shape.min <= 0.0):
+        raise EffectError(
+            f"spacing {shape.spacing!r} from {shape.min:g}",
+            where=where,
+            remedy='use "linear", "position", or "log" where min is positive',
+        )
+    if shape.points < 1:
+        raise EffectError(f"{shape.points} trial points", where=where, remedy="use one or more")
+
+
+def _check_bounds(where: str, unit: str, low: float, high: float, typical: float | None) -> None:
+    if not unit.strip():
+        raise EffectError("the unit is missing", where=where, remedy='give it, or "1" for a plain number')
+    if not low < high:
+        raise EffectError(f"min {low:g} is not below max {high:g}", where=where, remedy="swap them")
+    if typical is not None and not low <= typical <= high:
+        raise EffectError(
+            f"the typical value {typical:g} lies outside its bounds",
+            where=where,
+            remedy=f"choose it from {low:g} to {high:g}",
+        )

@@ -1,0 +1,1 @@
+"""The torque language: tokens, tree, parser, and its translation into other languages."""

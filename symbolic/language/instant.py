@@ -1,0 +1,59 @@
+"""Take a torque text apart: what an instant suffices for, and the operators that need the past.
+
+Words for the own joint become the canonical ones, sgn of a joint velocity becomes the motion's sign (which
+is how a joint at rest is told from one that creeps), and each operator with memory becomes the word
+`memory<k>`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from symbolic.language.torque import own_names
+
+MEMORY = frozenset(("play", "dahl", "delay", "ddt"))
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """An operator with memory: its word, the word `name` that stands for its value, argument and parameter."""
+
+    operator: str
+    name: str
+    argument: Any
+    parameter: Any | None
+
+
+def separate(node: Any, joint: int, count: int) -> tuple[Any, list[Operation]]:
+    """Return the text without operators, and the operators in the order in which they must be evaluated.
+
+    `count` is how many memories there are already.
+    """
+    from symbolic.language.parser import Binary, Call, Name, Unary
+
+    canonical = own_names(joint)
+    operations: list[Operation] = []
+
+    def walk(tree: Any) -> Any:
+        if isinstance(tree, Name):
+            return Name(canonical.get(tree.name, tree.name))
+        if isinstance(tree, Unary):
+            return Unary(tree.operator, walk(tree.operand))
+        if isinstance(tree, Binary):
+            return Binary(tree.operator, walk(tree.left), walk(tree.right))
+        if isinstance(tree, Call):
+            return call(tree)
+        return tree
+
+    def call(tree: Any) -> Any:
+        arguments = tuple(walk(argument) for argument in tree.arguments)
+        if tree.function in MEMORY:
+            name = f"memory{count + len(operations)}"
+            operations.append(Operation(tree.function, name, *arguments, *([None] * (2 - len(arguments)))))
+            return Name(name)
+        if tree.function == "sgn" and isinstance(arguments[0], Name) and arguments[0].name.startswith("dtheta"):
+            return Name(f"sign{arguments[0].name[-1]}")
+        return Call(tree.function, arguments)
+
+    return walk(node), operations

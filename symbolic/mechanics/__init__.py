@@ -1,0 +1,1 @@
+"""From links and joints to equations of motion and base parameters."""

@@ -1,0 +1,87 @@
+"""A known mass that hangs on the leg: what it adds to the base parameters, derived like everything else.
+
+A recording with a known mass and one without differ by a torque that is known in N·m. That gives the torques of all
+recordings a scale which no motion of the bare leg gives: it tells the gains of the two drives apart (Gautier, Briot,
+ASME Journal of Dynamic Systems, Measurement, and Control 136(5), 2014).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ground.errors import ExoidError
+from symbolic.motion import Float, read_only
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+LINKS = ("thigh", "shank")
+HEAVIEST, FARTHEST = 200.0, 3.0
+"""kg and m beyond which a payload is taken for a mistake in the units."""
+
+
+class PayloadError(ExoidError):
+    """A payload that cannot be: its mass, its place or its link."""
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A small body of `mass` kg on the axis of `link` (thigh or shank), `along` m from that link's upper joint.
+
+    PayloadError where the mass is not positive, or a number is not finite or far from any leg.
+    """
+
+    mass: float
+    along: float
+    link: str = "shank"
+
+    def __post_init__(self) -> None:
+        if self.link not in LINKS:
+            raise PayloadError(f"there is no link {self.link!r}", where=str(self), remedy="thigh or shank")
+        if not (math.isfinite(self.mass) and 0.0 < self.mass <= HEAVIEST):
+            raise PayloadError(
+                f"a payload of {self.mass:g} kg", where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}"
+            )
+        if not (math.isfinite(self.along) and abs(self.along) <= FARTHEST):
+            raise PayloadError(
+                f"a payload {self.along:g} m down the {self.link}",
+                where=str(self),
+                remedy=f"give m from the link's upper joint, at most {FARTHEST:g}",
+            )
+
+    def __str__(self) -> str:
+        return f"{self.link}:{self.mass:g}@{self.along:g}"
+
+    def numbers(self, thigh_length: float) -> Float:
+        """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
+        symbols, added = _added(self.link)
+        numbers = dict(zip(symbols, (self.mass, self.along, thigh_length), strict=True))
+        return read_only(np.array([float(entry.subs(numbers)) for entry in added]))
+
+
+@lru_cache(maxsize=4)
+def _added(link: str) -> tuple[tuple[Symbol, ...], tuple[Expr, ...]]:
+    """Return mass, place and thigh length, and the added base parameters (4,) in them: the difference of two Φ."""
+    from sympy import Matrix, simplify
+
+    from symbolic.mechanics.mechanism import leg, real
+    from symbolic.mechanics.regressor import regressor
+
+    mass, along = real("payload_mass"), real("payload_along")
+    bare = leg()
+    loaded = bare.with_payload(link, mass, along).link(link)
+    own = bare.link(link)
+    # The loaded link in place of the bare one, quantity by quantity: Φ is a function of these alone.
+    place = {own.mass: loaded.mass, own.along: loaded.along, own.inertia: loaded.inertia}
+    phi = Matrix(regressor(bare).parameters)
+    difference = simplify(phi.subs(place, simultaneous=True) - phi)
+    length = bare.links[0].length
+    left = difference.free_symbols - {mass, along, length}
+    if left:
+        raise AssertionError(f"what a payload adds depends on {left}")
+    return (mass, along, length), tuple(difference)

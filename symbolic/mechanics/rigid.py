@@ -1,0 +1,125 @@
+"""The rigid-body part of a model: Φ1.. and the numbers of effects that change the mechanism itself.
+
+An effect with `derive` returns a changed mechanism, from which everything is derived again; or a pair of
+torques. Its shape symbols stay in the columns. A coefficient k enters as ∂τ/∂k: by itself where it is a
+lumped parameter, times the other parameters (the *reference*) where it multiplies them, as the amplitude of
+a moving base multiplies masses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ground.errors import EffectError
+
+if TYPE_CHECKING:
+    from sympy import Expr, Matrix, Symbol
+
+    from symbolic.mechanics.mechanism import Mechanism
+    from symbolic.mechanics.regressor import Regressor
+    from symbolic.term import Term
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid:
+    """`matrix` (J, n) times the linear parameters called `names` (n,) is the rigid-body torque.
+
+    Its symbols are the motion, `g` and `a_th`, shapes and linear parameters under their full names.
+    """
+
+    mechanism: Mechanism
+    regressor: Regressor
+    names: tuple[str, ...]
+    matrix: Matrix
+    needs_reference: bool
+
+
+_RECENT: dict[tuple[int, ...], tuple[tuple[Term, ...], Rigid]] = {}
+"""Derivations of this process by identity of their effects (which the value keeps alive)."""
+
+
+def rigid(derived: Sequence[Term]) -> Rigid:
+    """Derive the rigid-body torque of the leg changed by the `derived` terms; EffectError where that fails."""
+    key = tuple(id(term.effect) for term in derived)
+    if key not in _RECENT:
+        while len(_RECENT) >= 64:
+            _RECENT.pop(next(iter(_RECENT)))
+        _RECENT[key] = (tuple(derived), _derive(derived))
+    return _RECENT[key][1]
+
+
+def symbols_of(term: Term) -> dict[str, Symbol]:
+    """Return {name in the effect: SymPy symbol of the full name} of a term's coefficients and shapes."""
+    from symbolic.mechanics.mechanism import real
+
+    return {key: real(f"{term.name}.{key}") for key in (*term.effect.coefficients, *term.effect.shape)}
+
+
+def _derive(derived: Sequence[Term]) -> Rigid:
+    from sympy import Matrix
+
+    from symbolic.mechanics.mechanism import Mechanism, leg, real
+    from symbolic.mechanics.regressor import regressor
+
+    mechanism, added = leg(), Matrix([0, 0])
+    coefficients: list[Symbol] = []
+    for term in derived:
+        symbols = symbols_of(term)
+        coefficients += [symbols[key] for key in term.effect.coefficients]
+        outcome = _call(term, mechanism, symbols)
+        if isinstance(outcome, Mechanism):
+            mechanism = outcome
+        else:
+            added += Matrix(outcome)
+    form = regressor(mechanism)
+    phi = [real(name) for name in form.names]
+    at_rest = dict.fromkeys(coefficients, 0)
+    columns = [(form.matrix[:, k]).subs(at_rest) for k in range(len(phi))]
+    torque = form.matrix * Matrix(phi) + form.known + added
+    columns += [_slope(torque, k, coefficients) for k in range(len(coefficients))]
+    matrix = Matrix.hstack(*columns)
+    return Rigid(
+        mechanism=mechanism,
+        regressor=form,
+        names=form.names + tuple(symbol.name for symbol in coefficients),
+        matrix=matrix,
+        needs_reference=bool(matrix.free_symbols & {*phi, *coefficients}),
+    )
+
+
+def _call(term: Term, mechanism: Mechanism, symbols: Mapping[str, Symbol]) -> Any:
+    """Run the effect's derive(); whatever it returns must be a Mechanism or a pair of torques."""
+    from symbolic.mechanics.mechanism import Mechanism
+
+    derive = term.effect.derive
+    outcome = derive(mechanism, symbols) if derive is not None else None
+    if isinstance(outcome, Mechanism) or (isinstance(outcome, (tuple, list)) and len(outcome) == 2):
+        return outcome
+    raise EffectError(
+        f"derive() returned {type(outcome).__name__}",
+        where=term.effect.id,
+        remedy="return the changed Mechanism, or a pair of SymPy torques (hip, knee)",
+    )
+
+
+def _slope(torque: Matrix, k: int, coefficients: Sequence[Symbol]) -> Matrix:
+    """Return ∂τ/∂k (J, 1) with later coefficients at zero: products of two then count once, in the later
+    one.
+    """
+    later = dict.fromkeys(coefficients[k + 1 :], 0)
+    slope: Matrix = torque.subs(later).diff(coefficients[k]).applyfunc(_tidy)
+    if slope.has(coefficients[k]):
+        raise EffectError(
+            f"the torque is not linear in {coefficients[k].name}",
+            where=coefficients[k].name.partition(".")[0],
+            remedy="declare it as a shape with bounds instead of a coefficient",
+        )
+    return slope
+
+
+def _tidy(expression: Expr) -> Expr:
+    from sympy import expand
+
+    return expand(expression)

@@ -1,0 +1,79 @@
+"""What `diagnose`, `discover` and `demo` share: ask the question, show the answer, write it down."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.inputs import Inputs, check_new_model, load
+from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
+from workbench.terminal.progress import part, progress
+from workbench.terminal.screen import Screen
+from workbench.terminal.showing import show_diagnosis, show_steps
+
+Question = Callable[..., Any]
+"""`diagnose` or `discover` of `diagnosis.discover`."""
+
+
+def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None) -> int:
+    """Read what `args` name, put the `question`, show and write the answer; return the exit status 0."""
+    check_places(args)
+    if write:
+        check_new_model(write, args.model)
+    given = load(args)
+    found, comparison = answer(args, question, given)
+    screen = Screen.of(args)
+    show_diagnosis(screen, found)
+    show_steps(screen, Steps.of(found))
+    if write:
+        from symbolic.model_file import write_model
+
+        write_model(found.model, write, found.fit)
+        screen.say(f"model: {write}")
+    deliver(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
+    return 0
+
+
+def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple[Any, Any]:
+    """Return the answer, and the Comparison of the model it started from where a report is asked for."""
+    with progress("fitting the model", quiet=args.quiet) as report:
+        found = question(
+            given.model, given.recordings, verify=given.verify, seed=args.seed, **given.filter,
+            extra=unused_effects(given.model), progress=part(report, 0.0, 0.95),
+        )  # fmt: skip
+        comparison = None
+        if args.out:
+            from diagnosis.compare import compare
+
+            report(0.95, "looking where the model fails")
+            comparison = compare(given.model, given.recordings, verify=given.verify, **given.filter)
+    return found, comparison
+
+
+def unused_effects(model: Any) -> tuple[Any, ...]:
+    """Return the effects of the user's own that the model file declares but no term uses: suspects too."""
+    used = {term.effect.id for term in model.terms}
+    return tuple(effect for effect in model.custom if effect.id not in used)
+
+
+def material_of(
+    args: argparse.Namespace, title: str, given: Inputs, found: Any, comparison: Any, truth: str = ""
+) -> Material:
+    """Return what the report of a Diagnosis or Discovery draws on."""
+    return Material(
+        title=title,
+        recordings=given.recordings,
+        verify=given.verify,
+        model=found.model,
+        fit=found.fit,
+        comparison=comparison,
+        diagnosis=found,
+        steps=Steps.of(found),
+        pictures=pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
+        truth=truth,
+        command=command_of(args),
+        settings=settings_of(args) | ({"filter": found.cutoff} if found.cutoff else {}),
+        seconds=found.seconds,
+    )

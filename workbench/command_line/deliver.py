@@ -1,0 +1,42 @@
+"""The end of every command: JSON where it was asked for, a report where it was asked for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from workbench.command_line.files import check_folder, check_target, make_folder, write_json
+from workbench.terminal.screen import Screen
+
+if TYPE_CHECKING:
+    from workbench.report.material import Material
+
+
+def check_places(args: argparse.Namespace) -> None:
+    """Refuse a --json or --out that cannot be written before the work starts; raises OutputError."""
+    if args.json:
+        check_target(args.json)
+    if args.out:
+        check_folder(args.out)
+
+
+def deliver(
+    args: argparse.Namespace, screen: Screen, payload: Any, material: Callable[[], Material] | None = None
+) -> None:
+    """Write `payload` to --json and to --out, where the report of `material()` goes too."""
+    if args.json:
+        write_json(args.json, payload)
+    if not args.out:
+        return
+    folder = make_folder(args.out)
+    write_json(str(folder / "result.json"), payload)
+    if material is None:
+        screen.say(f"wrote {folder}")
+        return
+    from dataclasses import replace
+
+    from workbench.report.page import write_report
+
+    page = write_report(replace(material(), payload=payload), folder)
+    screen.say(f"report: {page}")

@@ -1,0 +1,121 @@
+"""Results on disk: whole or not at all, and refused early when the place cannot be written."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ground.errors import ExoidError
+from workbench.terminal.encoding import spells
+
+
+class OutputError(ExoidError):
+    """A file or folder that cannot be written."""
+
+
+def strict(value: Any) -> Any:
+    """Return `value` in types JSON has: arrays become lists, numbers that are not finite become None."""
+    if isinstance(value, bool) or value is None or isinstance(value, (str, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): strict(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [strict(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    for convert in ("tolist", "to_json"):  # NumPy arrays and numbers; our own results
+        if hasattr(value, convert):
+            return strict(getattr(value, convert)())
+    raise TypeError(f"{type(value).__name__} has no JSON form")
+
+
+def to_json(payload: Any) -> str:
+    """Return `payload` as strict JSON text that ends with a line feed."""
+    return json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_json(path: str | Path) -> Any:
+    """Return the content of a JSON file; raises OutputError where it cannot be read or is no JSON."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise OutputError(f"cannot be read: {error.strerror}", where=str(path), remedy="check the path") from error
+    except (ValueError, RecursionError) as error:
+        raise OutputError("is not JSON", where=str(path), remedy="give a file that --json wrote") from error
+
+
+def write_text(path: str | Path, text: str) -> Path:
+    """Write `text` as UTF-8 to `path`, whole or not at all; raises OutputError."""
+    return write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | Path, content: bytes) -> Path:
+    """Write `content` to `path`, whole or not at all; raises OutputError."""
+    from ground.files import write_whole
+
+    try:
+        return write_whole(path, content)
+    except OSError as error:
+        raise _refusal(Path(path), error) from error
+
+
+def make_folder(path: str | Path) -> Path:
+    """Return the folder `path`, made with its parents if needed and writable; raises OutputError."""
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        raise _refusal(folder, error) from error
+
+
+def check_folder(path: str | Path) -> None:
+    """Refuse a folder that could not be made or written to, without making it; raises OutputError."""
+    place = Path(path).absolute()
+    try:
+        while not place.exists() and place != place.parent:
+            place = place.parent
+        with tempfile.TemporaryFile(dir=place):
+            return
+    except OSError as error:
+        raise _refusal(Path(path), error) from error
+
+
+def check_target(path: str) -> None:
+    """Refuse a --json target that cannot be written before the work starts, not after it."""
+    if path == "-":
+        return
+    target = Path(path)
+    try:
+        if target.is_dir():
+            raise OutputError("this is a folder", where=path, remedy="name a file, or - for standard output")
+        with tempfile.TemporaryFile(dir=target.parent):
+            return
+    except OSError as error:
+        raise _refusal(target, error) from error
+
+
+def write_json(target: str, payload: Any) -> None:
+    """Write `payload` as JSON to the file `target`, or to standard output for "-"."""
+    text = to_json(payload)
+    if target == "-":
+        # A stream without θ gets \u03b8, which is the same JSON.
+        sys.stdout.write(text if spells(sys.stdout, text) else json.dumps(json.loads(text), indent=2) + "\n")
+    else:
+        write_text(target, text)
+
+
+def _refusal(target: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"cannot be written ({error.strerror or error})",
+        where=str(target),
+        remedy="check that the folder exists, that you may write there and that the disk is not full",
+    )

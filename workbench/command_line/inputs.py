@@ -1,0 +1,168 @@
+"""From the words of a command line to models and recordings."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ground.suggest import did_you_mean
+from symbolic.quantity import JOINTS
+from workbench.command_line.options import merged
+from workbench.command_line.parser import UsageError
+from workbench.terminal.screen import warn
+
+if TYPE_CHECKING:
+    from measurement.recording import Recording
+    from symbolic.mechanics.payload import Payload
+    from symbolic.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """What a question about recordings starts from.
+
+    `cutoff` in Hz is that of the common filter, None: chosen; `derivative` how accelerations come from angles.
+    """
+
+    model: Model
+    recordings: tuple[Recording, ...]
+    verify: tuple[Recording, ...] = ()
+    cutoff: float | None = None
+    derivative: str = "butterworth"
+
+    @property
+    def filter(self) -> dict[str, Any]:
+        """What `prepare`, and whatever prepares, takes about filtering."""
+        return {"cutoff": self.cutoff, "derivative": self.derivative}
+
+
+def load_model(path: str | None) -> Model:
+    """Return the model in the file `path`, or the standard leg for None."""
+    from symbolic.model import Model
+
+    if path is None:
+        return Model.standard()
+    from symbolic.model_file import read_model
+
+    return read_model(path)
+
+
+def load(args: argparse.Namespace) -> Inputs:
+    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff, --derivative, --payload."""
+    model = load_model(getattr(args, "model", None))
+    columns, units = merged(args.map, "--map"), merged(args.units, "--units")
+    unseen = list(getattr(args, "verify", []))
+    refuse_repeats(args.recordings, unseen)
+    loads = payloads(getattr(args, "payload", []), [*args.recordings, *unseen])
+    recordings = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in args.recordings)
+    verify = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in unseen)
+    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
+
+
+def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None) -> Recording:
+    """Read one recording and say on stderr what its audit warns of or has repaired."""
+    from measurement.reading.read import read_recording
+
+    recording = read_recording(path, columns, units)
+    for finding in recording.findings:
+        if finding.severity != "info":
+            warn(str(finding))
+    return recording
+
+
+def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:
+    """Return {path: its payloads} from texts such as run4.csv=2@0.35; UsageError where one names no recording of these.
+
+    A recording is named by its path or, where that is enough, by its file name.
+    """
+    found: dict[str, list[Payload]] = {}
+    for text in given:
+        name, _, load = text.rpartition("=")
+        if not name:
+            raise UsageError(
+                f"{text!r} is not FILE=KG@M", where="--payload", remedy="write for example run4.csv=2@0.35 (kg, m)"
+            )
+        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        if len(meant) != 1:
+            raise UsageError(
+                f"{name} is {'none' if not meant else 'more than one'} of the recordings given",
+                where="--payload",
+                remedy=did_you_mean(name, paths) or "name it as it is named among the recordings",
+            )
+        found.setdefault(meant[0], []).append(payload_of(load))
+    return found
+
+
+def payload_of(text: str) -> Payload:
+    """Return the payload that a text such as 2@0.35 or thigh:2@0.2 means; UsageError where it means none."""
+    from symbolic.mechanics.payload import Payload
+
+    link, colon, load = text.rpartition(":")
+    mass, _, along = load.partition("@")
+    try:
+        numbers = float(mass), float(along)
+    except ValueError:
+        raise UsageError(
+            f"{text!r} is not KG@M", where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)"
+        ) from None
+    return Payload(*numbers, link if colon else "shank")
+
+
+def _loaded(recording: Recording, loads: Sequence[Payload]) -> Recording:
+    for load in loads:
+        recording = recording.with_payload(load.mass, load.along, load.link)
+    return recording
+
+
+def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:
+    """Refuse a file that is named twice: counted twice it fakes certainty, and seen it is not unseen."""
+    names = [Path(path).resolve() for path in fitted]
+    for path in fitted:
+        if names.count(Path(path).resolve()) > 1:
+            raise UsageError("this recording is named twice", where=path, remedy="name it once")
+    for path in unseen:
+        if Path(path).resolve() in names:
+            raise UsageError(
+                "this recording is both fitted and in --verify",
+                where=path,
+                remedy="a recording that was fitted cannot show how well unseen motion is predicted",
+            )
+
+
+def split_joint(text: str) -> tuple[str, str | None]:
+    """Return ("stribeck", "knee") for "stribeck:knee"; raises UsageError for a joint that does not exist."""
+    effect, colon, joint = text.partition(":")
+    if not effect or (colon and joint not in JOINTS):
+        raise UsageError(
+            f"{text!r} does not name an effect",
+            where="EFFECT[:joint]",
+            remedy=did_you_mean(joint, JOINTS) or "write for example stribeck:knee; joints are hip and knee",
+        )
+    return effect, joint or None
+
+
+def check_new_model(target: str, source: str | None) -> None:
+    """Refuse a model file that would overwrite the one it comes from, or cannot be written."""
+    from workbench.command_line.files import OutputError, check_target
+
+    if target == "-":
+        raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
+    check_target(target)
+    if source is not None and Path(target).resolve() == Path(source).resolve():
+        raise OutputError(
+            "this would overwrite the model it was made from", where=target, remedy="choose another file name"
+        )
+
+
+def beside(source: str | None, suffix: str) -> str:
+    """Return a free file name next to the model `source`: leg.toml becomes leg+stribeck-knee.toml."""
+    base = Path("leg.toml") if source is None else Path(source)
+    for count in range(1, 1000):
+        tail = "" if count == 1 else f"-{count}"
+        name = base.with_name(f"{base.stem}+{suffix.replace(':', '-')}{tail}.toml")
+        if not name.exists():
+            return str(name)
+    raise UsageError("there are a thousand such models already", where=str(base.parent), remedy="use --write FILE")

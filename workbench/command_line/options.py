@@ -1,0 +1,140 @@
+"""The options that commands share, spelt and explained once."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+
+from workbench.command_line.parser import UsageError
+
+
+def add_common(parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR") -> None:
+    """Add --json, --out, --seed and --quiet, which every command has."""
+    group = parser.add_argument_group("output")
+    group.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE; - means standard output")
+    group.add_argument("--out", metavar="DIR", help=out)
+    group.add_argument("--seed", metavar="N", type=whole_number, default=0, help="seed of everything random (0)")
+    group.add_argument("--quiet", action="store_true", help="no progress and no tables, only warnings and errors")
+
+
+def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> None:
+    """Add --model."""
+    parser.add_argument(
+        "--model", metavar="FILE", required=required, help="model file (TOML); without it, the standard leg"
+    )
+
+
+def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:
+    """Add REC..., --verify and what is needed to read them: --map, --units, --cutoff."""
+    count = "+" if required else "*"
+    parser.add_argument("recordings", metavar="REC", nargs=count, help="recordings the model is fitted to")
+    if verify:
+        parser.add_argument(
+            "--verify", metavar="REC", nargs="+", action="extend", default=[],
+            help="recordings kept unseen, to check what was found",
+        )  # fmt: skip
+    add_reading(parser)
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add what is needed to read recordings: --map, --units, --cutoff."""
+    group = parser.add_argument_group("reading the recordings")
+    group.add_argument(
+        "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
+        help="which column is which, for example q1=HipEnc,q2=KneeEnc",
+    )  # fmt: skip
+    group.add_argument(
+        "--units", metavar="NAME=UNIT", action="append", default=[], type=pairs,
+        help="units that are not SI, for example q=deg,tau=mNm",
+    )  # fmt: skip
+    group.add_argument(
+        "--cutoff",
+        metavar="HZ",
+        type=positive,
+        help="cut-off of the common filter (chosen from the recordings)",
+    )
+
+
+def add_derivative(parser: argparse.ArgumentParser) -> None:
+    """Add --derivative, how velocities and accelerations come from angles, and --payload."""
+    parser.add_argument(
+        "--payload", metavar="FILE=KG@M", action="append", default=[],
+        help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
+        "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2",
+    )  # fmt: skip
+    parser.add_argument(
+        "--derivative", choices=("butterworth", "savgol", "fourier"), default="butterworth",
+        help="how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose "
+        "periods are averaged (butterworth)",
+    )  # fmt: skip
+
+
+def add_limit(parser: argparse.ArgumentParser, what: str) -> None:
+    """Add --limit: an error in N·m above which the exit status is 1."""
+    parser.add_argument(
+        "--limit", metavar="RMS", type=limits,
+        help=f"exit with status 1 when {what} is above RMS N·m (one number, or hip,knee)",
+    )  # fmt: skip
+
+
+def whole_number(text: str) -> int:
+    """Return a seed: a whole number from 0 to 2**32 - 1."""
+    try:
+        value = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+    if not 0 <= value < 2**32:
+        raise argparse.ArgumentTypeError(f"{text} is not between 0 and {2**32 - 1}")
+    return value
+
+
+def number(text: str) -> float:
+    """Return a finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def positive(text: str) -> float:
+    """Return a finite number above zero."""
+    value = number(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+    return value
+
+
+def limits(text: str) -> tuple[float, float]:
+    """Return a limit per joint from "0.5" or "0.5,0.8"."""
+    parts = [positive(part) for part in text.split(",")]
+    if len(parts) not in (1, 2):
+        raise argparse.ArgumentTypeError(f"{text!r} has {len(parts)} numbers; give one, or two as hip,knee")
+    return parts[0], parts[-1]
+
+
+def pairs(text: str) -> dict[str, str]:
+    """Return {"q1": "HipEnc", ...} from "q1=HipEnc,..."; a comma inside a name is written `\\,`."""
+    found: dict[str, str] = {}
+    for part in text.replace("\\,", "\0").split(","):
+        name, equals, value = part.replace("\0", ",").partition("=")
+        if not (equals and name.strip() and value.strip()):
+            raise argparse.ArgumentTypeError(f"{part!r} is not NAME=VALUE")
+        if name.strip() in found:
+            raise argparse.ArgumentTypeError(f"{name.strip()!r} is given twice")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def merged(given: Sequence[dict[str, str]], option: str) -> dict[str, str] | None:
+    """Return one mapping from a repeated option; raises UsageError when two of them disagree."""
+    total: dict[str, str] = {}
+    for one in given:
+        for name, value in one.items():
+            if total.get(name, value) != value:
+                raise UsageError(f"{name} is given as {total[name]!r} and as {value!r}", where=option)
+            total[name] = value
+    return total or None

@@ -1,0 +1,144 @@
+"""What a person reads in the terminal: sentences and tables that survive a plain pipe."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from symbolic.quantity import JOINTS
+from workbench.terminal.encoding import plain, spells
+
+BLOCKS = " ▏▎▍▌▋▊▉█"
+EMPTY = (None, "", "–")
+"""Cells that have nothing to say."""
+STYLES = {
+    "good": "bold green",
+    "bad": "bold red",
+    "warn": "bold yellow",
+    "head": "bold",
+    "faint": "dim",
+    "": "",
+}
+
+
+@dataclass(frozen=True)
+class Screen:
+    """Standard output for people; `silent` with --quiet, and with `--json -`, when programs read it."""
+
+    silent: bool = False
+
+    @classmethod
+    def of(cls, args: argparse.Namespace) -> Screen:
+        """Return the screen that `args` ask for."""
+        return cls(silent=args.quiet or args.json == "-")
+
+    def say(self, text: str = "", style: str = "") -> None:
+        """Write `text` as a line, in a style of `STYLES` when the terminal has colours."""
+        if self.silent:
+            return
+        if sys.stdout.isatty():
+            from rich.text import Text
+
+            _console().print(Text(text, style=STYLES[style]))
+            return
+        for line in (text if spells(sys.stdout) else plain(text)).split("\n"):
+            sys.stdout.write(folded(line) + "\n")
+
+    def table(self, title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], note: str = "") -> None:
+        """Write a table, numbers set to the right; sentences fold, nothing is cut off."""
+        if self.silent:
+            return
+        head, rows = without_empty(head, rows)
+        from rich import box
+        from rich.table import Table
+        from rich.text import Text
+
+        colours = sys.stdout.isatty()
+        spelt = spells(sys.stdout)
+        lines = box.ASCII2 if not spelt else box.ROUNDED if colours else box.SIMPLE_HEAD
+        table = Table(title=title or None, title_justify="left", title_style="bold", caption=note or None,
+                      caption_justify="left", box=lines, pad_edge=colours or not spelt)  # fmt: skip
+        for index, name in enumerate(head):
+            numeric = bool(rows) and all(_is_number(row[index]) for row in rows)
+            # A sentence and a head may wrap, a number or an identifier may not, nor a word of the head.
+            name, cells = (name if spelt else plain(name)), (str(row[index]) for row in rows)
+            longest = max((len(cell if spelt else plain(cell)) for cell in cells), default=0)
+            word = max((len(part) for part in name.split()), default=0)
+            table.add_column(name, justify="right" if numeric else "left", overflow="fold",
+                             min_width=max(word, longest if longest <= 24 else 0))  # fmt: skip
+        for row in rows:
+            # Spelt out before the table is laid out: "N*m" is as wide as "N·m", "theta" is not as wide as "θ".
+            table.add_row(*(Text(str(cell) if spelt else plain(str(cell))) for cell in row))
+        if colours:
+            _console().print(table)
+            return
+        pipe = _console()
+        with pipe.capture() as captured:
+            pipe.print(table)
+        lines = (line.rstrip() for line in captured.get().splitlines())
+        sys.stdout.write("\n".join(lines).strip("\n") + "\n")
+
+
+def width() -> int:
+    """Return the columns of the terminal; of a pipe, COLUMNS where it is set to a number above 20, else 80."""
+    if sys.stdout.isatty():
+        return shutil.get_terminal_size().columns
+    asked = os.environ.get("COLUMNS", "")
+    return int(asked) if asked.isdecimal() and int(asked) > 20 else 80
+
+
+def folded(line: str) -> str:
+    """Return a line for a pipe, folded at spaces under its own indent; a long word or path stays whole."""
+    inner = line.lstrip(" ")
+    indent = " " * (len(line) - len(inner))
+    if len(line) <= width() or not inner:
+        return line
+    return textwrap.fill(
+        inner, width(), initial_indent=indent, subsequent_indent=indent + "  ", break_long_words=False,
+        break_on_hyphens=False, replace_whitespace=False, drop_whitespace=True,
+    )  # fmt: skip
+
+
+def warn(text: str) -> None:
+    """Write `text` to stderr; --quiet does not hide it."""
+    sys.stderr.write(f"exoid: {text}\n")
+
+
+def per_joint(values: Iterable[float], unit: str = "N·m") -> str:
+    """Return "hip 0.71, knee 0.53 N·m"."""
+    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(JOINTS, values, strict=True)) + f" {unit}"
+
+
+def bar(share: float, width: int = 24) -> str:
+    """Return a bar of `width` characters filled to `share` (0..1), in eighths of a character."""
+    eighths = round(max(0.0, min(1.0, share)) * width * 8)
+    return BLOCKS[8] * (eighths // 8) + (BLOCKS[eighths % 8] if eighths % 8 else "")
+
+
+def without_empty(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> tuple[list[str], list[list[Any]]]:
+    """Return a table without the columns in which no row says anything; a table without rows keeps them all."""
+    kept = [i for i in range(len(head)) if not rows or any(row[i] not in EMPTY for row in rows)]
+    return [head[i] for i in kept], [[row[i] for i in kept] for row in rows]
+
+
+def _is_number(cell: Any) -> bool:
+    text = str(cell).strip().rstrip("%").strip()
+    try:
+        float(text)
+    except ValueError:
+        return text in ("", "-", "–")
+    return True
+
+
+def _console() -> Any:
+    from rich.console import Console
+
+    if sys.stdout.isatty():
+        return Console(highlight=False)
+    return Console(highlight=False, width=width(), color_system=None, force_terminal=False)

@@ -1,0 +1,147 @@
+"""How results look in the terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from symbolic.quantity import JOINTS
+from workbench.report.material import Steps
+from workbench.report.sections.verdict import WORDS, term
+from workbench.terminal.screen import Screen, bar
+
+MOST_SUSPECTS = 8
+MOST_PLACES = 6
+VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad"}
+
+
+def show_fit(screen: Screen, fit: Any) -> None:
+    """Show parameters with intervals, the proof, the optimisers and what to be careful about."""
+    rows = [(e.name, number(e.value, 5), e.unit, number(e.low), number(e.high)) for e in fit.estimates]
+    screen.table("Parameters", ("name", "value", "unit", "95 % from", "to"), rows)
+    errors = ", ".join(f"{joint} {number(x)}" for joint, x in zip(JOINTS, fit.rms, strict=True))
+    screen.say(f"error (RMS) on the fitted motion: {errors} N·m")
+    screen.say(str(fit.certificate))
+    if fit.shapes_known:
+        screen.say(fit.shapes_known)
+    if fit.runs:
+        gaps = [(name, f"{run.gap:.1e}", f"{run.seconds:.2f}") for name, run in fit.runs.items()]
+        if fit.reference is not None:
+            gaps.append(("IPOPT", f"{fit.reference.gap:.1e}", f"{fit.reference.seconds:.2f}"))
+        screen.table("Distance to the certified optimum", ("method", "relative gap", "s"), gaps)
+    for finding in fit.plausibility:
+        screen.say(f"careful: {finding}", "warn")
+
+
+def show_comparison(screen: Screen, found: Any) -> None:
+    """Show how large the error is per joint, and where it sits."""
+    head = ["joint", "torque [N·m]", "error, fitted [N·m]", "error, unseen [N·m]", "noise floor [N·m]"]
+    unseen = found.verify_rms
+    rows = [
+        [
+            joint,
+            number(found.signal_rms[j]),
+            number(found.rms[j]),
+            number(None if unseen is None else unseen[j]),
+            number(found.noise_floor[j]),
+        ]
+        for j, joint in enumerate(JOINTS)
+    ]
+    if unseen is None:
+        head.pop(3)
+        for row in rows:
+            row.pop(3)
+    screen.table("How large the error is (RMS)", head, rows)
+    if not found.where:
+        screen.say("The error depends on nothing that was looked at.")
+        return
+    places = [
+        (w.joint, w.variable, percent(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution)
+        for w in found.where[:MOST_PLACES]
+    ]
+    screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
+
+
+def show_diagnosis(screen: Screen, found: Any) -> None:
+    """Show verdict, reason, what was accepted, the suspects and what to measure next."""
+    result = found.to_json()
+    screen.say()
+    screen.say(f"{WORDS.get(found.verdict, found.verdict)}.", VERDICT_STYLES.get(found.verdict, "warn"))
+    screen.say(str(found.sentence))
+    screen.say(f"why: {found.rule}", "faint")
+    for one in result["accepted"]:
+        alike = f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
+        never = one.get("never_separable") or ()
+        alike += f"; no motion can tell it from {', '.join(never)}" if never else ""
+        screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
+    suspects = result["suspects"][:MOST_SUSPECTS]
+    if suspects:
+        rows = [
+            (term(s), percent(s["explained_share"]), number(s["p_value"], 2), ", ".join(s["look_alikes"]))
+            for s in suspects
+        ]
+        screen.table("Suspects", ("effect", "explains", "p-value", "look-alikes in these data"), rows)
+    left = result.get("unexplained") or {}
+    if left.get("significant"):
+        screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
+        for text in left.get("suggested_terms", ()):
+            screen.say(f"  worth trying as an effect of your own: torque = {text!r}")
+    for one in result.get("differing", ()):
+        screen.say(f"differs: {one['sentence']}", "warn")
+    if found.stopped_because:
+        screen.say(f"stopped: {found.stopped_because}", "faint")
+    if found.next_experiment:
+        screen.say(f"measure next: {found.next_experiment}")
+
+
+def show_steps(screen: Screen, steps: Steps) -> None:
+    """Show the falling error: one bar per step, of the unseen motion where there is some."""
+    for j, joint in enumerate(JOINTS):
+        shown = [(row["model"], (row["verify_rms"] or row["train_rms"])[j]) for row in steps.rows]
+        longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
+        width = max(len(name) for name, _ in shown)
+        unseen = "unseen motion" if steps.rows[0]["verify_rms"] is not None else "fitted motion"
+        screen.say(f"error of the {joint}, {unseen} [N·m]", "head")
+        for name, x in shown:
+            screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
+        if steps.noise_floor is not None:
+            floor = steps.noise_floor[j]
+            screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
+
+
+def values(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return ": c = 2.6 N·m, v_s = 0.15 rad/s" for the parameters of an accepted effect."""
+    parts = [
+        f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {'' if p['unit'] == '1' else p['unit']}".rstrip()
+        for name, p in parameters.items()
+    ]
+    return ": " + ", ".join(parts) if parts else ""
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """Return a number with `digits` significant digits, or a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    return f"{value:.{digits}g}"
+
+
+def percent(share: float | None) -> str:
+    """Return a share as per cent."""
+    return "-" if share is None or not math.isfinite(share) else f"{100 * share:.0f} %"
+
+
+def above(limit: Sequence[float] | None, rms: Iterable[float]) -> bool:
+    """Whether an error asked to stay at or below `limit` (J,) is above it at any joint (or not a number)."""
+    return limit is not None and not all(x <= most for x, most in zip(rms, limit, strict=True))
+
+
+def truth_sentence(truth: Any) -> str:
+    """Return what a seal says was hidden, as a sentence."""
+    if not truth.effects:
+        return "nothing was hidden."
+    parts = []
+    for one in truth.effects:
+        sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
+        parts.append(f"{one.term} ({sizes})" if sizes else one.term)
+    return " and ".join(parts) + (" was hidden." if len(parts) == 1 else " were hidden.")
