@@ -1,12 +1,17 @@
-"""Short names for notebooks (`from optimisation import identify`) that cost nothing until they are used."""
+"""Short names for notebooks (`from optimisation import identify`, `model.torque(motion, numbers)`) that cost nothing
+until they are used.
+"""
 
 from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
+from functools import cached_property
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
+
+Owner = TypeVar("Owner", bound=type)
 
 
 class LazyPackage(ModuleType):
@@ -43,3 +48,36 @@ def lend(package: str, homes: Mapping[str, str]) -> None:
     module = sys.modules[package]
     module.__dict__["_homes"] = homes
     module.__class__ = LazyPackage
+
+
+_METHODS: dict[str, Mapping[str, Any]] = {}
+"""What a class takes, {name: method or property}, by the full name of the class."""
+
+
+def lend_methods(owner: str, homes: Mapping[str, str], properties: Collection[str] = ()) -> None:
+    """Let the class `owner` ("package.module.Class") have functions of modules above its own as methods.
+
+    `homes` is {method: "module:function"}; the object is the function's first argument, and the only one of
+    `properties`, which are computed once. Only a package's `__init__` lends, so that the class itself imports nothing
+    of what is computed from it.
+    """
+    made = {name: _method(name, *home.split(":")) for name, home in homes.items()}
+    _METHODS[owner] = {name: cached_property(made[name]) if name in properties else made[name] for name in made}
+
+
+def takes_methods(owner: Owner) -> Owner:
+    """Give a class the methods that were lent to it: a decorator."""
+    for name, member in _METHODS.get(f"{owner.__module__}.{owner.__qualname__}", {}).items():
+        setattr(owner, name, member)
+        if isinstance(member, cached_property):
+            member.__set_name__(owner, name)
+    return owner
+
+
+def _method(name: str, module: str, function: str) -> Callable[..., Any]:
+    def method(self: Any, *arguments: Any, **named: Any) -> Any:
+        return getattr(importlib.import_module(module), function)(self, *arguments, **named)
+
+    method.__name__ = name
+    method.__doc__ = f"Return `{module}.{function}` of this object."
+    return method

@@ -5,7 +5,7 @@ In a notebook: `from symbolic import Model`; `leg = Model.standard().with_effect
 
 from typing import TYPE_CHECKING
 
-from ground.lazy import lend
+from ground.lazy import lend, lend_methods
 
 if TYPE_CHECKING:
     from symbolic.effect import Coefficient, Effect, Shape
@@ -27,4 +27,15 @@ lend(
         "read_model": "symbolic.model_file",
         "write_model": "symbolic.model_file",
     },
+)
+
+lend_methods(
+    "symbolic.model.Model",
+    {
+        "columns": "symbolic.columns:model_columns",
+        "torque": "symbolic.columns:model_torque",
+        "needs_reference": "symbolic.columns:needs_reference",
+        "key": "symbolic.codegen.fingerprint:model_key",
+    },
+    properties=("needs_reference",),
 )

@@ -18,7 +18,7 @@ import numpy as np
 
 from ground.errors import EffectError
 from ground.files import cache_folder, sha256, write_whole
-from symbolic.codegen.fingerprint import canonical, equations, generator_key, term_content, versions
+from symbolic.codegen.fingerprint import canonical, equations, generator_key, library_versions, term_content
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -62,12 +62,12 @@ class Tangents:
 
     def precise(self) -> list[list[Any]]:
         """Return the columns (n of (2·PRECISE_STATES,)) in 40 digits."""
-        from symbolic.codegen.precise import evaluate
+        from symbolic.codegen.precise import evaluate_precisely
 
         rows: list[Any] = []
         for k in range(PRECISE_STATES):
             at = [part[:, k] if part.ndim == 2 else part for part in self.inputs]
-            flat = evaluate(self.function, at)
+            flat = evaluate_precisely(self.function, at)
             rows += [flat[0::2], flat[1::2]]
         return [list(column) for column in zip(*rows, strict=True)]
 
@@ -144,7 +144,7 @@ def _imitators(term: Term, found: Sequence[LookAlike]) -> tuple[str, ...]:
 def _content_key(model: Model) -> str:
     candidates = [[term_content(term), repr(term.effect.shape)] for term in every_candidate(model)]
     shapes = [repr(entry.shape) for entry in model.shapes]
-    parts = [equations(model), shapes, candidates, versions(), generator_key(), SEED, STATES, PRECISE_STATES]
+    parts = [equations(model), shapes, candidates, library_versions(), generator_key(), SEED, STATES, PRECISE_STATES]
     return sha256(canonical(parts))
 
 

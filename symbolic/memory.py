@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symbolic.columns import environment, feedback, own_signs, shape_values, shaped
-from symbolic.language.instant import Operation, separate
+from symbolic.evaluation import feedback, motion_words, own_signs, shape_values, shaped
+from symbolic.language.instant import Operation, split_memory
 from symbolic.language.torque import FEEDBACK, torques
 from symbolic.motion import Float, Motion
 
@@ -22,7 +22,7 @@ def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:
     found: list[tuple[Term, int, Operation]] = []
     for term in model.terms:
         for torque in torques(term):
-            _, operations = separate(torque.node, torque.joint, len(found))
+            _, operations = split_memory(torque.node, torque.joint, len(found))
             found += [(term, torque.joint, operation) for operation in operations]
     return found
 
@@ -42,7 +42,7 @@ def memory_signals(
     values = np.zeros((len(motion), len(operations)))
     if not operations:
         return values
-    env, at = environment(motion), shape_values(model, shapes)
+    env, at = motion_words(motion), shape_values(model, shapes)
     if any(operation.argument.names() & FEEDBACK for _, _, operation in operations):
         env |= feedback(model, base_columns(), linear)
     for k, (term, joint, operation) in enumerate(operations):

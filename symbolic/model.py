@@ -3,7 +3,8 @@
     τ = Σ_p columns_p(motion; shape) · linear_p
 
 with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then the numbers of
-each term. A model is a value: `with_effect` and `without` return another one.
+each term. A model is a value: `with_effect` and `without` return another one. What is computed from it lies above:
+`symbolic.columns`, `symbolic.codegen`; `symbolic/__init__.py` lends some of that to notebooks as methods.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ import numpy as np
 
 from ground.errors import EffectError
 from ground.html import lines, table
+from ground.lazy import takes_methods
+from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
+from symbolic.language.torque import check_term
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float, Motion
 from symbolic.term import Parameter, ShapeParameter, Term
@@ -46,6 +50,7 @@ TABLE_1: Mapping[str, Limits] = MappingProxyType(
 """Table 1 of the paper."""
 
 
+@takes_methods
 @dataclass(frozen=True, eq=False)
 class Model:
     """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
@@ -83,8 +88,6 @@ class Model:
 
         EffectError where there is no such effect, not at that joint, or where the model has it already.
         """
-        from symbolic.language.torque import check_term
-
         if isinstance(effect, str):
             name, _, place = effect.partition(":")
             term = Term(self.find_effect(name), joint or place or None)
@@ -112,8 +115,6 @@ class Model:
         own = {effect.id: effect for effect in (*self.custom, *(t.effect for t in self.terms if t.effect.custom))}
         if id in own:
             return own[id]
-        from symbolic.catalogue import find_effect
-
         return find_effect(id)
 
     @cached_property
@@ -148,38 +149,13 @@ class Model:
 
         return rigid(self.derived).mechanism
 
-    @cached_property
-    def needs_reference(self) -> bool:
-        """Whether some column is computed from the model's own torque, so that columns() wants a reference."""
-        from symbolic.columns import needs_reference
-
-        return needs_reference(self)
-
-    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
-        """Return the regressor (J, N, P).
-
-        `shape` (S,) are values of the shapes (default: typical), `reference` (P,) the linear parameters
-        from which a column that depends on the model's torque computes it (default: zero). ValueError on
-        wrong lengths.
-        """
-        from symbolic.columns import columns
-
-        return columns(self, motion, shape, reference)
-
-    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
-        """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
-        values = np.asarray(linear, dtype=float)
-        if values.shape != (len(self.parameters),):
-            raise ValueError(f"linear has shape {values.shape}, the model has {len(self.parameters)} parameters")
-        from symbolic.columns import carrying
-
-        return np.asarray((self.columns(motion, shape, values) @ carrying(motion, values)).T)
-
-    def key(self) -> str:
-        """Return the content hash of the model: equal for equal models, in any process."""
-        from symbolic.codegen.fingerprint import model_key
-
-        return model_key(self)
+    if TYPE_CHECKING:
+        # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
+        @property
+        def needs_reference(self) -> bool: ...  # noqa: D102
+        def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
+        def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102
+        def key(self) -> str: ...  # noqa: D102
 
     def _repr_html_(self) -> str:
         size = f"thigh {self.thigh_length:g} m, gravity {self.gravity:g} m/s²"

@@ -18,9 +18,10 @@ from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.prepare import PreparedRecording
 from symbolic.catalogue import catalogue
-from symbolic.columns import carrying, derived_columns, environment, evaluate
+from symbolic.columns import derived_columns
 from symbolic.effect import Effect, Shape
-from symbolic.language.instant import separate
+from symbolic.evaluation import carrying, motion_words, torque_values
+from symbolic.language.instant import split_memory
 from symbolic.language.torque import FEEDBACK, Torque, torques
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -211,7 +212,7 @@ def _texts(
 ) -> Float:
     term, motion = candidate.term, one.motion
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
-    words = environment(motion)
+    words = motion_words(motion)
     if _feeds_back(term):
         words |= own_torques(model, one, linear, shape)
     out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
@@ -228,11 +229,11 @@ def _at_nodes(
     torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
 ) -> Float:
     """Return a torque (V, N) at every node; zero, so that it is never chosen, where it is not finite."""
-    if separate(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
+    if split_memory(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
         return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
     shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
     try:
-        return evaluate(torque, {**words, **shaped}, motion, count=len(nodes))
+        return torque_values(torque, {**words, **shaped}, motion, count=len(nodes))
     except ExpressionError:  # at some node: find out which
         return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
 
@@ -241,7 +242,7 @@ def _at_node(
     torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], node: Float, motion: Motion
 ) -> Float:
     try:
-        return evaluate(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
+        return torque_values(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
     except ExpressionError:
         return np.zeros(len(motion))
 

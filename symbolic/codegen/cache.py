@@ -20,7 +20,7 @@ from typing import Any
 
 from ground.files import cache_folder, sha256, sha256_file
 from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
-from symbolic.codegen.fingerprint import canonical, generator_key, processor, versions
+from symbolic.codegen.fingerprint import canonical, generator_key, library_versions, processor
 
 LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
 
@@ -29,7 +29,7 @@ LEFTOVER = 86_400.0
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class GeneratedC:
     """C text, the flags it is to be compiled with, and a `record` (plain data) to be kept beside the
     library.
     """
@@ -40,14 +40,16 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
-class Library:
+class CompiledLibrary:
     """A loaded library and its record."""
 
     c: ctypes.CDLL
     record: dict[str, Any]
 
 
-def load(kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[], Source]) -> Library | None:
+def load_library(
+    kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[], GeneratedC]
+) -> CompiledLibrary | None:
     """Return the library for `content` (plain data), generating and compiling it only where the cache has
     none.
 
@@ -69,11 +71,11 @@ def load(kind: str, content: Any, flags: tuple[str, ...], generate: Callable[[],
 
 
 def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
-    parts = [content, versions(), compiler.identity, flags, processor(), generator_key()]
+    parts = [content, library_versions(), compiler.identity, flags, processor(), generator_key()]
     return sha256(canonical(parts))
 
 
-def _open(entry: Path) -> Library | None:
+def _open(entry: Path) -> CompiledLibrary | None:
     """Load an entry after checking it against its seal; a damaged one is removed."""
     if not entry.is_dir():
         return None
@@ -87,10 +89,10 @@ def _open(entry: Path) -> Library | None:
     if library is None or record is None:
         _discard(entry)
         return None
-    return Library(library, record)
+    return CompiledLibrary(library, record)
 
 
-def _build(entry: Path, source: Source, compiler: Compiler) -> None:
+def _build(entry: Path, source: GeneratedC, compiler: Compiler) -> None:
     _sweep(entry.parent)
     folder = Path(tempfile.mkdtemp(prefix=".building-", dir=entry.parent))
     try:

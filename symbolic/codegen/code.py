@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ground.files import sha256, write_whole
 from symbolic.codegen.equation import STATE, Expressions, model_expressions
-from symbolic.codegen.fingerprint import equations_key, versions
+from symbolic.codegen.fingerprint import equations_key, library_versions
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
@@ -111,9 +111,9 @@ def generate(model: Model) -> Sources:
     header = _header(model, entries, [memory.operator for memory in expressions.memories])
     needed = reference_needed(expressions)
     manifest = {
-        "model": describe(model),
+        "model": model_record(model),
         "equations": equations_key(model),
-        "versions": versions(),
+        "versions": library_versions(),
         "regressor": [f"{JOINTS[joint]} {model.parameters[p].name}" for joint, p in entries],
         "regressor_needs_reference": needed,
         "operations": {name: operations(function) for name, function in made.items()},
@@ -130,7 +130,7 @@ def reference_needed(expressions: Expressions) -> bool:
     return any(casadi.depends_on(entry, expressions.linear) for _, _, entry in expressions.columns)
 
 
-def describe(model: Model) -> dict[str, Any]:
+def model_record(model: Model) -> dict[str, Any]:
     """Return the model as plain data: geometry, terms, and its numbers with their units."""
     return {
         "name": model.name,

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
-from symbolic.language.instant import separate
+from symbolic.language.instant import split_memory
 from symbolic.language.torque import is_transform, torques
 from symbolic.mechanics.friction import FRICTION
 from symbolic.mechanics.lagrange import mechanics
@@ -134,22 +134,22 @@ class _Builder:
         return total
 
     def _rigid(self, symbols: dict[str, Any]) -> Any:
-        from symbolic.codegen.translate import to_casadi
+        from symbolic.codegen.translate import casadi_from_sympy
 
         form = rigid(self.model.derived)
         for k, name in enumerate(form.names):
-            for joint, value in enumerate(to_casadi(list(form.matrix[:, k]), symbols)):
+            for joint, value in enumerate(casadi_from_sympy(list(form.matrix[:, k]), symbols)):
                 if form.matrix[joint, k] != 0:
                     self.columns.append((joint, self.place[name], value))
         jacobian = mechanics(form.mechanism).J
         self.reach = self.ca.SX.sym("reach")
-        entries = to_casadi(list(jacobian), {**symbols, "reach": self.reach})
+        entries = casadi_from_sympy(list(jacobian), {**symbols, "reach": self.reach})
         self.jacobian = self.ca.reshape(self.ca.vertcat(*entries), 2, 2).T
         return self._sum(self.columns)
 
     def _text(self, term: Term, names: Mapping[str, str]) -> None:
         """Add the columns of a text: its derivative by each coefficient."""
-        from symbolic.codegen.translate import to_casadi
+        from symbolic.codegen.translate import casadi_from_sympy
 
         local = symbols_of(term)
         for torque in torques(term):
@@ -166,7 +166,7 @@ class _Builder:
                     )
                 remaining = remaining.subs(coefficient, 0)
                 if slope != 0:
-                    self.columns.append((torque.joint, self.place[full], to_casadi([slope], words)[0]))
+                    self.columns.append((torque.joint, self.place[full], casadi_from_sympy([slope], words)[0]))
             if remaining != 0:
                 raise EffectError(
                     f"a part of the torque has no coefficient: {remaining}",
@@ -175,20 +175,19 @@ class _Builder:
                 )
 
     def _transform(self, term: Term) -> Any:
-        from symbolic.codegen.translate import to_casadi
+        from symbolic.codegen.translate import casadi_from_sympy
 
         total = self.ca.SX(2, 1)
         for torque in torques(term):
             form, words = self._lowered(term, torque)
-            total[torque.joint] += to_casadi([form], words)[0]
+            total[torque.joint] += casadi_from_sympy([form], words)[0]
         return total
 
     def _lowered(self, term: Term, torque: Any) -> tuple[Any, dict[str, Any]]:
         """Return the text in SymPy, and the CasADi symbol behind each of its words; operators become
         memories.
         """
-        from symbolic.language.lower import to_casadi as node_to_casadi
-        from symbolic.language.lower import to_sympy
+        from symbolic.language.lower import to_casadi, to_sympy
         from symbolic.mechanics.mechanism import real
 
         local = symbols_of(term)
@@ -197,11 +196,11 @@ class _Builder:
             **{s.name: self.numbers[s.name] for s in local.values() if s.name in self.numbers},
         }
         shapes = {key: self.numbers[f"{term.name}.{key}"] for key in term.effect.shape}
-        node, operations = separate(torque.node, torque.joint, len(self.memories))
+        node, operations = split_memory(torque.node, torque.joint, len(self.memories))
         for operation in operations:
             inside = {**words, **shapes}
-            argument = node_to_casadi(operation.argument, inside)
-            parameter = None if operation.parameter is None else node_to_casadi(operation.parameter, inside)
+            argument = to_casadi(operation.argument, inside)
+            parameter = None if operation.parameter is None else to_casadi(operation.parameter, inside)
             self.memories.append(MemorySignal(operation.operator, argument, parameter))
             signal = self.ca.SX.sym(operation.name)
             self.inputs.append(signal)

@@ -88,7 +88,7 @@ def generator_key() -> str:
 
 
 @lru_cache(maxsize=1)
-def versions() -> dict[str, str]:
+def library_versions() -> dict[str, str]:
     """Return the versions of the libraries the equations pass through, without importing them."""
     return {name: _version(name) for name in ("sympy", "casadi")}
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.codegen.cache import Library, Source, load
+from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import FAST, CompilerError
 from symbolic.motion import Float
 
@@ -48,7 +48,7 @@ class Fitness:
     joints: int
     samples: int
     chunks: Float
-    library: Library | None
+    library: CompiledLibrary | None
 
     @property
     def backend(self) -> str:
@@ -160,17 +160,18 @@ def fitness(columns: Any, tau: Any) -> Fitness:
     return Fitness(entries, size, joints, samples, chunks, kernel_for(entries, size, joints))
 
 
-_LOADED: dict[Any, Library] = {}
+_LOADED: dict[Any, CompiledLibrary] = {}
 
 
-def kernel_for(entries: Entries, size: int, joints: int) -> Library | None:
+def kernel_for(entries: Entries, size: int, joints: int) -> CompiledLibrary | None:
     """Return the compiled kernel for a pattern of non-zero `entries` (joint, parameter); None without a
     compiler.
     """
     content = [[list(entry) for entry in entries], size, joints, LANES, CHUNK]
     key = repr(content)
     if key not in _LOADED:
-        found = load("fitness", content, FAST, lambda: Source(kernel_source(entries, size, joints), FAST, {}))
+        source = lambda: GeneratedC(kernel_source(entries, size, joints), FAST, {})  # noqa: E731
+        found = load_library("fitness", content, FAST, source)
         if found is None:
             return None
         _LOADED[key] = found

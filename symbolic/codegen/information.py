@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symbolic.codegen.cache import Library, Source, load
+from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import FAST
 from symbolic.codegen.fingerprint import equations
 from symbolic.codegen.instructions import PREAMBLE, scalar_c
+from symbolic.columns import model_columns, model_torque, needs_reference
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
@@ -53,7 +54,7 @@ class Information:
     grid: int
     rates: Float
     limits: Float
-    library: Library | None
+    library: CompiledLibrary | None
     entries: Entries
     machine: Any
 
@@ -141,7 +142,7 @@ class Information:
     def sensitivities(self, motion: Motion) -> Float:
         """Return the derivatives (J, N, M) of the torque along `motion` by every number."""
         if self.machine is None:
-            return differences(self.model, motion, self.linear, self.shape)
+            return central_differences(self.model, motion, self.linear, self.shape)
         return _evaluated(self.machine, motion, self.linear, self.shape, len(self.names))
 
 
@@ -168,13 +169,13 @@ def information(
     names = number_names(model)
     rates = np.asarray(np.arange(1, harmonics + 1) * (2.0 * np.pi / period), dtype=float)
     linear, shape = np.asarray(linear, dtype=float), np.asarray(shape, dtype=float)
-    library: Library | None = None
+    library: CompiledLibrary | None = None
     entries: Entries = ()
     machine = None
     if not memory_operations(model):
         if backend == "auto":
             content = [equations(model), harmonics]
-            library = load("gram", content, FAST, lambda: _source(model, harmonics))
+            library = load_library("gram", content, FAST, lambda: _source(model, harmonics))
         if library is not None:
             entries = tuple((int(j), int(p), int(r)) for j, p, r in library.record["entries"])
         machine = _Lazy(model)
@@ -222,15 +223,15 @@ def _evaluated(function: Any, motion: Motion, linear: Float, shape: Float, size:
     return flat.reshape(len(JOINTS), len(motion), size)
 
 
-def differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Float:
+def central_differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Float:
     """Return the derivatives (J, N, M) of the torque by central differences, for models whose operators have a past."""
     at = np.concatenate([linear, shape])
     count = len(linear)
     places = [*range(count), *(count + k for k, s in enumerate(model.shapes) if not s.shape.choices)]
     typical = [max(abs(v), abs(p.typical or 1.0)) for v, p in zip(linear, model.parameters, strict=True)]
     steps = [1e-5 * size for size in typical] + [1e-4 * (s.shape.max - s.shape.min) for s in model.shapes]
-    if not model.needs_reference:
-        out = [*np.moveaxis(model.columns(motion, shape), 2, 0)]
+    if not needs_reference(model):
+        out = [*np.moveaxis(model_columns(model, motion, shape), 2, 0)]
         places = places[count:]
     else:
         out = []
@@ -239,7 +240,7 @@ def differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Fl
         for sign in (1.0, -1.0):
             values = at.copy()
             values[place] += sign * steps[place]
-            sides.append(model.torque(motion, values[:count], values[count:]).T)
+            sides.append(model_torque(model, motion, values[:count], values[count:]).T)
         out.append((sides[0] - sides[1]) / (2.0 * steps[place]))
     return np.stack(out, axis=2)
 
@@ -295,7 +296,7 @@ def products(model: Model) -> tuple[Entries, Any]:
     return entries, casadi.Function("terms", [state, numbers], [casadi.densify(values)], {"cse": True})
 
 
-def _source(model: Model, harmonics: int) -> Source:
+def _source(model: Model, harmonics: int) -> GeneratedC:
     """Return the C of one model, and which sums it makes."""
     entries, terms = products(model)
     count = len(model.parameters) + len(model.shapes)
@@ -311,7 +312,7 @@ def _source(model: Model, harmonics: int) -> Source:
         body=body,
         store="\n".join(f"    out[i * {len(entries)} + {k}] = {s};" for k, s in enumerate(sums)),
     )
-    return Source(text, FAST, {"entries": entries})
+    return GeneratedC(text, FAST, {"entries": entries})
 
 
 _C = """/* Written by exoid: sums of products of a model's sensitivities along Fourier motions. */

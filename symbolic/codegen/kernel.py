@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.errors import ExpressionError
-from symbolic.codegen.cache import Library, Source, load
+from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT, NoCompilerWarning
 from symbolic.codegen.fingerprint import equations, equations_key
 from symbolic.codegen.fitness import Fitness, fitness
-from symbolic.columns import apply_transforms, vector
+from symbolic.evaluation import apply_transforms, vector
 from symbolic.memory import memory_operations, memory_signals
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
@@ -38,7 +38,7 @@ class Compiled:
     model: Model
     entries: tuple[tuple[int, int], ...]
     needs_reference: bool
-    library: Library | None
+    library: CompiledLibrary | None
     machine: dict[str, Any]
 
     @property
@@ -169,7 +169,7 @@ def compiled(model: Model, backend: str = "auto") -> Compiled:
 
 
 def _make(model: Model, backend: str) -> Compiled:
-    library = None if backend == "vm" else load("model", equations(model), EXACT, lambda: _source(model))
+    library = None if backend == "vm" else load_library("model", equations(model), EXACT, lambda: _source(model))
     if library is not None:
         entries = tuple((int(j), int(p)) for j, p in library.record["entries"])
         return Compiled(model, entries, bool(library.record["needs_reference"]), library, {})
@@ -181,12 +181,12 @@ def _make(model: Model, backend: str) -> Compiled:
     return Compiled(model, entries, reference_needed(expressions), None, functions(expressions))
 
 
-def _source(model: Model) -> Source:
+def _source(model: Model) -> GeneratedC:
     from symbolic.codegen.code import generate
 
     made = generate(model)
     record = {"entries": made.entries, "needs_reference": made.needs_reference}
-    return Source(made.code, EXACT, record)
+    return GeneratedC(made.code, EXACT, record)
 
 
 def _state(motion: Motion) -> Float:

@@ -8,7 +8,7 @@ from typing import Any
 DIGITS = 40
 
 
-def evaluate(function: Any, inputs: Sequence[Any]) -> list[Any]:
+def evaluate_precisely(function: Any, inputs: Sequence[Any]) -> list[Any]:
     """Return the first output (n,) of an SX `function` at `inputs` (one sequence per argument) as mpmath numbers."""
     import casadi
     import mpmath  # type: ignore[import-untyped]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 
-def to_casadi(expressions: Sequence[Any], symbols: Mapping[str, Any]) -> list[Any]:
+def casadi_from_sympy(expressions: Sequence[Any], symbols: Mapping[str, Any]) -> list[Any]:
     """Translate SymPy `expressions`; `symbols` maps each symbol name to its CasADi SX. KeyError names a
     missing one.
     """

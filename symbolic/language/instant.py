@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from symbolic.language.torque import own_names
-
-MEMORY = frozenset(("play", "dahl", "delay", "ddt"))
+from symbolic.language.tree import OPERATORS, Binary, Call, Name, Unary
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,13 +24,11 @@ class Operation:
     parameter: Any | None
 
 
-def separate(node: Any, joint: int, count: int) -> tuple[Any, list[Operation]]:
+def split_memory(node: Any, joint: int, count: int) -> tuple[Any, list[Operation]]:
     """Return the text without operators, and the operators in the order in which they must be evaluated.
 
     `count` is how many memories there are already.
     """
-    from symbolic.language.parser import Binary, Call, Name, Unary
-
     canonical = own_names(joint)
     operations: list[Operation] = []
 
@@ -48,7 +45,7 @@ def separate(node: Any, joint: int, count: int) -> tuple[Any, list[Operation]]:
 
     def call(tree: Any) -> Any:
         arguments = tuple(walk(argument) for argument in tree.arguments)
-        if tree.function in MEMORY:
+        if tree.function in OPERATORS:
             name = f"memory{count + len(operations)}"
             operations.append(Operation(tree.function, name, *arguments, *([None] * (2 - len(arguments)))))
             return Name(name)

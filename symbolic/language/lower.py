@@ -1,61 +1,20 @@
-"""A torque tree in other languages: NumPy, SymPy, CasADi, LaTeX, plain text. One walk, a table for each."""
+"""A torque tree in the languages that compute: NumPy, SymPy, CasADi. One walk, a table for each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ground.errors import ExpressionError
-from symbolic.language.tree import CONSTANTS, OPERATORS, Binary, Name, Node, Number, Unary
+from symbolic.language.operators import MEMORY
+from symbolic.language.tree import CONSTANTS, OPERATORS, Node
+from symbolic.language.walk import NONE, Spelling, lower
+from symbolic.language.writing import to_text
 
 if TYPE_CHECKING:
     from symbolic.motion import Float
-
-NONE: Mapping[str, Any] = {}
-
-
-@dataclass(frozen=True)
-class Table:
-    """How one target language writes each kind of node.
-
-    `signs` gives, for a velocity, what its sign is: near standstill a measured sign is more than
-    sgn(velocity).
-    """
-
-    number: Callable[[float], Any]
-    name: Callable[[str], Any]
-    negative: Callable[[Any], Any]
-    power: Callable[[Any, float], Any]
-    binary: Mapping[str, Callable[[Any, Any], Any]]
-    functions: Mapping[str, Callable[..., Any]]
-    signs: Mapping[str, Any] = field(default_factory=lambda: NONE)
-
-
-def lower(node: Node, table: Table) -> Any:
-    """Translate a tree by a table; ExpressionError for a word the table does not have."""
-    if isinstance(node, Number):
-        return table.number(node.value)
-    if isinstance(node, Name):
-        return table.name(node.name)
-    if isinstance(node, Unary):
-        return table.negative(lower(node.operand, table))
-    if isinstance(node, Binary):
-        if node.operator == "**" and isinstance(node.right, Number):
-            return table.power(lower(node.left, table), node.right.value)
-        return table.binary[node.operator](lower(node.left, table), lower(node.right, table))
-    if node.function == "sgn" and isinstance(node.arguments[0], Name) and node.arguments[0].name in table.signs:
-        return table.signs[node.arguments[0].name]
-    if node.function not in table.functions:
-        raise ExpressionError(
-            f"{node.function} needs a whole recording and cannot be written here",
-            where=to_text(node),
-            remedy="replace it by a named input (separate.py)",
-        )
-    return table.functions[node.function](*(lower(argument, table) for argument in node.arguments))
-
 
 _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b,
@@ -72,8 +31,6 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
     memory; `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no
     value or the torque is not a finite number.
     """
-    from symbolic.language.operators import MEMORY
-
     def remember(word: str) -> Callable[..., Any]:
         def apply(x: Any, *parameter: Any) -> Float:
             t = np.asarray(_known("t", env), dtype=float)
@@ -81,7 +38,7 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
 
         return apply
 
-    table = Table(
+    table = Spelling(
         number=np.float64,
         name=lambda name: np.asarray(_known(name, env), dtype=float),
         negative=lambda a: -a,
@@ -120,7 +77,7 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
     """Return the SymPy expression; operators with memory become undefined functions of the same name."""
     import sympy
 
-    table = Table(
+    table = Spelling(
         number=lambda value: sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value),
         name=lambda name: sympy.pi if name == "pi" and name not in symbols else _known(name, symbols),
         negative=lambda a: -a,
@@ -146,10 +103,10 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
 
 
 def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = NONE) -> Any:
-    """Return the CasADi expression; ExpressionError for operators with memory (separate.py names them)."""
+    """Return the CasADi expression; ExpressionError for operators with memory (split_memory names them)."""
     import casadi
 
-    table = Table(
+    table = Spelling(
         number=float,
         name=lambda name: _known(name, symbols),
         negative=lambda a: -a,
@@ -171,20 +128,6 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
         signs=signs,
     )
     return lower(node, table)
-
-
-def to_latex(node: Node) -> str:
-    """Return the torque in LaTeX (the part of it that matplotlib understands too)."""
-    from symbolic.language.writing import LATEX
-
-    return str(lower(node, LATEX).text)
-
-
-def to_text(node: Node) -> str:
-    """Return the torque as plain text, with the fewest brackets; parsing it gives the same tree."""
-    from symbolic.language.writing import TEXT
-
-    return str(lower(node, TEXT).text)
 
 
 def _known(name: str, env: Mapping[str, Any]) -> Any:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.language.lower import Table
-from symbolic.language.tree import FUNCTIONS, OPERATORS
+from symbolic.language.tree import FUNCTIONS, OPERATORS, Node
+from symbolic.language.walk import Spelling, lower
 
 SUM, PRODUCT, SIGN, POWER, ATOM = range(5)
 
@@ -38,7 +38,7 @@ _ROUND = ("(", ")")
 _TALL = (r"\left(", r"\right)")
 
 
-def number(value: float) -> str:
+def number_text(value: float) -> str:
     """Return the shortest text that reads back as `value`."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
@@ -47,11 +47,11 @@ def _call(word: str) -> Callable[..., Piece]:
     return lambda *arguments: Piece(f"{word}({', '.join(a.text for a in arguments)})")
 
 
-TEXT = Table(
-    number=lambda value: Piece(number(value)),
+TEXT = Spelling(
+    number=lambda value: Piece(number_text(value)),
     name=Piece,
     negative=lambda a: Piece("-" + _inside(a, SIGN, _ROUND), SIGN),
-    power=lambda base, exponent: Piece(f"{_inside(base, ATOM, _ROUND)}**{number(exponent)}", POWER),
+    power=lambda base, exponent: Piece(f"{_inside(base, ATOM, _ROUND)}**{number_text(exponent)}", POWER),
     binary={
         "+": _infix(" + ", SUM, PRODUCT, _ROUND),
         "-": _infix(" - ", SUM, PRODUCT, _ROUND),
@@ -94,7 +94,7 @@ def latex_name(name: str) -> str:
 
 
 def _latex_number(value: float) -> str:
-    mantissa, _, exponent = number(value).partition("e")
+    mantissa, _, exponent = number_text(value).partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
@@ -105,7 +105,7 @@ def _latex_call(word: str) -> Callable[..., Piece]:
 
 
 def _latex_power(base: Piece, exponent: float) -> Piece:
-    return Piece(f"{_inside(base, ATOM, _TALL)}^{{{number(exponent)}}}", POWER)
+    return Piece(f"{_inside(base, ATOM, _TALL)}^{{{number_text(exponent)}}}", POWER)
 
 
 def _fraction(a: Piece, b: Piece) -> Piece:
@@ -123,8 +123,8 @@ _SPECIAL: dict[str, Any] = {
     "sqrt": lambda a: Piece(rf"\sqrt{{{a.text}}}"),
 }
 
-LATEX = Table(
-    number=lambda value: Piece(_latex_number(value), ATOM if "e" not in number(value) else POWER),
+LATEX = Spelling(
+    number=lambda value: Piece(_latex_number(value), ATOM if "e" not in number_text(value) else POWER),
     name=lambda name: Piece(latex_name(name)),
     negative=lambda a: Piece("-" + _inside(a, SIGN, _TALL), SIGN),
     power=_latex_power,
@@ -136,3 +136,13 @@ LATEX = Table(
     },
     functions={word: _SPECIAL.get(word) or _latex_call(word) for word in (*FUNCTIONS, *OPERATORS)},
 )
+
+
+def to_latex(node: Node) -> str:
+    """Return the torque in LaTeX (the part of it that matplotlib understands too)."""
+    return str(lower(node, LATEX).text)
+
+
+def to_text(node: Node) -> str:
+    """Return the torque as plain text, with the fewest brackets; parsing it gives the same tree."""
+    return str(lower(node, TEXT).text)

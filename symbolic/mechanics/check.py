@@ -40,7 +40,7 @@ class Check:
         return f"{'yes' if self.holds else 'NO '}  {self.name} ({self.how}): {self.detail}"
 
 
-def check(model: Model) -> tuple[Check, ...]:
+def check_equations(model: Model) -> tuple[Check, ...]:
     """Return every check of the model's equations; all of them should hold."""
     mechanism = model.mechanism
     motion = mechanics(mechanism)
@@ -127,11 +127,11 @@ def positive_terms(mechanism: Mechanism, expression: Expr) -> Expr | None:
 def _smallest_eigenvalue(mass_matrix: Matrix) -> float:
     import casadi
 
-    from symbolic.codegen.translate import to_casadi
+    from symbolic.codegen.translate import casadi_from_sympy
 
     symbols = sorted(mass_matrix.free_symbols, key=str)
     inputs = casadi.SX.sym("inputs", len(symbols))
-    values = to_casadi(list(mass_matrix), {s.name: inputs[k] for k, s in enumerate(symbols)})
+    values = casadi_from_sympy(list(mass_matrix), {s.name: inputs[k] for k, s in enumerate(symbols)})
     function = casadi.Function("M", [inputs], [casadi.vertcat(*values)])
     rng = np.random.default_rng(SEED)
     low = np.array([0.05 if symbol.is_positive else -0.3 for symbol in symbols])

@@ -65,7 +65,7 @@ def _function(mechanism: Mechanism, index: int) -> tuple[Any, tuple[str, ...]]:
     import casadi as ca
     from sympy import Matrix
 
-    from symbolic.codegen.translate import to_casadi
+    from symbolic.codegen.translate import casadi_from_sympy
     from symbolic.mechanics.mechanism import real
 
     along, across = real("along"), real("across")
@@ -76,7 +76,7 @@ def _function(mechanism: Mechanism, index: int) -> tuple[Any, tuple[str, ...]]:
     q, given = ca.SX.sym("q", len(mechanism.angle)), ca.SX.sym("given", 3 + len(needed))
     symbols = {angle.name: q[k] for k, angle in enumerate(mechanism.angle)}
     symbols |= {name: given[k] for k, name in enumerate(("a_th", "along", "across", *needed))}
-    made = ca.Function("point", [q, given], [ca.vertcat(*to_casadi(entries, symbols))])
+    made = ca.Function("point", [q, given], [ca.vertcat(*casadi_from_sympy(entries, symbols))])
 
     def call(angles: Float, values: Float) -> Any:
         return made(angles, np.repeat(values[:, None], angles.shape[1], axis=1))

@@ -12,11 +12,12 @@ from ground.errors import EffectError
 from symbolic import effects
 from symbolic.catalogue import FAMILIES, catalogue, find_effect
 from symbolic.effect_declaration import allowed_names, check_effect, texts
-from symbolic.language.instant import separate
-from symbolic.language.lower import to_casadi, to_latex, to_numpy, to_sympy, to_text
+from symbolic.language.instant import split_memory
+from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.operators import MEMORY
 from symbolic.language.parser import parse
 from symbolic.language.torque import MODEL_TORQUE, own_names
+from symbolic.language.writing import to_latex, to_text
 from symbolic.term import Term
 
 IDS = {
@@ -109,7 +110,7 @@ def test_numpy_sympy_and_casadi_agree(effect, text):
 
     env = {own_names(0).get(name, name): value for name, value in env.items()}
     env |= {f"sign{j}": np.sign(env[f"dtheta{j}"]) for j in (1, 2) if f"dtheta{j}" in env}
-    rest, operations = separate(node, 0, 0)
+    rest, operations = split_memory(node, 0, 0)
     for one in operations:
         parameter = [] if one.parameter is None else [to_numpy(one.parameter, env)]
         env[one.name] = operator_over(one.operator, env["t"], to_numpy(one.argument, env), *parameter)

@@ -12,7 +12,7 @@ import pytest
 from ground.files import sha256
 from symbolic import Model
 from symbolic.codegen.code import generate, stale_files, write_generated
-from symbolic.codegen.fingerprint import versions
+from symbolic.codegen.fingerprint import library_versions
 
 ROOT = Path(__file__).parents[2]
 GENERATED = ROOT / "generated"
@@ -20,8 +20,8 @@ GENERATED = ROOT / "generated"
 
 def test_committed_files_are_reproduced():
     recorded = json.loads((GENERATED / "manifest.json").read_text())
-    if recorded["versions"] != versions():
-        pytest.skip(f"the committed C was generated with {recorded['versions']}, here are {versions()}")
+    if recorded["versions"] != library_versions():
+        pytest.skip(f"the committed C was generated with {recorded['versions']}, here are {library_versions()}")
     assert stale_files(Model.standard(), GENERATED) == ()
 
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from trees import NAMES, trees
 
 from ground.errors import ExpressionError
-from symbolic.language.lower import to_text
 from symbolic.language.parser import parse
 from symbolic.language.tokens import LONGEST_TEXT
+from symbolic.language.writing import to_text
 
 HOSTILE = {
     "minus signs": "-" * 200_000,

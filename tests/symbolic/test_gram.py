@@ -7,9 +7,9 @@ import ctypes
 import numpy as np
 import pytest
 
-from symbolic.codegen.cache import Source, load
+from symbolic.codegen.cache import GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT
-from symbolic.codegen.information import differences, information, mean_sign
+from symbolic.codegen.information import central_differences, information, mean_sign
 from symbolic.codegen.instructions import PREAMBLE
 from symbolic.model import Model
 from symbolic.motion import Motion
@@ -66,7 +66,7 @@ def test_shapes_and_operators_with_a_past_by_differences():
     model = Model.standard().with_effect("stribeck:knee")
     info = made(model)
     motion = Motion(info.times, *np.random.default_rng(2).normal(size=(3, len(info.times), 2)))
-    exact, near = info.sensitivities(motion), differences(model, motion, info.linear, info.shape)
+    exact, near = info.sensitivities(motion), central_differences(model, motion, info.linear, info.shape)
     np.testing.assert_allclose(exact, near, atol=1e-5 * np.abs(exact).max())
     past = made(Model.standard().with_effect("backlash:hip"))
     assert past.backend == "python" and past.names[-2:] == ("backlash:hip.c", "backlash:hip.h")
@@ -114,7 +114,7 @@ def test_the_sine_of_the_generated_code():
         + PREAMBLE
         + "void many(long n, const double *x, double *y) { for (long k = 0; k < n; ++k) y[k] = exoid_sin(x[k]); }\n"
     )
-    found = load("sine", [text], EXACT, lambda: Source(text, EXACT, {}))
+    found = load_library("sine", [text], EXACT, lambda: GeneratedC(text, EXACT, {}))
     if found is None:
         pytest.skip("no C compiler")
     x = np.linspace(-20.0, 20.0, 100_001)

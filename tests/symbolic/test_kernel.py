@@ -244,7 +244,7 @@ def test_the_key_knows_everything_that_matters(monkeypatch):
     assert key != library._key("content", found, ("-O3",))
     assert key != library._key("other", found, ("-O2",))
     assert key != library._key("content", compiler.Compiler("/usr/bin/cc", "cc 13"), ("-O2",))
-    for name, value in (("processor", "another"), ("versions", {"casadi": "9"}), ("generator_key", "edited")):
+    for name, value in (("processor", "another"), ("library_versions", {"casadi": "9"}), ("generator_key", "edited")):
         with monkeypatch.context() as patch:
             patch.setattr(library, name, lambda value=value: value)
             assert key != library._key("content", found, ("-O2",))

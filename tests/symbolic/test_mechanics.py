@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from symbolic import Model, Motion
-from symbolic.mechanics.check import check
+from symbolic.mechanics.check import check_equations
 from symbolic.mechanics.mechanism import chain, leg
 from symbolic.mechanics.regressor import compare_with_printed, regressor
 from tests.newton_euler import Leg, base_parameters, torque
@@ -133,7 +133,7 @@ def test_every_check_holds(effects):
     model = Model.standard()
     for effect in effects:
         model = model.with_effect(effect)
-    found = check(model)
+    found = check_equations(model)
     assert [str(one) for one in found if not one.holds] == []
     names = [one.name for one in found]
     assert "M' - 2C is skew-symmetric" in names and "energy balance" in names

@@ -74,10 +74,10 @@ def _generated(model: Any) -> dict[str, bytes]:
 
 def _properties(model: Any, report: Any) -> tuple[Any, ...]:
     """Return the checks of the model's equations."""
-    from symbolic.mechanics.check import check
+    from symbolic.mechanics.check import check_equations
 
     report(0.6, "checking the equations")
-    return check(model)
+    return check_equations(model)
 
 
 def _state(path: Path, content: bytes) -> str:

@@ -1,0 +1,134 @@
+"""The words of a torque text in numbers: signals of a motion, shapes, the model's own torque, and what texts make of
+them.
+
+Needs no equations: the base columns that tau_rigid, tau_model and transforms act on are handed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symbolic.language.lower import to_numpy
+from symbolic.language.torque import Torque, is_transform, own_names, torques
+from symbolic.mechanics.friction import FRICTION
+from symbolic.motion import Float, Motion
+from symbolic.quantity import JOINTS
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+    from symbolic.term import Term
+
+RIGID = 4
+"""Number of inertial parameters; friction has as many again."""
+BASE = RIGID + len(FRICTION)
+
+
+def carrying(motion: Motion, linear: Float) -> Float:
+    """Return linear parameters (P,) with what known payloads of `motion` add to Φ1..Φ4."""
+    if motion.payload is None:
+        return linear
+    total = np.array(linear, dtype=float)
+    total[:RIGID] += motion.payload
+    return total
+
+
+def places(model: Model) -> dict[str, int]:
+    """Return {parameter name: its column}."""
+    return {parameter.name: k for k, parameter in enumerate(model.parameters)}
+
+
+def base_places(model: Model) -> list[int]:
+    """Return the columns of the base model: inertia, friction, and what changes the mechanism."""
+    derived = {term.name for term in model.derived}
+    return [k for k, p in enumerate(model.parameters) if p.term is None or p.term in derived]
+
+
+def shape_values(model: Model, shapes: Float) -> dict[str, float]:
+    """Return {full name: value} of the shapes (S,)."""
+    return {s.name: float(value) for s, value in zip(model.shapes, shapes, strict=True)}
+
+
+def shaped(term: Term, at: Mapping[str, float]) -> dict[str, float]:
+    """Return {name in the effect: value} of a term's shapes."""
+    return {key: at[f"{term.name}.{key}"] for key in term.effect.shape}
+
+
+def vector(values: Float | None, default: Float, what: str) -> Float:
+    """Return `values` as float64 of the default's length, or the default; ValueError where the length
+    differs.
+    """
+    if values is None:
+        return default
+    given = np.asarray(values, dtype=float)
+    if given.shape != default.shape:
+        raise ValueError(f"{what} has shape {given.shape}, the model wants {default.shape}")
+    return given
+
+
+def motion_words(motion: Motion) -> dict[str, Float | float]:
+    """Return the words a torque text may use for the motion itself."""
+    env: dict[str, Float | float] = {"t": motion.t}
+    for j in range(len(JOINTS)):
+        env |= {
+            f"theta{j + 1}": motion.q[:, j],
+            f"dtheta{j + 1}": motion.dq[:, j],
+            f"ddtheta{j + 1}": motion.ddq[:, j],
+        }
+    return env
+
+
+def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
+    """Return tau_rigid and tau_model of both joints from the base columns in `out` and reference parameters
+    (P,).
+
+    They are never taken from a measurement: that would leak the answer into the question.
+    """
+    base = base_places(model)
+    rigid = [k for k in base if not RIGID <= k < BASE]
+    env: dict[str, Float] = {}
+    for j in range(len(JOINTS)):
+        env[f"tau_rigid{j + 1}"] = out[j][:, rigid] @ linear[rigid]
+        env[f"tau_model{j + 1}"] = out[j][:, base] @ linear[base]
+    return env
+
+
+def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) -> None:
+    """Add to the base columns in `out` (J, N, P) what the transforms of the model make of them."""
+    transforms = [term for term in model.terms if is_transform(term)]
+    if not transforms:
+        return
+    base, at, env = base_places(model), shape_values(model, shapes), motion_words(motion)
+    untouched = out[:, :, base].copy()
+    for term in transforms:
+        _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
+
+
+def torque_values(torque: Torque, env: dict[str, Float | float], motion: Motion, count: int | None = None) -> Float:
+    """Return the torque (N,) at its joint for the words in `env`.
+
+    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N); for texts
+    without memory.
+    """
+    own = {word: env[canonical] for word, canonical in own_names(torque.joint).items() if canonical in env}
+    values = to_numpy(torque.node, {**env, **own}, own_signs(motion, torque.joint))
+    whole = (len(motion),) if count is None else (count, len(motion))
+    return np.broadcast_to(np.asarray(values, dtype=float), whole)
+
+
+def own_signs(motion: Motion, joint: int) -> dict[str, Float]:
+    """Return the sign signal of each word for a joint velocity."""
+    return {"dtheta1": motion.sign[:, 0], "dtheta2": motion.sign[:, 1], "dtheta": motion.sign[:, joint]}
+
+
+def _transform(
+    term: Term, untouched: Float, base: list[int], env: dict[str, Float | float], motion: Motion, out: Float
+) -> None:
+    """Add to each base column in `out` what the term makes of it."""
+    for torque in torques(term):
+        for k, column in enumerate(base):
+            words = {f"tau_model{j + 1}": untouched[j, :, k] for j in range(len(JOINTS))}
+            if np.any([np.any(values) for values in words.values()]):
+                out[torque.joint, :, column] += torque_values(torque, {**env, **words}, motion)
