@@ -116,7 +116,7 @@ def test_the_numbers_on_the_statistics_page_are_those_of_the_code():
 
 
 def test_the_page_on_the_paper_says_what_the_check_says():
-    from symbolic.mechanics.check import check_equations
+    from symbolic.check import check_equations
     from symbolic.model import Model
 
     page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import platform
+import re
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from types import CodeType
 from typing import TYPE_CHECKING, Any
 
-from ground.files import sha256
+from ground.files import cache_folder, sha256, write_whole
 
 if TYPE_CHECKING:
     from symbolic.effect import Effect
@@ -63,6 +65,8 @@ def code_content(function: Any) -> Any:
     code = getattr(function, "__code__", None)
     if code is None:
         return repr(function)
+    if function.__doc__ is not None and function.__doc__ in code.co_consts:
+        code = code.replace(co_consts=tuple(None if c == function.__doc__ else c for c in code.co_consts))
     closure = [repr(cell.cell_contents) for cell in function.__closure__ or ()]
     return [_code(code), repr(function.__defaults__), closure, platform.python_version()]
 
@@ -79,12 +83,26 @@ def canonical(content: Any) -> str:
 
 @lru_cache(maxsize=1)
 def generator_key() -> str:
-    """Return the hash of the code that derives and generates: a change in it makes every compiled model
-    stale.
+    """Return the hash of what the code that derives and generates computes: a change in it makes every compiled model
+    stale, a reworded docstring or error message does not.
+
+    Reducing the files takes some tenths of a second, so the answer for files of this content is kept in the cache.
     """
     folder = Path(__file__).parents[1]
-    files = sorted(path for part in GENERATING for path in (folder / part).glob("*.py"))
-    return sha256("".join(sha256(path.read_bytes()) for path in files))
+    contents = [path.read_bytes() for part in GENERATING for path in sorted((folder / part).glob("*.py"))]
+    note = cache_folder() / f"generator-{sha256(''.join(sha256(content) for content in contents))[:40]}"
+    try:
+        found = note.read_text(encoding="ascii")
+        if re.fullmatch("[0-9a-f]{64}", found):
+            return found
+    except (OSError, ValueError):
+        pass
+    from symbolic.codegen.pruned import computing_part
+
+    key = sha256("".join(sha256(computing_part(content.decode())) for content in contents))
+    with suppress(OSError):  # a cache that cannot be written costs the next process that time
+        write_whole(note, key)
+    return key
 
 
 @lru_cache(maxsize=1)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import ctypes
 import itertools
-import re
 import threading
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import FAST, CompilerError
+from symbolic.codegen.compiler import FAST
+from symbolic.codegen.instructions import scalar_c
 from symbolic.motion import Float
 
 LANES = 4
@@ -219,7 +219,7 @@ def kernel_source(entries: Entries, size: int, joints: int) -> str:
 
 
 def _terms(name: str, entries: Entries, size: int, joints: int) -> str:
-    """Let CasADi write the loss of one sample for all lanes as a C function of scalars."""
+    """Return the loss of one sample for all lanes as statements on the scalars y, p, d and s."""
     import casadi
 
     y = casadi.SX.sym("y", len(entries) + joints)
@@ -241,37 +241,14 @@ def _terms(name: str, entries: Entries, size: int, joints: int) -> str:
                 loss += clipped * (2 * size_of - clipped)
         losses.append(loss)
     function = casadi.Function(name, [y, phi, delta], [casadi.vertcat(*losses)], {"cse": True})
-    return _scalar_body(function)
-
-
-def _scalar_body(function: Any) -> str:
-    """Return CasADi's C for a function as statements on the scalars y, p, d and s: arrays would hinder the
-    compiler.
-    """
-    import casadi
-
-    generator = casadi.CodeGenerator("unit", {"with_header": False, "main": False, "mex": False})
-    generator.add(function)
-    text = str(generator.dump())
-    found = re.search(r"static int casadi_f0\([^{]*\{(.*?)return 0;", text, re.DOTALL)
-    body = found.group(1) if found else "arg["
-    for index, letter in enumerate("ypd"):
-        body = re.sub(rf"arg\[{index}\]\s*\?\s*arg\[{index}\]\[(\d+)\]\s*:\s*0", rf"{letter}\1", body)
-    body = re.sub(r"if \(res\[0\]!=0\) res\[0\]\[(\d+)\]=", r"s\1 += ", body)
-    if "arg[" in body or "res[" in body:
-        raise CompilerError("this version of CasADi writes C that the fitness kernel does not know how to inline")
-    return "\n".join("  " + line for line in body.strip().splitlines())
+    counts = {"y": y.numel(), "p": phi.numel(), "d": joints}
+    inputs = [[f"{letter}{k}" for k in range(count)] for letter, count in counts.items()]
+    return scalar_c(function, inputs, "s{k} += {value};")
 
 
 _HEADER = """/* Written by exoid for one pattern of zeros of the regressor. */
 #include <math.h>
 #include <stddef.h>
-#define casadi_real double
-#define casadi_int long
-static inline double casadi_fmin(double x, double y) { return x < y ? x : y; }
-static inline double casadi_fmax(double x, double y) { return x > y ? x : y; }
-static inline double casadi_sq(double x) { return x * x; }
-static inline double casadi_fabs(double x) { return fabs(x); }
 """
 
 _PASS = """

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from symbolic import Model, Motion
-from symbolic.mechanics.check import check_equations
+from symbolic.check import check_equations
 from symbolic.mechanics.mechanism import chain, leg
 from symbolic.mechanics.regressor import compare_with_printed, regressor
 from tests.newton_euler import Leg, base_parameters, torque

@@ -6,7 +6,7 @@ import pytest
 from measurement.bench.leg import random_leg
 from symbolic import Model, Motion
 from symbolic.codegen.kernel import compiled
-from symbolic.mechanics.point import jacobian, position
+from symbolic.point import jacobian, position
 
 pin = pytest.importorskip("pinocchio")
 

@@ -10,7 +10,7 @@ from symbolic import Model, Motion
 from symbolic.codegen.kernel import compiled
 from symbolic.mechanics.lagrange import mechanics
 from symbolic.mechanics.mechanism import leg, real
-from symbolic.mechanics.point import jacobian, position
+from symbolic.point import jacobian, position
 from tests.newton_euler import Leg, torque
 
 places = st.tuples(st.floats(-0.2, 0.6), st.floats(-0.2, 0.2))

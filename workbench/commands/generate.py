@@ -74,7 +74,7 @@ def _generated(model: Any) -> dict[str, bytes]:
 
 def _properties(model: Any, report: Any) -> tuple[Any, ...]:
     """Return the checks of the model's equations."""
-    from symbolic.mechanics.check import check_equations
+    from symbolic.check import check_equations
 
     report(0.6, "checking the equations")
     return check_equations(model)
