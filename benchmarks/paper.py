@@ -18,7 +18,6 @@ import paper_experiments as paper  # noqa: E402
 import paper_figures as figures  # noqa: E402
 
 from ground.figures import to_png  # noqa: E402
-from measurement.plots import plot_trajectory  # noqa: E402
 from measurement.trajectories.extremes import shortest_period  # noqa: E402
 from measurement.trajectories.trajectory import paper_trajectory  # noqa: E402
 from symbolic.model import TABLE_1  # noqa: E402
@@ -42,7 +41,7 @@ def main() -> None:
     designs = paper.designs(SEARCH_SEEDS)
     published = paper.condition(paper_trajectory())
     drawn = {
-        "trajectory": plot_trajectory(paper_trajectory()),
+        "trajectory": paper_trajectory().plot(),
         "search": figures.search(searches, published, designs[0].condition),
         "fit": figures.fit(fits[ROUGH][0]), "ratio": figures.ratios(fits, paper.PAPER_RATIO),
         "convergence": figures.convergence(curves),

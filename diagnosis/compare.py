@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.present import Present, present
+from diagnosis.evidence.present import Present, filtered_torque, present
 from diagnosis.evidence.remainder import VARIABLES, Remainder, remainders
+from diagnosis.plots import against, over_time
 from ground.html import table
 from measurement.finding import Finding
 from measurement.recording import Recording
@@ -103,15 +104,24 @@ class Comparison:
 
     def plot(self) -> Figure:
         """Draw measured and modelled torque over time, with what is left."""
-        from diagnosis.plots import over_time
-
-        return over_time(self.now)
+        index = len(self.now.prepared.train) if self.now.prepared.verify else 0
+        one = self.now.prepared.all[index]
+        model = filtered_torque(self.now.model, one, self.now.linear, self.now.shapes[index]).T
+        return over_time(one.name, one.t, one.tau, model, np.where(one.use, self.now.residuals[index].T, np.nan))
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
-        from diagnosis.plots import comparison_figures
-
-        return comparison_figures(self)
+        alt = "Torque of hip and knee over time, measured and modelled, with the difference below each."
+        out = [("Measured and modelled torque", alt, self.plot())]
+        sentences: dict[tuple[str, str], str] = {}
+        for one in self.where:
+            if one.variable != "load":
+                sentences.setdefault((one.joint, one.variable), one.sentence)
+        for (joint, variable), sentence in list(sentences.items())[:4]:
+            words = VARIABLES[variable]
+            drawn = against(joint, words, *_samples(self.now, JOINTS.index(joint), variable))
+            out.append((f"{joint}: error against {words[0]}", sentence, drawn))
+        return out
 
     def __repr__(self) -> str:
         shown = self.rms if self.verify_rms is None else self.verify_rms
@@ -218,6 +228,19 @@ def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:
             found.append(Where(joint, one.variable, share, text, caution))
         found += _regions(now, joint)
     return tuple(sorted(found, key=lambda w: -w.share))
+
+
+def _samples(now: Present, j: int, variable: str) -> tuple[Float, Float, Float]:
+    """Return `variable` and the residual at joint `j` in every usable sample, and which block of 2 s it belongs to."""
+    xs, ys, blocks = [], [], []
+    for number, (one, residual) in enumerate(zip(now.prepared.all, now.residuals, strict=True)):
+        used, motion = one.use[:, j], one.motion
+        from_start = motion.t - motion.t[0]
+        signal = from_start if variable == "t" else getattr(motion, variable[:-1])[:, int(variable[-1]) - 1]
+        xs.append(signal[one.kept][used])
+        ys.append(residual[j][used])
+        blocks.append((1000 * number + np.arange(len(one.t)) // max(1, int(2.0 * one.kept_rate)))[used])
+    return np.concatenate(xs), np.concatenate(ys), np.concatenate(blocks)
 
 
 def _regions(now: Present, joint: str) -> list[Where]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.evidence.present import Present, present
-from diagnosis.results import Step, steps_table
+from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
 from ground.html import bullets, lines
 from measurement.recording import Recording
@@ -61,9 +61,7 @@ class Waterfall:
 
     def plot(self) -> Figure:
         """Draw the falling error."""
-        from diagnosis.plots import falling_error
-
-        return falling_error(self.steps, self.noise_floor)
+        return steps_figure(self.steps, self.noise_floor)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""

@@ -6,8 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from diagnosis.evidence.consistency import Differing
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.plots import falling_error, suspects
 from ground.html import lines, table
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
@@ -176,15 +179,28 @@ class Diagnosis:
 
     def plot(self) -> Figure:
         """Draw the falling error."""
-        from diagnosis.plots import falling_error
-
-        return falling_error(self.steps, self.noise_floor)
+        return steps_figure(self.steps, self.noise_floor)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
-        from diagnosis.plots import diagnosis_figures
-
-        return diagnosis_figures(self)
+        first, last = self.steps[0], self.steps[-1]
+        kind, before, after = "fitted", first.train_rms, last.train_rms
+        if first.verify_rms is not None and last.verify_rms is not None:
+            kind, before, after = "unseen", first.verify_rms, last.verify_rms
+        changes = zip(JOINTS, before, after, strict=True)
+        text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} N·m" for joint, b, a in changes)
+        out = [("The error falling", text, self.plot())]
+        if self.suspects:
+            best = ", ".join(s.name for s in self.suspects[:3])
+            alt = f"Share of the unseen error each suspect explains alone; first: {best}."
+            bars = [
+                (s.name, s.joint, s.explained_share, s.p_value is not None and s.p_value <= 0.01 and not s.caution)
+                for s in self.suspects
+            ]
+            out.append(("Suspects", alt, suspects(bars)))
+        if self.unexplained is not None:
+            out.append(("What nobody explains", self.unexplained.sentence, self.unexplained.plot()))
+        return out
 
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
@@ -200,14 +216,21 @@ class Diagnosis:
             (s.name, f"{100 * s.explained_share:.0f} %", s.p_value, ", ".join(s.look_alikes), s.caution)
             for s in self.suspects[:8]
         ]
-        suspects = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
+        ranking = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
         return (
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
             + steps_table(self.steps, self.noise_floor)
-            + (suspects if rows else "")
+            + (ranking if rows else "")
             + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
+
+
+def steps_figure(steps: Sequence[Step], noise_floor: Float) -> Figure:
+    """Draw the falling error."""
+    unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
+    fitted = np.array([step.train_rms for step in steps])
+    return falling_error([s.label for s in steps], fitted, np.array(unseen) if unseen else None, noise_floor)
 
 
 def steps_table(steps: Sequence[Step], noise_floor: Float) -> str:

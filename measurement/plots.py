@@ -6,47 +6,45 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ground.figures import JOINT_COLOURS, ROLE_COLOURS, figure_style, label, new_figure
-from symbolic.model import TABLE_1, Limits
+from symbolic.model import Limits
+from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from measurement.recording import Recording
-    from measurement.trajectories.trajectory import Fourier
 
-
-def plot_recording(recording: Recording) -> Figure:
-    """Draw angles and torques over time; rows that are masked are shaded."""
+def angles_and_torques(title: str, t: Float, q: Float, tau: Float, valid: NDArray[np.bool_]) -> Figure:
+    """Draw `q` (N, J) rad and `tau` (N, J) N·m over `t` (N,) s; rows that are not `valid` (N,) are shaded."""
     with figure_style():
         figure = new_figure(8.0, 4.4)
         above, below = figure.subplots(2, 1, sharex=True)
-        for axes, values, name in ((above, recording.q, ("angle", "rad")), (below, recording.tau, ("torque", "N·m"))):
+        for axes, values, name in ((above, q, ("angle", "rad")), (below, tau, ("torque", "N·m"))):
             for j, joint in enumerate(JOINTS):
-                shown = np.where(recording.valid, values[:, j], np.nan)
+                shown = np.where(valid, values[:, j], np.nan)
                 style = "-" if joint == "hip" else "--"
-                axes.plot(recording.t, shown, style, color=JOINT_COLOURS[joint], label=joint, linewidth=1.1)
+                axes.plot(t, shown, style, color=JOINT_COLOURS[joint], label=joint, linewidth=1.1)
             axes.set(ylabel=label(*name))
-            for start, stop in _masked(recording):
+            for start, stop in _masked(t, valid):
                 axes.axvspan(start, stop, color=ROLE_COLOURS["measured"], alpha=0.25, linewidth=0)
-        above.set(title=recording.name)
+        above.set(title=title)
         above.legend(loc="upper right", ncols=2)
         below.set(xlabel=label("time", "s"))
     return figure
 
 
-def _masked(recording: Recording) -> list[tuple[float, float]]:
+def _masked(t: Float, valid: NDArray[np.bool_]) -> list[tuple[float, float]]:
     """Return the stretches (from, to) in s in which rows are masked."""
-    edges = np.flatnonzero(np.diff(np.r_[True, recording.valid, True].astype(int)))
-    t, last = recording.t, len(recording) - 1
+    edges = np.flatnonzero(np.diff(np.r_[True, valid, True].astype(int)))
+    last = len(t) - 1
     return [(float(t[max(a - 1, 0)]), float(t[min(b, last)])) for a, b in edges.reshape(-1, 2)]
 
 
-def plot_trajectory(path: Fourier, limits: Mapping[str, Limits] = TABLE_1) -> Figure:
-    """Draw angle, velocity and acceleration of one period, each between its limits."""
-    motion = path.at(np.linspace(0.0, path.period, 600))
+def motion_between_limits(motion: Motion, limits: Mapping[str, Limits]) -> Figure:
+    """Draw angle, velocity and acceleration of `motion`, each between its limits."""
     rows = (("angle", "rad", motion.q), ("velocity", "rad/s", motion.dq), ("acceleration", "rad/s²", motion.ddq))
     with figure_style():
         figure = new_figure(7.4, 5.4)

@@ -14,6 +14,7 @@ from ground.errors import RecordingError
 from ground.files import write_whole
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
+from measurement.plots import angles_and_torques
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
 
@@ -119,9 +120,7 @@ class Recording:
 
     def plot(self) -> Figure:
         """Draw angles and torques over time."""
-        from measurement.plots import plot_recording
-
-        return plot_recording(self)
+        return angles_and_torques(self.name, self.t, self.q, self.tau, self.valid)
 
     def _repr_html_(self) -> str:
         facts = (len(self), self.duration, self.rate, len(self) - int(self.valid.sum()), self.source.sha256[:12] or "–")

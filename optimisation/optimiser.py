@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from ground.html import table
+from optimisation.fitting.plots import run_figure
 from optimisation.linear.problem import Problem
 from symbolic.motion import Float
 
@@ -114,9 +115,7 @@ class Run:
 
     def plot(self, optimum: float | None = None) -> Figure:
         """Draw the best fitness against evaluations; above `optimum` where one is known."""
-        from optimisation.fitting.plots import plot_run
-
-        return plot_run(self, optimum)
+        return run_figure(self.name, self.counts, self.history, optimum)
 
     def _repr_html_(self) -> str:
         head = ("optimiser", "loss", "relative gap", "evaluations", "seconds", "seed")

@@ -19,6 +19,7 @@ from diagnosis.evidence.gain import RIDGE as LEAST_RIDGE
 from diagnosis.evidence.look_alikes import block_losses
 from diagnosis.evidence.present import Present
 from diagnosis.evidence.suspects import weigh
+from diagnosis.plots import curve
 from ground.html import bullets, lines
 from optimisation.preparation.prepare import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
@@ -103,9 +104,8 @@ class Remainder:
 
     def plot(self) -> Figure:
         """Draw the learnt curve with its band."""
-        from diagnosis.plots import curve
-
-        return curve(self)
+        factor = {"sign": " × sign of motion", "speed": " × velocity"}.get(self.factor, "")
+        return curve(self.joint, VARIABLES[self.variable], self.x, self.y, self.band, factor)
 
     def _repr_html_(self) -> str:
         texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]

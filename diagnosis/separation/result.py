@@ -8,13 +8,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from diagnosis.separation.distance import Truth
 from diagnosis.separation.indistinguishable import Same
+from diagnosis.separation.plots import separation_figure
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
 from optimisation.excitation.criteria import Noise
 from symbolic.model import Model
+from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -137,9 +141,18 @@ class Separation:
 
     def plot(self) -> Figure:
         """Draw the distances, and the motion."""
-        from diagnosis.separation.plots import plot_separation
-
-        return plot_separation(self)
+        bars = [("designed", self.apart), ("at random", self.usual)]
+        if self.present is not None:
+            bars.append((f"present ({self.present_seconds:.0f} s)", self.present))
+        path = self.trajectory
+        return separation_figure(
+            [f"{a} true,\n{b} fitted" for a, b in self.apart],
+            [(name, [distances[pair] for pair in self.apart]) for name, distances in bars],
+            ENOUGH,
+            f"apart after {self.duration:g} s",
+            None if path is None else path.at(np.linspace(0.0, path.period, 400)),
+            [self.model.limits[joint].angle for joint in JOINTS],
+        )
 
 
 def _rows(distances: Distances) -> list[dict[str, Any]]:

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
 from measurement.bench.plant import Equation, Memory, Symbols, step_function
+from symbolic.codegen.equation import model_expressions
+from symbolic.language.torque import MODEL_TORQUE, torques
+from symbolic.language.tree import OPERATORS, Call
 from symbolic.model import Model
 from symbolic.term import Term
 
@@ -28,9 +31,6 @@ def belongs_to_channel(term: Term) -> bool:
     It does when it speaks of `tau_model`, or has an operator that works on a finished signal (delay, ddt, or
     one operator inside another).
     """
-    from symbolic.language.torque import MODEL_TORQUE, torques
-    from symbolic.language.tree import OPERATORS, Call
-
     def finished(node: Any) -> bool:
         if not (isinstance(node, Call) and node.function in OPERATORS):
             return False
@@ -101,8 +101,6 @@ def equation_of(model: Model) -> Equation:
     """Return the torque (2,) of `model`, all its terms included, with an entry of memory per `play` or
     `dahl`.
     """
-    from symbolic.codegen.equation import model_expressions
-
     form = model_expressions(model)
     symbols = Symbols(form.t, form.q, form.dq, form.ddq, form.sign, form.linear, form.shape, form.memory)
     memories = (Memory(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.errors import RecordingError
 from measurement.finding import Finding
+from measurement.reading.stamps import seconds, since_first
 from symbolic.motion import Float
 
 
@@ -62,8 +64,6 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
     types = pd.api.types
     if types.is_numeric_dtype(cells) and not types.is_bool_dtype(cells) and not types.is_complex_dtype(cells):
         return RawColumn(name, cells.to_numpy(dtype=float, na_value=np.nan), unit)
-    from measurement.reading.stamps import seconds, since_first
-
     if types.is_datetime64_any_dtype(cells) or types.is_timedelta64_dtype(cells):
         return RawColumn(name, since_first(cells), "s")
     texts = ["" if cell is None or cell != cell else str(cell).strip() for cell in cells]
@@ -109,8 +109,6 @@ def table_from_arrays(
     N is the length most arrays share; arrays of another length (settings, other channels) are left out and
     said so. Raises RecordingError when there is no array of two samples or more.
     """
-    from ground.errors import RecordingError
-
     units = units or {}
     flat = {name: np.squeeze(np.asarray(array)) for name, array in arrays.items()}
     lengths = [max(a.shape) for a in flat.values() if 1 <= a.ndim <= 2 and a.size]

@@ -20,7 +20,7 @@ from measurement.reading import formats
 from measurement.reading.columns import assign
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
-from measurement.reading.stamps import join_split
+from measurement.reading.split_stamps import join_split
 from measurement.reading.unusable import mask_unusable
 from measurement.recording import Recording, Source
 

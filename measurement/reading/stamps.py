@@ -1,4 +1,4 @@
-"""Dates, clock times and split stamps, as spreadsheets, loggers and ROS write them, in seconds since the first.
+"""Dates and clock times, as spreadsheets, loggers and ROS write them, in seconds since the first.
 
 Only differences count, so it does not matter whether 03/01 is in January or in March; a date is only asked whether it
 changed, and a clock that falls by half a day has passed midnight.
@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from measurement.finding import Finding
-from measurement.reading.raw import RawColumn, RawTable
 from symbolic.motion import Float
 
 DAY = 86400.0
@@ -26,7 +23,6 @@ CLOCK = re.compile(
 )
 SHORT_CLOCK = re.compile(r"(?P<m>\d{1,3}):(?P<s>\d\d(?:[.,]\d{1,9})?)", re.ASCII)
 """What a spreadsheet shows of a time when nobody tells it how: minutes, seconds and one decimal."""
-SPLIT = re.compile(r"(?P<stem>.*?)[._/]?(?P<part>n(?:ano)?secs?|secs?)", re.IGNORECASE)
 
 
 def seconds(texts: Sequence[str]) -> Float | None:
@@ -46,7 +42,7 @@ def seconds(texts: Sequence[str]) -> Float | None:
         found = pattern.fullmatch(text)
         if found:
             out[i] = _clock(found.groupdict(), days)
-    return _past_midnight(out, DAY if pattern is CLOCK else 3600.0) - _first(out)
+    return _past_midnight(out, DAY if pattern is CLOCK else 3600.0) - first_of(out)
 
 
 def since_first(series: Any) -> Float:
@@ -75,29 +71,7 @@ def _past_midnight(t: Float, turn: float) -> Float:
     return t
 
 
-def _first(t: Float) -> float:
+def first_of(t: Float) -> float:
+    """Return the first stamp that is one, 0 where there is none."""
     finite = t[np.isfinite(t)]
     return float(finite[0]) if finite.size else 0.0
-
-
-def join_split(table: RawTable) -> RawTable:
-    """Return `table` with a stamp in seconds and nanoseconds (ROS: header.stamp.secs, .nsecs) as one column.
-
-    It is the instant of the measurement, so it is preferred to a column with the time of arrival.
-    """
-    halves: dict[str, dict[bool, RawColumn]] = {}
-    for column in table.columns:
-        found = SPLIT.fullmatch(column.name)
-        if found:
-            halves.setdefault(found["stem"], {})[found["part"].lower().startswith("n")] = column
-    for stem, pair in halves.items():
-        if len(pair) < 2 or not re.search(r"stamp|time|clock|^t?$", stem, re.IGNORECASE):
-            continue
-        whole, small = pair[False].values, pair[True].values
-        if np.nanmax(np.abs(small), initial=0.0) > 1e9:
-            continue
-        stamp = RawColumn(stem or "stamp", (whole - _first(whole)) + 1e-9 * small, "s", rank=-1)
-        rest = tuple(c for c in table.columns if c is not pair[False] and c is not pair[True])
-        what = f"{pair[False].name} and {pair[True].name} were joined into the time"
-        return replace(table, columns=(stamp, *rest), notes=(*table.notes, Finding("columns", "info", what)))
-    return table

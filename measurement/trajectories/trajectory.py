@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ground.errors import ExoidError
 from ground.html import table
+from measurement.plots import motion_between_limits
 from symbolic.model import TABLE_1, Limits
 from symbolic.motion import Float, Motion, read_only
 from symbolic.quantity import JOINTS
@@ -70,9 +71,7 @@ class Fourier:
 
     def plot(self, limits: Mapping[str, Limits] = TABLE_1) -> Figure:
         """Draw angle, velocity and acceleration of one period between `limits`."""
-        from measurement.plots import plot_trajectory
-
-        return plot_trajectory(self, limits)
+        return motion_between_limits(self.at(np.linspace(0.0, self.period, 600)), limits)
 
     def _repr_html_(self) -> str:
         head = ("joint", "centre [rad]", *(f"{w} {k + 1}" for k in range(self.sine.shape[1]) for w in ("sin", "cos")))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,22 +20,24 @@ import numpy as np
 from ground.files import write_whole
 
 if TYPE_CHECKING:
-    from optimisation.contest.problem import Outcome
-    from optimisation.contest.standings import Rivals
+    from optimisation.contest.problem import Contest, Outcome
+    from optimisation.fitting.identify import Search
 
 LARGEST = 1e308
 """Stands for a fitness that was infinite, which the format cannot say."""
 
 
-def write_logs(found: Rivals, folder: str | Path) -> Path:
-    """Write every run of `found` below `folder` and return it."""
+def write_logs(
+    contest: Contest, searches: Mapping[str, Search], outcomes: Mapping[str, Iterable[Outcome]], folder: str | Path
+) -> Path:
+    """Write every run of `outcomes` {name of the search: runs} on `contest` below `folder` and return it."""
     target = Path(folder)
-    size = found.contest.data.columns.shape[2]
-    for name, runs in found.outcomes.items():
+    size = contest.data.columns.shape[2]
+    for name, runs in outcomes.items():
         data = f"data_f1_huber/IOHprofiler_f1_DIM{size}.dat"
         blocks = "".join(_block(run) for run in runs)
         write_whole(target / name / data, blocks)
-        about = _about(found, name, runs, size, data)
+        about = _about(contest, name, searches[name], runs, size, data)
         write_whole(target / name / "IOHprofiler_f1_huber.json", json.dumps(about, indent=1))
     return target
 
@@ -48,15 +50,16 @@ def _block(run: Outcome) -> str:
     return "evaluations raw_y\n" + "".join(f"{count} {gap:.17g}\n" for count, gap in rows)
 
 
-def _about(found: Rivals, name: str, runs: Iterable[Outcome], size: int, data: str) -> dict[str, Any]:
-    contest = found.contest
+def _about(
+    contest: Contest, name: str, search: Search, runs: Iterable[Outcome], size: int, data: str
+) -> dict[str, Any]:
     return {
         "version": "0.3.5",
         "suite": "exoid",
         "function_id": 1,
         "function_name": "huber",
         "maximization": False,
-        "algorithm": {"name": name, "info": repr(found.searches[name])},
+        "algorithm": {"name": name, "info": repr(search)},
         "experiment_attributes": [
             {"problem": contest.name},
             {"exoid": _exoid()},

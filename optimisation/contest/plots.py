@@ -2,46 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
-from optimisation.contest.runtime import runtime_ecdf
+from optimisation.contest.runtime import Runtime, runtime_ecdf
+from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from optimisation.contest.standings import Rivals
 
 FLOOR = 1e-16
 """Where gaps of exactly zero are drawn; the certified optimum is the line below everything."""
 ECDF_TARGETS = np.logspace(2.0, -10.0, 49)
 
 
-def plot_rivals(found: Rivals) -> Figure:
-    """Draw the three pictures side by side under one legend."""
-    styles = _styles(found)
+@dataclass(frozen=True, eq=False)
+class Entrant:
+    """What is drawn of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
+    `hits` (R, T) at which each run came to each of `ECDF_TARGETS`, and its `runtimes`, one per target.
+    """
+
+    name: str
+    whitened: bool
+    evaluations: Float
+    gaps: Float
+    hits: Float
+    runtimes: Sequence[Runtime]
+
+
+def contest_figure(entrants: Sequence[Entrant], budget: int) -> Figure:
+    """Draw convergence, solved targets and running times side by side under one legend."""
+    styles = _styles(entrants)
     with figure_style():
         figure = new_figure(13.0, 4.8)
         down, solved, times = figure.subplots(1, 3)
-        plot_convergence(found, down, styles)
-        plot_solved(found, solved, styles)
-        plot_runtimes(found, times, styles)
+        _convergence(entrants, down, styles)
+        _solved(entrants, budget, solved, styles)
+        _runtimes(entrants, budget, times, styles)
         handles, names = times.get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=min(6, len(names)), fontsize="small")
     return figure
 
 
-def plot_convergence(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> None:
+def _convergence(entrants: Sequence[Entrant], axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw the median gap after each generation, and the band between the quartiles."""
-    for name in found.outcomes:
-        evaluations, gaps = found.convergence(name)
-        low, middle, high = np.maximum(np.quantile(gaps, [0.25, 0.5, 0.75], axis=0), FLOOR)
-        axes.semilogy(evaluations, middle, **styles[name])
-        axes.fill_between(evaluations, low, high, color=styles[name]["color"], alpha=0.18, linewidth=0)
+    for one in entrants:
+        low, middle, high = np.maximum(np.quantile(one.gaps, [0.25, 0.5, 0.75], axis=0), FLOOR)
+        axes.semilogy(one.evaluations, middle, **styles[one.name])
+        axes.fill_between(one.evaluations, low, high, color=styles[one.name]["color"], alpha=0.18, linewidth=0)
     axes.axhline(FLOOR, color=INK, linewidth=1.6)
     axes.annotate(
         "certified optimum (to rounding)", (1.0, FLOOR), xycoords=("axes fraction", "data"), ha="right",
@@ -51,28 +64,28 @@ def plot_convergence(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> No
     axes.set(title="Way to the optimum", xlabel="evaluations", ylabel="relative gap (median, quartiles)")
 
 
-def plot_solved(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> None:
+def _solved(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw which share of all runs and targets was solved after how many evaluations."""
-    budget = found.contest.budget
     grid = np.unique(np.round(np.logspace(0.0, np.log10(budget), 300)))
-    for name in found.outcomes:
-        axes.semilogx(grid, runtime_ecdf(found.hits(name, ECDF_TARGETS), grid), **styles[name])
+    for one in entrants:
+        axes.semilogx(grid, runtime_ecdf(one.hits, grid), **styles[one.name])
     axes.set(title="Targets solved", xlabel="evaluations", ylabel="share of runs × targets (10² … 10⁻¹⁰)")
     axes.set_ylim(-0.02, 1.02)
 
 
-def plot_runtimes(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> None:
+def _runtimes(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw the expected running time to each target with its interval; without a hit there is none."""
-    for name, runtimes in found.runtimes.items():
-        shown = [one for one in runtimes if np.isfinite(one.ert)]
-        x = [one.target for one in shown]
-        axes.loglog(x, [one.ert for one in shown], marker="o", markersize=3.5, label=name, **styles[name])
-        banded = [one for one in shown if np.isfinite(one.high)]
-        band = ([one.target for one in banded], [one.low for one in banded], [one.high for one in banded])
-        axes.fill_between(*band, color=styles[name]["color"], alpha=0.18, linewidth=0)
-    axes.axhline(found.contest.budget, color=FAINT, linewidth=0.8, linestyle=":")
+    for one in entrants:
+        style = styles[one.name]
+        shown = [r for r in one.runtimes if np.isfinite(r.ert)]
+        points = ([r.target for r in shown], [r.ert for r in shown])
+        axes.loglog(*points, marker="o", markersize=3.5, label=one.name, **style)
+        banded = [r for r in shown if np.isfinite(r.high)]
+        band = ([r.target for r in banded], [r.low for r in banded], [r.high for r in banded])
+        axes.fill_between(*band, color=style["color"], alpha=0.18, linewidth=0)
+    axes.axhline(budget, color=FAINT, linewidth=0.8, linestyle=":")
     axes.annotate(
-        "budget of one run", (1.0, found.contest.budget), xycoords=("axes fraction", "data"), xytext=(-4, 3),
+        "budget of one run", (1.0, budget), xycoords=("axes fraction", "data"), xytext=(-4, 3),
         textcoords="offset points", fontsize="small", color=FAINT, ha="right",
     )  # fmt: skip
     axes.invert_xaxis()
@@ -83,15 +96,15 @@ def plot_runtimes(found: Rivals, axes: Axes, styles: Mapping[str, Any]) -> None:
     )
 
 
-def _styles(found: Rivals) -> dict[str, dict[str, Any]]:
+def _styles(entrants: Sequence[Entrant]) -> dict[str, dict[str, Any]]:
     """Return the line of each optimiser: one colour per algorithm, dashed where it searches whitened coordinates."""
-    bases = {name: name.removesuffix("_whitened") for name in found.outcomes}
+    bases = {one.name: one.name.removesuffix("_whitened") for one in entrants}
     colours = [OKABE_ITO[c] for c in ("vermilion", "blue", "green", "orange", "purple", "sky", "yellow")]
     order = sorted(set(bases.values()), key=list(bases.values()).index)
     return {
-        name: {
-            "color": colours[order.index(base) % len(colours)],
-            "linestyle": "--" if found.searches[name].whitened else "-",
+        one.name: {
+            "color": colours[order.index(bases[one.name]) % len(colours)],
+            "linestyle": "--" if one.whitened else "-",
         }
-        for name, base in bases.items()
+        for one in entrants
     }

@@ -16,6 +16,10 @@ from typing import Any
 import numpy as np
 
 from ground.errors import ExoidError
+from measurement.bench.leg import paper_leg
+from measurement.bench.sensors import Sensors
+from measurement.bench.simulation import Bench, run
+from measurement.trajectories.trajectory import paper_trajectory
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import Search
 from optimisation.linear.certificate import Certificate, certify
@@ -123,11 +127,6 @@ def paper_contest(seed: int = 0, individuals: int = INDIVIDUALS, generations: in
 
     The regressor is that of the true motion: what is compared here are optimisers, not filters.
     """
-    from measurement.bench.leg import paper_leg
-    from measurement.bench.sensors import Sensors
-    from measurement.bench.simulation import Bench, run
-    from measurement.trajectories.trajectory import paper_trajectory
-
     model = Model.standard()
     sensors = replace(Sensors.ideal(), torque_noise=NOISE, outlier_share=OUTLIERS, outlier_size=30.0 * NOISE)
     bench = Bench(duration=DURATION, rate=RATE, sensors=sensors)

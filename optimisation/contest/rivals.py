@@ -23,6 +23,7 @@ from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import SEARCHES, Search, identify
 from optimisation.optimiser import GENERATIONS, INDIVIDUALS
 from optimisation.optimisers import optimisers
+from symbolic.model import Model
 
 if TYPE_CHECKING:
     from measurement.recording import Recording
@@ -94,8 +95,6 @@ def _contest(subject: Any, recordings: Any, seed: int, individuals: int, generat
     if subject is None and not recordings:
         return paper_contest(seed, individuals, generations)
     if subject is None:
-        from symbolic.model import Model
-
         subject = Model.standard()
     return contest_of(identify(subject, recordings, optimisers=(), seed=seed), individuals, generations)
 

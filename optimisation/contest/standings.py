@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.html import lines, table
+from optimisation.contest.ioh_log import write_logs
+from optimisation.contest.plots import ECDF_TARGETS, Entrant, contest_figure
 from optimisation.contest.problem import Contest, Outcome
 from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime
 from optimisation.fitting.identify import Search
@@ -162,15 +164,21 @@ class Rivals:
 
     def write_logs(self, folder: str | Path) -> Path:
         """Write all runs into `folder` in the format of IOHprofiler; return the folder."""
-        from optimisation.contest.ioh_log import write_logs
-
-        return write_logs(self, folder)
+        return write_logs(self.contest, self.searches, self.outcomes, folder)
 
     def plot(self) -> Figure:
         """Draw convergence to the optimum, the share of targets solved over time, and ERT over the target."""
-        from optimisation.contest.plots import plot_rivals
-
-        return plot_rivals(self)
+        entrants = [
+            Entrant(
+                name,
+                self.searches[name].whitened,
+                *self.convergence(name),
+                self.hits(name, ECDF_TARGETS),
+                self.runtimes[name],
+            )
+            for name in self.outcomes
+        ]
+        return contest_figure(entrants, self.contest.budget)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return the figures for a report: (title, sentence that stands for it, figure)."""

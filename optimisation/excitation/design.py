@@ -23,7 +23,7 @@ from optimisation.fitting.nominal import Nominal, nominal, sizes
 from optimisation.preparation.prepare import STICK
 from symbolic.codegen.information import Information, information
 from symbolic.memory import memory_operations
-from symbolic.model import Model
+from symbolic.model import Limits, Model
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -238,6 +238,4 @@ def _without_creep(info: Information, motion: Fourier) -> tuple[tuple[float, flo
 
 
 def _limits(room: Float) -> Any:
-    from symbolic.model import Limits
-
     return {j: Limits((r[0], r[1]), r[2], r[3]) for j, r in zip(JOINTS, room.tolist(), strict=True)}

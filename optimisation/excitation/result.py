@@ -7,16 +7,21 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from measurement.trajectories.extremes import UNITS, Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
 from optimisation.excitation.criteria import Noise
+from optimisation.excitation.plots import motion_figure
 from symbolic.model import Model
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+POINTS = 601
+"""Instants of one period that are drawn."""
 MEANING = {
     "condition": "cond(Ȳ)",
     "d_optimal": "-log det of the information",
@@ -165,9 +170,11 @@ class Excitation:
 
     def plot(self) -> Figure:
         """Draw angles, velocities and accelerations of both joints with their limits, as the paper's Fig. 4."""
-        from optimisation.excitation.plots import plot_motion
-
-        return plot_motion(self)
+        return motion_figure(
+            f"cond(Ȳ) = {self.condition:.1f}, {self.chosen}",
+            self.trajectory.at(np.linspace(0.0, self.trajectory.period, POINTS)),
+            {(use.joint, use.quantity): use.limit for use in self.uses},
+        )
 
 
 def limit_rows(found: Excitation) -> list[tuple[str, str, str, float, float, float, float, float]]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from measurement.trajectories.trajectory import CENTRE, Fourier, TrajectoryError
+from symbolic.codegen.information import largest_factor
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
@@ -82,8 +83,6 @@ class MotionSpace:
 
     def inside(self, swing: Float, offset: Float, grid: int = 500) -> Fourier:
         """Return the motion of one swing (J, 2K) about `offset` (J,), stretched to the first limit it meets."""
-        from symbolic.codegen.information import largest_factor
-
         motion = self.trajectory(swing, offset)
         along = motion.at(np.arange(grid) * (self.period / grid))
         return motion.scaled(largest_factor(along.q - offset, along.dq, along.ddq, offset, self.limits))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
 from optimisation.fitting.assemble import FittableModel
+from optimisation.fitting.plots import fit_figure
 from optimisation.linear.certificate import Certificate
 from optimisation.linear.physical import Held
 from optimisation.linear.problem import LinearData
@@ -165,9 +166,16 @@ class Fit:
 
     def plot(self) -> Figure:
         """Draw parameters with intervals, residuals, and the convergence of the optimisers."""
-        from optimisation.fitting.plots import plot_fit
-
-        return plot_fit(self)
+        used = list(zip(self.data.tau, self.residual, self.data.use, strict=True))
+        return fit_figure(
+            torque=[tau[use] for tau, _, use in used],
+            residual=[residual[use] for _, residual, use in used],
+            delta=self.delta,
+            estimates=self.estimates,
+            runs={name: (run.counts, run.history) for name, run in self.runs.items()},
+            optimum=self.certificate.primal,
+            tolerance=self.certificate.tolerance,
+        )
 
 
 def _plain(value: Any) -> Any:

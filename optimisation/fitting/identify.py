@@ -34,6 +34,7 @@ from optimisation.linear.uncertainty import Covariance, covariance
 from optimisation.optimiser import Optimiser, Run, minimise
 from optimisation.optimisers import optimisers as optimiser_kinds
 from optimisation.optimisers.nfo import NFO
+from optimisation.preparation.prepare import prepare
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -197,8 +198,6 @@ def _prepared(model: FittableModel, data: Sequence[Prepared] | Sequence[Recordin
     raw = [one for one in data if isinstance(one, Recording)]
     if not raw:
         return cast("Sequence[Prepared]", data)
-    from optimisation.preparation.prepare import prepare
-
     return prepare(cast("Model", model), raw).train
 
 

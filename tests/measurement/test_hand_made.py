@@ -14,7 +14,8 @@ from tables import leg
 from ground.errors import RecordingError
 from measurement.reading.raw import RawColumn, RawTable, ungrouped
 from measurement.reading.read import read_recording
-from measurement.reading.stamps import join_split, seconds
+from measurement.reading.split_stamps import join_split
+from measurement.reading.stamps import seconds
 
 LEG = leg()
 M = np.column_stack(list(LEG.values()))

@@ -8,6 +8,7 @@ through a ring of samples, and ddt, which in the model looks both ways, as a bac
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from symbolic.codegen.instructions import PLAIN, scalar_c
@@ -180,8 +181,6 @@ def _function(head: str, function: Any, out: str, before: str = "") -> str:
 
 
 def _uses(text: str, word: str) -> bool:
-    import re
-
     return re.search(rf"(?<![\w]){word}(?![\w])", text) is not None
 
 

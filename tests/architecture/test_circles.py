@@ -1,0 +1,72 @@
+"""No module needs itself: no circle of imports, those inside functions and those for type checkers included."""
+
+from __future__ import annotations
+
+import ast
+from graphlib import CycleError, TopologicalSorter
+
+import pytest
+
+from tests.architecture.test_imports import LAYERS, ROOT, SOURCES, imported, name_of, tree_of
+
+SLOW_TO_IMPORT = {
+    "casadi", "cma", "cycler", "h5py", "iohinspector", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
+    "numpy", "pandas", "platformdirs", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
+    "atexit", "dataclasses", "difflib", "importlib", "shutil", "traceback",
+}  # fmt: skip
+"""What may be imported where it is used, so that a command that does not need it does not wait for it."""
+
+EDGE = ("workbench", "symbolic")
+"""Where our own modules may be imported inside functions: a command loads only what it runs, and a model whose code is
+compiled already never loads the derivation (SymPy, a second).
+"""
+
+
+def modules():
+    """Return {dotted name: path} of every module of ours."""
+    return {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in SOURCES}
+
+
+def needs(path, known):
+    """Return the modules of ours that the module at `path` imports anywhere."""
+    found = set()
+    for node in ast.walk(tree_of(path)):
+        if isinstance(node, ast.ImportFrom):
+            # `from package import name` needs the module package.name where there is one, else the package.
+            for name in (f"{node.module}.{alias.name}" for alias in node.names):
+                found.add(name if name in known else node.module)
+        else:
+            found.update(imported(node))
+    return found & set(known)
+
+
+def test_no_module_needs_itself():
+    known = modules()
+    graph = {name: needs(path, known) - {name} for name, path in known.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as circle:
+        pytest.fail(" -> ".join(reversed(circle.args[1])))
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name_of)
+def test_imports_inside_functions_are_for_start_up_time(path):
+    functions = [n for n in ast.walk(tree_of(path)) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    inside = {(n.lineno, m) for f in functions for n in ast.walk(f) for m in imported(n)}
+    allowed = SLOW_TO_IMPORT | (set(LAYERS) if path.relative_to(ROOT).parts[0] in EDGE else set())
+    assert sorted(found for found in inside if found[1].split(".")[0] not in allowed) == []
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if p.stem == "plots"], ids=name_of)
+def test_pictures_draw_data_and_know_no_result(path):
+    """A result calls its picture with arrays and words; a picture that knew the result could draw nothing else."""
+    drawn = {name for source in SOURCES for name in classes_with_a_plot(tree_of(source))}
+    assert drawn, "nothing has a plot method"
+    taken = {a.name for n in ast.walk(tree_of(path)) if isinstance(n, ast.ImportFrom) for a in n.names}
+    assert taken & drawn == set()
+
+
+def classes_with_a_plot(tree):
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef) and "plot" in [f.name for f in node.body if isinstance(f, ast.FunctionDef)]:
+            yield node.name
