@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.cache import cache_folder
 from ground.errors import EffectError
-from ground.files import cache_folder, sha256, write_whole
+from ground.files import sha256, write_whole
+from ground.inputs import read_input
 from symbolic.codegen.fingerprint import canonical, equations, generator_key, library_versions, term_content
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
@@ -27,6 +29,8 @@ from symbolic.term import Term
 if TYPE_CHECKING:
     from symbolic.model import Model
 
+LARGEST_CACHE = 50_000_000
+"""Bytes of what is kept of one model; it has some ten thousand."""
 SEED = 20261
 STATES = 240
 PRECISE_STATES = 24
@@ -103,7 +107,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
         found = structural_look_alikes(model)
         plain = [asdict(one) for one in found]
         try:
-            write_whole(path, canonical({"found": plain, "seal": sha256(canonical(plain))}))
+            write_whole(path, canonical({"found": plain, "seal": sha256(canonical(plain))}), at_once=True)
         except OSError:
             # A full disk costs the next caller the computation, not this one the answer.
             return found
@@ -150,7 +154,7 @@ def _content_key(model: Model) -> str:
 
 def _read(path: Path) -> tuple[LookAlike, ...] | None:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(read_input(path, LARGEST_CACHE, remember=False))
         if content["seal"] != sha256(canonical(content["found"])):
             return None
         return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
 from ground.files import write_whole
+from ground.inputs import open_input
 from ground.toml_reader import Table
 from symbolic.effect import Effect
 from symbolic.model import TABLE_1, Limits, Model
@@ -147,7 +148,7 @@ def _plain(value: Any) -> Any:
 def _load(path: str | Path) -> Table:
     where = str(path)
     try:
-        with open(path, "rb") as stream:
+        with open_input(path) as stream:
             data = stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise ModelFileError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error

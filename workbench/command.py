@@ -7,21 +7,29 @@ nothing is registered.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import pkgutil
+import signal
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import ModuleType
 
+from ground.delivery import together
 from ground.errors import ExoidError
 from ground.suggest import did_you_mean
 from workbench import commands
 from workbench.command_line.parser import Parser, UsageError
 from workbench.terminal.encoding import install
 
-DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED = 0, 1, 2, 70, 130
+DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED, TERMINATED = 0, 1, 2, 70, 130, 143
+
+
+class Terminated(BaseException):
+    """SIGTERM: what is under way is cleared away, as after Ctrl-C."""
+
 
 WELCOME = """\
 exoid finds out which physical effect the model of a 2-DOF exoskeleton leg
@@ -97,13 +105,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _note
-            status = _dispatch(arguments)
+            with _terminable():
+                status = _dispatch(arguments)
         sys.stdout.flush()
         return status
     except ExoidError as error:
         return _complain(str(error))
     except KeyboardInterrupt:
         return _complain("interrupted; nothing was left half-written", INTERRUPTED)
+    except Terminated:
+        return _complain("terminated; nothing was left half-written", TERMINATED)
     except BrokenPipeError:
         # The reader (head, less) has had enough. Python would complain again when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -143,8 +154,30 @@ def _dispatch(arguments: Sequence[str]) -> int:
     except SystemExit as stop:  # argparse leaves this way after --help
         return int(stop.code or 0)
     args.command_line = ["exoid", *arguments]
-    status: int = load_verb(verb).run(args)
+    from workbench.command_line.guard import protect_inputs
+
+    with together() as delivery:
+        protect_inputs(args, delivery)
+        status: int = load_verb(verb).run(args)
     return status
+
+
+@contextlib.contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM raise Terminated, where this is the main thread."""
+
+    def stop(*_: object) -> None:
+        raise Terminated
+
+    try:
+        before = signal.signal(signal.SIGTERM, stop)
+    except ValueError:  # not the main thread: whoever runs it decides about signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def version() -> str:

@@ -11,15 +11,16 @@ import base64
 import binascii
 import hashlib
 import json
-import os
-import tempfile
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ground.delivery import where
 from ground.errors import ExoidError
+from ground.files import sha256_file, write_whole
+from ground.inputs import read_input
 
 NOTE = "Sealed truth of blind recordings. Diagnose first; then: exoid reveal"
 KIND = "exoid seal 1"
@@ -87,7 +88,7 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
     """
     target = Path(path)
     try:
-        sums = {Path(file).name: hashlib.sha256(Path(file).read_bytes()).hexdigest() for file in recordings}
+        sums = {Path(file).name: sha256_file(where(file)) for file in recordings}
     except OSError as error:
         raise SealError(f"a recording cannot be read: {error}", where=str(path)) from error
     content = json.dumps(truth.to_json(), sort_keys=True, ensure_ascii=False).encode()
@@ -99,23 +100,14 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
         "truth": (packed := base64.b85encode(zlib.compress(content, 9)).decode("ascii")),
         "filler": _filler(content, -len(packed) % EVEN),
     }
-    temporary = ""
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
+        return write_whole(target, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
     except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
         raise SealError(
             f"the seal cannot be written ({error.strerror or error})",
             where=str(target),
             remedy="check that the folder exists and may be written to",
         ) from error
-    return target
 
 
 def _filler(content: bytes, count: int) -> str:
@@ -129,11 +121,11 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
     With `recordings`, each must be one of those sealed, byte for byte (files may have been renamed). Raises
     SealError when the file is missing, is no seal, was altered, or belongs to other recordings.
     """
-    where = str(path)
+    place = str(path)
     try:
-        raw = Path(path).read_bytes()
+        raw = read_input(path, LARGEST)
     except OSError as error:
-        raise SealError(f"the seal cannot be read ({error.strerror or error})", where=where) from error
+        raise SealError(f"the seal cannot be read ({error.strerror or error})", where=place) from error
     try:
         document = json.loads(raw.decode("utf-8"))
         if document["kind"] != KIND:
@@ -147,25 +139,25 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
     except DAMAGE as error:
         raise SealError(
             "this is not a seal of exoid, or it is damaged",
-            where=where,
+            where=place,
             remedy="give the .seal file that exoid simulate --blind wrote next to the recordings",
         ) from error
     if not whole:
-        raise SealError("the seal was altered after it was written", where=where, remedy="simulate again")
+        raise SealError("the seal was altered after it was written", where=place, remedy="simulate again")
     for file in recordings:
-        _check_belongs(Path(file), opened, where)
+        _check_belongs(Path(file), opened, place)
     return opened
 
 
-def _check_belongs(file: Path, opened: OpenedSeal, where: str) -> None:
+def _check_belongs(file: Path, opened: OpenedSeal, place: str) -> None:
     try:
-        found = hashlib.sha256(file.read_bytes()).hexdigest()
+        found = sha256_file(file)
     except OSError as error:
         raise SealError(f"a recording cannot be read ({error.strerror or error})", where=str(file)) from error
     if found not in opened.recordings.values():
         raise SealError(
             f"{file.name} is not one of the recordings of this seal",
-            where=where,
+            where=place,
             remedy=f"it belongs to {', '.join(sorted(opened.recordings))}, unchanged since the simulation",
         )
 

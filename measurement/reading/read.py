@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ground.errors import RecordingError
+from ground.inputs import open_input
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
 from measurement.reading import formats
@@ -100,7 +101,11 @@ def _digest(path: Path) -> str:
     """Return the SHA-256 of the file in hex; raises RecordingError when it is not a readable file."""
     try:
         folder, there, ordinary = path.is_dir(), path.exists(), path.is_file()
-    except (OSError, ValueError) as error:
+        if path.is_symlink() and not there:
+            raise RecordingError(
+                "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
+            )
+    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
         raise RecordingError(
             "this is not a path of a file", where=str(path)[:200], remedy="check the spelling"
         ) from error
@@ -114,7 +119,7 @@ def _digest(path: Path) -> str:
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
     digest = hashlib.sha256()
     try:
-        with path.open("rb") as stream:
+        with open_input(path) as stream:
             while block := stream.read(1 << 20):
                 digest.update(block)
     except OSError as error:

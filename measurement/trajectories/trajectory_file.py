@@ -20,6 +20,7 @@ import numpy as np
 
 from ground.errors import ExoidError
 from ground.files import write_whole
+from ground.inputs import open_input
 from ground.toml_reader import Table
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.quantity import JOINTS
@@ -55,7 +56,7 @@ def read_trajectory(path: str | Path) -> Fourier:
     """Read a motion; TrajectoryError says what is wrong, where, and what to do."""
     where = str(path)
     try:
-        with open(path, "rb") as stream:
+        with open_input(path) as stream:
             data = stream.read(LARGEST_FILE + 1)
         if len(data) > LARGEST_FILE:
             raise TrajectoryError("is too large for a motion", where=where, remedy="give the TOML exoid design wrote")

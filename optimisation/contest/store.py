@@ -47,7 +47,7 @@ class Store:
         key = self._key(outcome.name, search, outcome.seed)
         content = {"schema": SCHEMA, "key": key, "settings": repr(search), "run": outcome.to_json()}
         # A fitness that was infinite is written as Infinity, which Python reads back.
-        write_whole(self._path(outcome.name, outcome.seed, key), json.dumps(content))
+        write_whole(self._path(outcome.name, outcome.seed, key), json.dumps(content), at_once=True)
 
     def _key(self, name: str, search: Search, seed: int) -> str:
         return sha256(json.dumps([self._fingerprint, name, repr(search), seed]))

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ground.files import cache_folder, sha256, sha256_file
+from ground.cache import cache_folder
+from ground.files import sha256, sha256_file
 from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
 from symbolic.codegen.fingerprint import canonical, generator_key, library_versions, processor
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from types import CodeType
 from typing import TYPE_CHECKING, Any
 
-from ground.files import cache_folder, sha256, write_whole
+from ground.cache import cache_folder
+from ground.files import sha256, write_whole
 
 if TYPE_CHECKING:
     from symbolic.effect import Effect

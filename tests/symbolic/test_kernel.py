@@ -229,7 +229,7 @@ def test_leftovers_of_killed_processes_are_swept(fresh_cache):
 
 
 def test_a_cache_that_cannot_be_written_is_replaced_by_a_private_one(tmp_path, monkeypatch):
-    from ground.files import cache_folder
+    from ground.cache import cache_folder
 
     blocked = tmp_path / "file"
     blocked.write_text("")

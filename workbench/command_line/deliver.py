@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.files import check_folder, check_target, make_folder, write_json
+from workbench.command_line.files import check_folder, check_json, make_folder, write_json
 from workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def check_places(args: argparse.Namespace) -> None:
     """Refuse a --json or --out that cannot be written before the work starts; raises OutputError."""
     if args.json:
-        check_target(args.json)
+        check_json(args.json)
     if args.out:
         check_folder(args.out)
 

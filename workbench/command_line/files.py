@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ground.delivery import Delivery, current
 from ground.errors import ExoidError
+from ground.inputs import read_input
 from workbench.terminal.encoding import spells
+
+LARGEST_JSON = 100_000_000
+"""Bytes of a result that is read back; those of exoid have at most a few million."""
 
 
 class OutputError(ExoidError):
@@ -44,7 +50,7 @@ def to_json(payload: Any) -> str:
 def read_json(path: str | Path) -> Any:
     """Return the content of a JSON file; raises OutputError where it cannot be read or is no JSON."""
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
+        return json.loads(read_input(path, LARGEST_JSON).decode("utf-8-sig"))
     except OSError as error:
         raise OutputError(f"cannot be read: {error.strerror}", where=str(path), remedy="check the path") from error
     except (ValueError, RecursionError) as error:
@@ -69,8 +75,9 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
 def make_folder(path: str | Path) -> Path:
     """Return the folder `path`, made with its parents if needed and writable; raises OutputError."""
     folder = Path(path)
+    delivery = current() or Delivery()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        delivery.make_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except OSError as error:
@@ -89,18 +96,38 @@ def check_folder(path: str | Path) -> None:
         raise _refusal(Path(path), error) from error
 
 
-def check_target(path: str) -> None:
-    """Refuse a --json target that cannot be written before the work starts, not after it."""
-    if path == "-":
-        return
+def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None:
+    """Refuse a place that cannot be written, or holds something else, before the work starts, not after it.
+
+    `ours(content)` says whether what is there is of the kind that would take its place.
+    """
     target = Path(path)
     try:
         if target.is_dir():
             raise OutputError("this is a folder", where=path, remedy="name a file, or - for standard output")
-        with tempfile.TemporaryFile(dir=target.parent):
-            return
+        place = (current() or Delivery()).place(target)
+        if place.is_file() and ours is not None and not ours(_beginning(place)):
+            raise OutputError(
+                "there is a file of another kind, and it would be lost",
+                where=path,
+                remedy="choose another name, or remove that file first",
+            )
+        if place.is_file() or not place.exists():
+            with tempfile.TemporaryFile(dir=place.parent):
+                return
     except OSError as error:
         raise _refusal(target, error) from error
+
+
+def check_json(path: str) -> None:
+    """Refuse a --json that cannot be written, or would replace what is no JSON."""
+    if path != "-":
+        check_target(path, lambda content: not content.strip() or content.lstrip()[:1] in (b"{", b"["))
+
+
+def _beginning(path: Path) -> bytes:
+    with path.open("rb") as stream:
+        return stream.read(4096)
 
 
 def write_json(target: str, payload: Any) -> None:
@@ -114,8 +141,7 @@ def write_json(target: str, payload: Any) -> None:
 
 
 def _refusal(target: Path, error: OSError) -> OutputError:
-    return OutputError(
-        f"cannot be written ({error.strerror or error})",
-        where=str(target),
-        remedy="check that the folder exists, that you may write there and that the disk is not full",
-    )
+    remedy = "check that the folder exists, that you may write there and that the disk is not full"
+    if error.errno == errno.EEXIST:
+        remedy = "choose another name"
+    return OutputError(f"cannot be written ({error.strerror or error})", where=str(target), remedy=remedy)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -145,16 +146,27 @@ def split_joint(text: str) -> tuple[str, str | None]:
 
 
 def check_new_model(target: str, source: str | None) -> None:
-    """Refuse a model file that would overwrite the one it comes from, or cannot be written."""
+    """Refuse a model file that would overwrite the one it comes from or what is no model, or cannot be written."""
     from workbench.command_line.files import OutputError, check_target
 
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
-    check_target(target)
     if source is not None and Path(target).resolve() == Path(source).resolve():
         raise OutputError(
             "this would overwrite the model it was made from", where=target, remedy="choose another file name"
         )
+    check_target(target, _is_model)
+
+
+MODEL_KEYS = frozenset(("name", "geometry", "joints", "limits", "effects", "custom_effects", "identified"))
+
+
+def _is_model(content: bytes) -> bool:
+    """Whether a file that begins so is a model file, or empty: every line of its beginning is TOML of a model."""
+    text = content.decode("utf-8", "replace")
+    lines = (line.strip() for line in text.splitlines())
+    first = next((line for line in lines if line and not line.startswith("#")), None)
+    return first is None or ((found := re.match(r"\[*\s*(\w+)", first)) is not None and found[1] in MODEL_KEYS)
 
 
 def beside(source: str | None, suffix: str) -> str:

@@ -84,6 +84,8 @@ def _state(path: Path, content: bytes) -> str:
     """Return what happens to one file: "new", "changed" or "unchanged"."""
     if not path.exists():
         return "new"
+    if not path.is_file():
+        return "changed"
     return "unchanged" if path.read_bytes() == content else "changed"
 
 

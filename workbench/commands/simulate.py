@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +60,8 @@ def run(args: argparse.Namespace) -> int:
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, standard_leg().base, hidden)  # a wrong name is told before anything is written
     folder = Path(args.out or DEFAULT_FOLDER)
-    _refuse_overwriting(folder, args.runs)
     make_folder(folder)
+    _refuse_overwriting(folder, args.runs)
     if args.blind and not hidden:
         hidden = _draw(args.seed)
     with progress("simulating", quiet=args.quiet):
@@ -122,13 +123,15 @@ def _draw(seed: int) -> Any:
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:
-    from workbench.command_line.files import OutputError
+    from workbench.command_line.files import OutputError, check_target
 
     names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
-    there = [name for name in names if (folder / name).exists()]
+    there = [name for name in names if os.path.lexists(folder / name)]
     if there:
         raise OutputError(
             f"{there[0]} exists already",
             where=str(folder),
             remedy="name another folder with --out, or remove the old runs",
         )
+    for name in names:
+        check_target(str(folder / name))

@@ -1,0 +1,326 @@
+"""The files of one command: they appear together at its end or not at all, and none replaces a file it read.
+
+Inside `together()` every file is written whole, under a name of its own, beside the place it is meant for; what goes
+wrong until the end leaves every place as it was. Outside of it a file is put in place at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import os
+import signal
+import stat
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+PREFIX, SUFFIX = ".exoid-", ".part"
+ABANDONED = 86_400.0
+"""Seconds after which an unfinished file counts as left behind by a process that was killed."""
+
+Write = Callable[[IO[bytes]], object]
+
+
+Identity = tuple[int, int, int]
+"""Device, number and time of change of a file."""
+
+
+@dataclass(frozen=True)
+class Staged:
+    """A whole file at `temporary` that is to become `target`, where `before` was (None: nothing)."""
+
+    temporary: Path
+    target: Path
+    before: Identity | None
+
+
+@dataclass(eq=False)
+class Delivery:
+    """What one command has read and is going to write.
+
+    `found` is what was at a place when it was first looked at: what somebody else writes there meanwhile is not
+    replaced, unless `force` says so.
+    """
+
+    read: dict[tuple[int, int], str] = field(default_factory=dict)
+    staged: dict[Path, Staged] = field(default_factory=dict)
+    found: dict[Path, Identity | None] = field(default_factory=dict)
+    force: bool = False
+    direct: list[tuple[Path, bytes]] = field(default_factory=list)
+    folders: list[Path] = field(default_factory=list)
+
+    def note(self, status: os.stat_result, path: str | Path) -> None:
+        """Remember a file that was read: it is not written to."""
+        self.read[status.st_dev, status.st_ino] = str(path)
+
+    def add(self, path: str | Path, write: Write) -> Path:
+        """Let `write(stream)` make the file that is to become `path`; OSError where that cannot be."""
+        target = self.place(path)
+        if not _replaceable(target):
+            content = io.BytesIO()
+            write(content)
+            self.direct.append((target, content.getvalue()))
+            return Path(path)
+        self.make_folder(target.parent)
+        temporary = _written(target, write)
+        twice = self.staged.get(target)
+        if twice is not None:
+            same = twice.temporary.read_bytes() == temporary.read_bytes()
+            (twice.temporary if same else temporary).unlink()
+            if not same:
+                raise OSError(errno.EEXIST, "two results of this command would go into this one file", str(path))
+        self.staged[target] = Staged(temporary, target, self.found[target])
+        return Path(path)
+
+    def place(self, path: str | Path) -> Path:
+        """Return where `path` really is; OSError where it is a file that was read, or must not be written."""
+        target, status = _resolved(path)
+        if status is not None and (status.st_dev, status.st_ino) in self.read:
+            source = self.read[status.st_dev, status.st_ino]
+            also = "" if source == str(path) else f" as {source}"
+            raise OSError(
+                errno.EEXIST, f"this file is read here{also}, and what is read is never written to", str(path)
+            )
+        self.found.setdefault(target, None if status is None else _identity(status))
+        return target
+
+    def make_folder(self, folder: Path) -> None:
+        """Make `folder` with its parents; those that were not there are removed again if nothing comes of it."""
+        missing = [place for place in (folder, *folder.parents) if not place.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folders += reversed(missing)
+
+    def now(self, path: Path) -> Path:
+        """Return where the content of `path` is at this moment."""
+        staged = self.staged.get(_resolved(path)[0])
+        return path if staged is None else staged.temporary
+
+    def commit(self) -> None:
+        """Put every file in its place; where one cannot be, all places get back what they held."""
+        done: list[tuple[Staged, Path | None, bool]] = []
+        with _undisturbed():
+            try:
+                for one in self.staged.values():
+                    self._check(one)
+                for place, content in self.direct:
+                    _write_into(place, content)
+                for one in self.staged.values():
+                    kept = _kept(one.target)
+                    done.append((one, kept, False))
+                    _put(one, force=self.force)
+                    done[-1] = one, kept, True
+            except BaseException:
+                for one, kept, there in reversed(done):
+                    with contextlib.suppress(OSError):
+                        if kept is not None:
+                            os.replace(kept, one.target)
+                        elif there:
+                            one.target.unlink(missing_ok=True)
+                raise
+            for _, kept, _ in done:
+                if kept is not None:
+                    kept.unlink(missing_ok=True)
+            self.folders.clear()
+            self._clear()
+
+    def _check(self, one: Staged) -> None:
+        """Raise OSError where a place has been read since, or written to by somebody else."""
+        self.place(one.target)
+        now = _identity(one.target.stat()) if one.target.exists() else None
+        if now != one.before and not self.force:
+            raise OSError(errno.EEXIST, "another process has written this file meanwhile", str(one.target))
+
+    def discard(self) -> None:
+        """Remove what was not put in place."""
+        with _undisturbed():
+            self._clear()
+            for folder in reversed(self.folders):
+                with contextlib.suppress(OSError):  # something else is in it by now
+                    folder.rmdir()
+
+    def _clear(self) -> None:
+        for one in self.staged.values():
+            one.temporary.unlink(missing_ok=True)
+        self.staged.clear()
+        self.direct.clear()
+
+
+_OPEN: ContextVar[Delivery | None] = ContextVar("delivery", default=None)
+
+
+@contextlib.contextmanager
+def together() -> Iterator[Delivery]:
+    """Let all files written inside appear together at the end; after an exception none of them does."""
+    delivery = Delivery()
+    token = _OPEN.set(delivery)
+    try:
+        yield delivery
+        delivery.commit()
+    except BaseException:
+        delivery.discard()
+        raise
+    finally:
+        _OPEN.reset(token)
+
+
+def current() -> Delivery | None:
+    """Return the delivery that is open here, if one is."""
+    return _OPEN.get()
+
+
+def where(path: str | Path) -> Path:
+    """Return where the content of `path` is now: beside it, as long as the delivery that makes it is open."""
+    delivery = _OPEN.get()
+    return Path(path) if delivery is None else delivery.now(Path(path))
+
+
+def deliver(path: str | Path, write: Write, *, at_once: bool = False) -> Path:
+    """Write a file with the others of the open delivery; at once where none is open, or `at_once` says so."""
+    delivery = _OPEN.get()
+    if delivery is not None and not at_once:
+        return delivery.add(path, write)
+    alone = Delivery(read=delivery.read if delivery is not None else {}, force=True)
+    try:
+        alone.add(path, write)
+        alone.commit()
+    except BaseException:
+        alone.discard()
+        raise
+    return Path(path)
+
+
+def _resolved(path: str | Path) -> tuple[Path, os.stat_result | None]:
+    """Return the path without links, and what is there."""
+    try:
+        status = os.stat(path)
+    except FileNotFoundError:
+        return Path(os.path.realpath(path)), None
+    except ValueError as error:
+        raise OSError(errno.EINVAL, "this is not a path of a file", str(path)) from error
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, "this is a folder", str(path))
+    if stat.S_ISBLK(status.st_mode) or stat.S_ISSOCK(status.st_mode):
+        raise OSError(errno.EINVAL, "this is a disk or a socket, not a file", str(path))
+    if stat.S_ISREG(status.st_mode) and not status.st_mode & 0o222:
+        raise PermissionError(errno.EACCES, "this file is write-protected", str(path))
+    if stat.S_ISREG(status.st_mode) and not _is_stream(path):
+        return Path(os.path.realpath(path)), status
+    return Path(path), status
+
+
+def _is_stream(path: str | Path) -> bool:
+    """Whether the path names an open stream of a process, such as /dev/stdout or /dev/fd/3, wherever that leads."""
+    text = str(path)
+    if os.path.islink(text):
+        text = os.path.join(os.path.dirname(text), os.readlink(text))
+    return os.path.realpath(os.path.dirname(text) or ".").startswith("/proc/")
+
+
+def _replaceable(target: Path) -> bool:
+    """Whether a file can be put in place here; a device or a pipe is written into instead."""
+    return not os.path.exists(target) or (os.path.isfile(target) and not _is_stream(target))
+
+
+def _written(target: Path, write: Write) -> Path:
+    """Return a whole file beside `target`, with the access rights the target has or would get."""
+    _sweep(target.parent)
+    handle, name = tempfile.mkstemp(prefix=PREFIX, suffix=SUFFIX, dir=target.parent)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            write(stream)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(name, stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~_umask())
+    except BaseException as error:
+        Path(name).unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            raise OSError(error.errno, error.strerror or str(error), str(target)) from error
+        raise
+    return Path(name)
+
+
+def _put(one: Staged, *, force: bool) -> None:
+    """Give a staged file its name; FileExistsError where nothing was to be there and something is."""
+    if one.before is None and not force:
+        with contextlib.suppress(PermissionError, NotImplementedError):  # a file system without hard links
+            os.link(one.temporary, one.target)
+            return
+    os.replace(one.temporary, one.target)
+
+
+def _identity(status: os.stat_result) -> Identity:
+    return status.st_dev, status.st_ino, status.st_mtime_ns
+
+
+def _write_into(place: Path, content: bytes) -> None:
+    """Write into a device or a pipe; OSError where nobody reads from the pipe."""
+    try:
+        handle = os.open(place, os.O_WRONLY | getattr(os, "O_NONBLOCK", 0))
+    except OSError as error:
+        if error.errno == errno.ENXIO:
+            raise OSError(errno.ENXIO, "nobody reads from this pipe", str(place)) from error
+        raise
+    if hasattr(os, "set_blocking"):
+        os.set_blocking(handle, True)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(place)) from error
+
+
+def _kept(target: Path) -> Path | None:
+    """Return a second name for what is at `target`, None where nothing is."""
+    if not target.exists():
+        return None
+    handle, name = tempfile.mkstemp(prefix=PREFIX, suffix=SUFFIX, dir=target.parent)
+    os.close(handle)
+    kept = Path(name)
+    kept.unlink()
+    try:
+        os.link(target, kept)
+    except OSError:  # a file system without hard links
+        os.rename(target, kept)
+    return kept
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what processes that were killed left behind more than a day ago."""
+    for left in folder.glob(f"{PREFIX}*{SUFFIX}"):
+        with contextlib.suppress(OSError):
+            if time.time() - left.lstat().st_mtime > ABANDONED:
+                left.unlink()
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Hold Ctrl-C and SIGTERM back for the moment in which files change places."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's
+        return
+    held: list[int] = []
+    # Not by a mask: another thread, such as one of a numerical library, would take the signal and hand it on.
+    before = {number: signal.signal(number, lambda got, _: held.append(got)) for number in _SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        if held:
+            signal.raise_signal(held[0])
+
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,41 @@
+"""No output of a command is one of its inputs: what the command line names is looked at before the work starts."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator
+from typing import Any
+
+from ground.delivery import Delivery
+
+OUTPUTS = ("json", "out", "write")
+"""Options that name what is written; every other word of a command line that names a file names an input."""
+NEITHER = (*OUTPUTS, "command_line")
+
+
+def protect_inputs(args: argparse.Namespace, delivery: Delivery) -> None:
+    """Let `delivery` refuse to write to any file that `args` name, whatever the option is called."""
+    for option, value in vars(args).items():
+        if option in NEITHER:
+            continue
+        for text in _texts(value):
+            # FILE, FILE=KG@M, NAME=FILE
+            for path in {text, text.rpartition("=")[0], text.partition("=")[2]}:
+                try:
+                    status = os.stat(path) if path else None
+                except (OSError, ValueError):
+                    continue
+                if status is not None:
+                    delivery.note(status, path)
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for item in value.values():
+            yield from _texts(item)
+    elif isinstance(value, (list, tuple)):
+        for item in value:
+            yield from _texts(item)
