@@ -159,7 +159,8 @@ def remainders(
     common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
     owns = _own_judges(now, evidence)
     found = []
-    for joint in joints:
+    seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
+    for joint in (j for j in joints if seen[JOINTS.index(j)]):
         for variable, factor in _TRIED:
             splines = _splines(now, variable, JOINTS.index(joint), factor)
             if splines is None:
@@ -254,7 +255,7 @@ def _weigh(
         best = max(range(len(judges)), key=lambda i: fresh[i][0])
     else:
         unseen, against, best = float(gains[0].unseen[0]), judges[0].evidence.unseen_loss, 0
-    share = fall / loss
+    share = fall / loss if loss else 0.0
     y, band = _curve(judges[best], splines)
     return Remainder(
         joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own

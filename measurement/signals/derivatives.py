@@ -102,7 +102,9 @@ def find_period(even: EvenSignals) -> float | None:
     power = np.cumsum(q**2, axis=0)
     # Both stretches that a lag compares, the one that starts at the beginning and the one that ends at the end.
     both = power[::-1] + (power[-1] - np.vstack([np.zeros((1, q.shape[1])), power[:-1]]))
-    alike = (2.0 * product / np.maximum(both, 1e-300)).min(axis=1)
+    # A joint that is held still shows only noise, which never repeats; the others decide.
+    moves = np.ptp(q, axis=0) > 0.1 * np.ptp(q, axis=0).max()
+    alike = (2.0 * product / np.maximum(both, 1e-300))[:, moves].min(axis=1)
     lags = np.arange(int(SHORTEST_PERIOD * rate), count // 2 + 1)
     if lags.size < 3:
         return None

@@ -395,8 +395,14 @@ def _numerical(model: FittableModel, found: Settled, shape: Float, searched: boo
     """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
     cautions = []
     factor = found.data.factor
-    if factor.undetermined:
-        names = ", ".join(found.data.names[p] for p in factor.undetermined)
+    if factor.unexcited:
+        names = ", ".join(found.data.names[p] for p in factor.unexcited)
+        what = "nothing in these recordings depends on these parameters, so they are given as 0, without an interval"
+        remedy = "record a motion in which the joint they belong to moves"
+        cautions.append(Finding("unexcited", "warning", what, names, remedy=remedy))
+    together = [p for p in factor.undetermined if p not in factor.unexcited]
+    if together:
+        names = ", ".join(found.data.names[p] for p in together)
         what = "these recordings do not determine these parameters one by one; the smallest fit is given"
         remedy = "record motion that excites them separately, or remove an effect the others already contain"
         cautions.append(Finding("rank", "warning", what, names, remedy=remedy))

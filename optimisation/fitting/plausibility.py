@@ -26,7 +26,10 @@ def check_plausibility(
     `estimates` give the intervals: a value whose interval reaches the bound is called indistinguishable
     from it.
     """
-    found = [*_bounds(model, linear, estimates), *_inertia(model, linear, shape), *_realisable(model, linear)]
+    found = _bounds(model, linear, estimates)
+    inertial = [e for e in estimates if e.name.startswith("Phi")]
+    if all(np.isfinite([e.low, e.high]).all() for e in inertial):  # else some are not known, and nothing is wrong
+        found += [*_inertia(model, linear, shape), *_realisable(model, linear)]
     return tuple(found)
 
 

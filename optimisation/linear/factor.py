@@ -50,6 +50,7 @@ def factorise(matrix: Float) -> Factor:
         return Factor(basis, forward, backward, float(size[0] / size[-1]), (), ())
     forward = size[:rank, None] * right[:rank] * scale
     backward = right[:rank].T / size[:rank] / scale[:, None]
+    backward[length == 0.0] = 0.0  # exactly, without what rounding adds
     free = np.abs(right[rank:]).max(axis=0) > np.sqrt(RANK_TOLERANCE)
     return Factor(
         basis=basis @ left[:, :rank],

@@ -97,11 +97,12 @@ class LinearData:
         return int(self.use.sum())
 
     def require_enough(self) -> None:
-        """Refuse data with fewer usable samples than parameters, or with none on a joint."""
-        for joint, use in zip(("hip", "knee"), self.use, strict=False):
-            if int(use.sum()) <= len(self.names):
+        """Refuse data with fewer usable samples than parameters; a joint that never moves may have none at all."""
+        counts = self.use.sum(axis=1)
+        for joint, count in zip(("hip", "knee"), counts, strict=False):
+            if 0 < count <= len(self.names) or not counts.any():
                 raise NotEnoughDataError(
-                    f"only {int(use.sum())} usable samples for {len(self.names)} parameters",
+                    f"only {int(count)} usable samples for {len(self.names)} parameters",
                     where=joint,
                     remedy="use a longer recording, or see in the audit why samples were left out",
                 )

@@ -78,6 +78,11 @@ STICK_REACH = 0.5
 """Periods of the angles' cut-off by which these samples reach into their neighbours: there velocity and direction are
 smeared. The torque of all of them, and every column of a model alike, is replaced by a straight line before the common
 filter, so that nothing of it gets into the samples that are fitted."""
+LOADED = 3.0
+"""A joint that stands shows its load where its torque varies by more than this many times the sensor's noise."""
+HELD, SWAY = 0.02, 1.0
+"""rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
+further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -89,7 +94,8 @@ class PreparedRecording:
     `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
     `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
     encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
-    may be sticking; its torque there is bridged.
+    may be sticking; its torque there is bridged. `standing` (J,) are joints that never move enough to be free of dry
+    friction: their torque, where they have one to show, is used without friction and not bridged.
     """
 
     name: str
@@ -104,6 +110,7 @@ class PreparedRecording:
     angle_noise: Float
     band: float
     stuck: Bool
+    standing: Bool
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -115,7 +122,8 @@ class PreparedRecording:
         old = self.motion
         q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band)
-        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, np.tanh((old.dq + dq) / width), old.payload)
+        sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload)
         return replace(self, motion=motion)
 
     def smooth(self, x: Float, joints: Sequence[int] = (0, 1), axis: int = 1) -> Float:
@@ -253,16 +261,23 @@ def _prepare_one(
         q, dq, ddq = (np.array(part[::factor]) for part in parts)
         noise = noise / periods
     payload = np.sum([p.numbers(base.thigh_length) for p in even.payloads], axis=0) if even.payloads else None
-    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, np.tanh(dq / sign_width(noise, inner)), payload)
+    near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
+    stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
+    held = _held_still(q, dq, rate, velocity_noise(noise, inner))
+    standing = stuck.all(axis=0) | held
+    stuck = stuck & ~standing
+    # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
+    sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner)))
+    dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload)
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
     bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
     tau = np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
-    stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
-    use = ~gap[kept, None] & ~stuck[kept]
+    use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~(held & _bears_load(tau, rate, cutoff)))
     level = bridged(tau, bridges(stuck, rate), (0, 1), 1)
     return PreparedRecording(
         name=name,
@@ -277,7 +292,23 @@ def _prepare_one(
         angle_noise=noise,
         band=min(inner, 0.4 * rate),
         stuck=stuck,
+        standing=standing,
     )
+
+
+def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
+    """Return which joints (J,) stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
+    slow = low_pass(q, min(SWAY, 0.4 * rate), rate)
+    reach = np.ptp(np.quantile(slow, (0.02, 0.98), axis=0), axis=0)
+    return np.asarray((reach < HELD) & (dq.std(axis=0) < np.maximum(STICK, 3.0 * noise)))
+
+
+def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
+    """Return for each joint (J,) whether its torque tells something about the load while it stands.
+
+    Where a brake, a lock or dry friction carries the load, the torque stays as it is while the other joint moves.
+    """
+    return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
 
 
 Bridge = tuple[np.ndarray, np.ndarray, csr_array]
@@ -299,7 +330,7 @@ def bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: in
     out = np.array(x, dtype=float, order="C")
     for place, joint in enumerate(joints):
         rows, beside, matrix = bridges[joint]
-        if rows.size:
+        if rows.size and beside.size:  # nothing stands beside a joint that sticks throughout
             part = np.moveaxis(out, axis, 1)[:, place]
             ends = part[beside]
             part[rows] = (matrix @ ends.reshape(beside.size, -1)).reshape(rows.size, *ends.shape[1:])
@@ -358,9 +389,10 @@ def _choose(
             square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
         errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
         # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
-        shares.append(float(np.max(np.min([acceleration_quality(e, cutoff) for e in even], axis=0))))
+        shares.append(_noise_share(prepared, even, cutoff))
         carried.append(_carried_noise(beta, even, cutoff, _noise_floor(prepared, cutoff)))
-    relative = np.max(np.array(errors) / np.min(errors, axis=0), axis=1)
+    least = np.min(errors, axis=0)
+    relative = np.max(np.array(errors) / np.where(least > 0.0, least, 1.0), axis=1, where=least > 0.0, initial=1.0)
     tolerance = LOOSE_TOLERANCE if shares[-1] >= NOISE_SEEN else TOLERANCE
     predicts = relative <= 1.0 + tolerance
     clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
@@ -368,6 +400,17 @@ def _choose(
     index = good[-1] if good else int(np.argmin(relative + np.array(shares)))
     table = tuple((c, float(r), s) for c, r, s in zip(tried, relative, shares, strict=True))
     return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried, tolerance), table=table)
+
+
+def _noise_share(prepared: Sequence[PreparedRecording], even: Sequence[EvenSignals], cutoff: float) -> float:
+    """Return the share of noise in the accelerations, of the worse joint in its cleanest recording.
+
+    A joint that is held still has no acceleration to get wrong.
+    """
+    quality = np.array([acceleration_quality(e, cutoff) for e in even])
+    moves = ~np.array([one.standing for one in prepared])
+    best = np.min(quality, axis=0, where=moves, initial=np.inf)
+    return float(np.max(best[np.isfinite(best)], initial=0.0))
 
 
 def _carried_noise(beta: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
