@@ -33,8 +33,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
 from blind import KINDS, Case, cases, read_lines, simulated  # noqa: E402
 
-from diagnosis.evidence.candidates import Columns, build_library  # noqa: E402
-from diagnosis.evidence.present import present  # noqa: E402
+from diagnosis.evidence.candidates import build_library  # noqa: E402
+from diagnosis.evidence.columns import Columns  # noqa: E402
+from diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
@@ -113,13 +114,13 @@ def run_case(case: Case) -> dict[str, Any]:
     model = Model.standard(thigh_length=leg.thigh_length)
     prepared = prepare(model, recordings[:3], recordings[3:])
     fit = identify(model, prepared.train, optimisers=())
-    now, count = present(fit, prepared), len(prepared.train)
+    now, count = fitted_model(fit, prepared), len(prepared.train)
     blocks = now.evidence(seed=0, draws=0).blocks
     base = np.concatenate([b.columns[b.use] for b in blocks[:count]])
     y = np.concatenate([p.tau.T[p.use.T] for p in prepared.train])
     columns = {}
     for candidate in build_library(model, prepared.all).candidates:
-        found = [*build_columns(candidate, prepared, model, fit)]
+        found = [*build_columns(candidate, now)]
         columns[candidate.name] = found
     nodes = {n: [stacked(prepared, c, count, v) for v in range(c[0].values.shape[0])] for n, c in columns.items()}
     q, _ = np.linalg.qr(base)
@@ -134,13 +135,13 @@ def run_case(case: Case) -> dict[str, Any]:
     return {"case": case.name, "kind": case.kind, "hidden": [h.name for h in hidden], "named": named}
 
 
-def build_columns(candidate: Any, prepared: Prepared, model: Model, fit: Any) -> list[Columns]:
+def build_columns(candidate: Any, fitted: FittedModel) -> list[Columns]:
     """Return the columns of a candidate on every recording."""
     from diagnosis.evidence.candidates import candidate_columns
 
     return [
-        candidate_columns(candidate, rows, one, model, fit.linear, fit.shape)
-        for rows, one in zip(candidate.nodes, prepared.all, strict=True)
+        candidate_columns(candidate, rows, one, fitted)
+        for rows, one in zip(candidate.nodes, fitted.prepared.all, strict=True)
     ]
 
 

@@ -44,7 +44,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
-from diagnosis.evidence.present import present  # noqa: E402
+from diagnosis.evidence.fitted import fitted_model  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
 from measurement.bench.blind import draw, relative_size  # noqa: E402
@@ -301,7 +301,7 @@ def _true_structure(model: Model, runs: tuple[Run, ...]) -> tuple[list[float], l
     prepared = prepare(model, recordings[:3], recordings[3:])
     true = runs[0].true
     fit = identify(true.model, prepared.train, optimisers=(), start=true.shape if true.shape.size else None)
-    rms = present(fit, prepared).verify_rms
+    rms = fitted_model(fit, prepared).verify_rms
     assert rms is not None
     return rms.tolist(), _covered(fit.estimates, runs[0])
 

@@ -23,9 +23,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.evidence.candidates import Columns, build_library  # noqa: E402 - the repository must be on the path first
-from diagnosis.evidence.present import present  # noqa: E402
-from diagnosis.evidence.suspects import placebo, weigh  # noqa: E402
+from diagnosis.evidence.candidates import build_library  # noqa: E402 - the repository must be on the path first
+from diagnosis.evidence.columns import Columns  # noqa: E402
+from diagnosis.evidence.fitted import fitted_model  # noqa: E402
+from diagnosis.evidence.placebo import placebo  # noqa: E402
+from diagnosis.evidence.score import weigh  # noqa: E402
 from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
@@ -44,15 +46,14 @@ def p_values(model: Model, train: Sequence[Recording], verify: Sequence[Recordin
     Where an entry is contained in the model on this motion it has no p-value.
     """
     prepared = prepare(model, train, verify)
-    fit = identify(model, prepared.train, optimisers=())
-    now = present(fit, prepared)
+    now = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
     library = build_library(model, prepared.all)
     evidence = now.evidence(seed=seed, draws=OWN_DRAWS)
     shifts = now.evidence(seed=seed + 1, draws=repeats * len(library.candidates)).shifts
     out = []
     for number in range(repeats * len(library.candidates)):
         candidate = library.candidates[number % len(library.candidates)]
-        columns = library.columns(candidate, model, fit.linear, fit.shape)
+        columns = library.columns(candidate, now)
         moved = [
             Columns(c.joints, np.roll(c.values, -int(own[number]), axis=2))
             for c, own in zip(columns, shifts, strict=True)

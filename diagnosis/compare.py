@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.present import Present, filtered_torque, present
+from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import VARIABLES, Remainder, remainders
 from diagnosis.plots import against, over_time
 from ground.html import table
@@ -78,7 +78,7 @@ class Comparison:
     per_recording: tuple[tuple[str, Float], ...]
     cutoff: str
     audit: tuple[Finding, ...]
-    now: Present = field(repr=False)
+    now: FittedModel = field(repr=False)
     curves: tuple[Remainder, ...] = field(repr=False)
 
     def to_json(self) -> dict[str, Any]:
@@ -106,7 +106,7 @@ class Comparison:
         """Draw measured and modelled torque over time, with what is left."""
         index = len(self.now.prepared.train) if self.now.prepared.verify else 0
         one = self.now.prepared.all[index]
-        model = filtered_torque(self.now.model, one, self.now.linear, self.now.shapes[index]).T
+        model = self.now.torque(index).T
         return over_time(one.name, one.t, one.tau, model, np.where(one.use, self.now.residuals[index].T, np.nan))
 
     def figures(self) -> list[tuple[str, str, Figure]]:
@@ -164,7 +164,7 @@ def compare(
 
 def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
-    now = present(fit, prepared)
+    now = fitted_model(fit, prepared)
     unseen = verification(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
     shown = prepared.verify or prepared.train
@@ -204,11 +204,11 @@ def verification(fit: Fit, prepared: Prepared) -> Verification | None:
         return None
     shapes = np.broadcast_to(fit.sse.shape, np.shape(fit.shapes))
     first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
-    pair = [present(one, prepared).verify_rms for one in (fit, first)]
+    pair = [fitted_model(one, prepared).verify_rms for one in (fit, first)]
     return Verification(np.asarray(pair[0]), np.asarray(pair[1]))
 
 
-def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:
+def _where(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
     """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
     found = []
     for joint in JOINTS:
@@ -230,7 +230,7 @@ def _where(now: Present, curves: Sequence[Remainder]) -> tuple[Where, ...]:
     return tuple(sorted(found, key=lambda w: -w.share))
 
 
-def _samples(now: Present, j: int, variable: str) -> tuple[Float, Float, Float]:
+def _samples(now: FittedModel, j: int, variable: str) -> tuple[Float, Float, Float]:
     """Return `variable` and the residual at joint `j` in every usable sample, and which block of 2 s it belongs to."""
     xs, ys, blocks = [], [], []
     for number, (one, residual) in enumerate(zip(now.prepared.all, now.residuals, strict=True)):
@@ -243,7 +243,7 @@ def _samples(now: Present, j: int, variable: str) -> tuple[Float, Float, Float]:
     return np.concatenate(xs), np.concatenate(ys), np.concatenate(blocks)
 
 
-def _regions(now: Present, joint: str) -> list[Where]:
+def _regions(now: FittedModel, joint: str) -> list[Where]:
     """Return the regions (slow motion, the ends of the range) that hold much more error than time."""
     j = JOINTS.index(joint)
     train = now.prepared.train

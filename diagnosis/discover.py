@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import cast
 
+import numpy as np
+
 from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.fitted import fitted_model
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.score import Score
 from diagnosis.evidence.stretches import searched, stretches
-from diagnosis.evidence.suspects import Score
 from diagnosis.results import Accepted, Diagnosis, Step, Suspect
-from diagnosis.search.engine import MOST_TERMS, Progress, Search, Stage
+from diagnosis.rules import RULES, Rules
+from diagnosis.search.context import Progress, SearchContext, silent
+from diagnosis.search.engine import run
+from diagnosis.search.state import Extension
 from diagnosis.verdict import biased_parameters, conclude, sentence_of
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
-from symbolic.motion import Float
 
 
 def discover(
@@ -34,29 +41,33 @@ def discover(
     derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
     progress: Progress | None = None,
-    most: int = MOST_TERMS,
+    most: int | None = None,
+    rules: Rules = RULES,
 ) -> Diagnosis:
-    """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them.
+    """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
+    `rules`, the thresholds that decide, say).
 
     `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue. Every
     random number comes from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
     """
     began = time.perf_counter()
     model = cast("Model", model.model) if isinstance(model, Fit) else model
-    tick = progress or _silent
+    tick = progress or silent
+    most = rules.most_terms if most is None else most
     tick(0.02, "preparing the recordings")
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
-    part = stretches(prepared)
+    part = stretches(prepared, rules)
     library = build_library(model, part.all, (*extra, *_own_effects(model)))
-    search = Search(part, library, seed, tick, most)
-    stages, first, left = search.run(search.fit(model))
+    context = SearchContext(part, library, seed, tick, most, rules)
+    found = run(context, context.fit(model))
+    extensions = found.state.extensions
     if part is not prepared:
         tick(0.95, "fitting what was found to the whole of the recordings")
-        stages = search.on_all_of(prepared, stages)
-    if len(stages) > most:  # there may be more that the catalogue explains; nothing is called unexplained yet
-        left = None
+        extensions = _on_all_of(prepared, extensions)
+    # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
+    left = None if len(extensions) > most else found.state.left
     tick(0.97, "writing it down")
-    return _write_up(prepared, part, stages, first, left, recordings, verify, began, most)
+    return _write_up(prepared, part, extensions, found.first, left, recordings, verify, began, most)
 
 
 def diagnose(
@@ -77,10 +88,6 @@ def diagnose(
     )  # fmt: skip
 
 
-def _silent(fraction: float, text: str) -> None:
-    """Say nothing."""
-
-
 def _own_effects(model: Model) -> tuple[Effect, ...]:
     """Return the user's own effects that the model file declares, as suspects for the other joint too."""
     return tuple({t.effect.id: t.effect for t in model.terms if t.effect.custom}.values())
@@ -89,7 +96,7 @@ def _own_effects(model: Model) -> tuple[Effect, ...]:
 def _write_up(
     prepared: Prepared,
     part: Prepared,
-    stages: Sequence[Stage],
+    extensions: Sequence[Extension],
     first: Sequence[Score],
     left: Remainder | None,
     recordings: Sequence[Recording],
@@ -97,39 +104,39 @@ def _write_up(
     began: float,
     most: int,
 ) -> Diagnosis:
-    last = stages[-1]
+    last = extensions[-1]
     accepted = []
-    for before, stage in pairwise(stages):
-        score = stage.added
+    for before, extension in pairwise(extensions):
+        score = extension.added
         assert score is not None
         term = score.candidate.term
         prefix = f"{term.name}."
-        numbers = {e.name.removeprefix(prefix): e for e in last.fit.estimates if e.name.startswith(prefix)}
+        numbers = {e.name.removeprefix(prefix): e for e in last.fitted.fit.estimates if e.name.startswith(prefix)}
         accepted.append(
             Accepted(
                 effect=term.effect.id,
                 joint=term.joint,
                 parameters=numbers,
-                look_alikes=stage.alike,
-                never_separable=stage.never,
+                look_alikes=extension.alike,
+                never_separable=extension.never,
                 p_value=float(score.p_value or 1.0),
-                rms_before=_shown(before),
-                rms_after=_shown(stage),
+                rms_before=before.fitted.judged_rms,
+                rms_after=extension.fitted.judged_rms,
                 sentence=sentence_of(term, numbers),
             )
         )
     steps = tuple(
         Step(
             "base" if s.added is None else f"+ {s.added.name}",
-            s.now.train_rms,
-            s.now.verify_rms,
+            s.fitted.train_rms,
+            s.fitted.verify_rms,
             "" if s.added is None else accepted[i - 1].sentence,
         )
-        for i, s in enumerate(stages)
+        for i, s in enumerate(extensions)
     )
-    conclusion = conclude(accepted, left, stages[0], last, bool(verify), len(recordings), most)
+    conclusion = conclude(accepted, left, extensions[0].fitted, last.fitted, bool(verify), len(recordings), most)
     alike = {a.name: a.look_alikes for a in accepted}
-    told_apart = differing(last.now, last.now.evidence(seed=0, draws=0))
+    told_apart = differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
@@ -143,17 +150,24 @@ def _write_up(
         audit=(*prepared.findings, *searched(prepared, part)),
         seconds=time.perf_counter() - began,
         next_experiment=conclusion.next_experiment,
-        model=last.now.model,
-        fit=last.fit,
+        model=last.fitted.model,
+        fit=last.fitted.fit,
         cutoff=prepared.choice.reason,
         stopped_because=conclusion.stopped_because,
-        biased=biased_parameters(stages[0].fit, last.fit),
+        biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
         differing=told_apart,
     )
 
 
-def _shown(stage: Stage) -> Float:
-    return stage.now.train_rms if stage.now.verify_rms is None else stage.now.verify_rms
+def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Extension, ...]:
+    """Return the models refitted to recordings of which the search had seen only stretches."""
+    out = []
+    for extension in extensions:
+        model = extension.fitted.model
+        start = np.median(extension.fitted.fit.shapes, axis=0) if model.shapes else None
+        fit = identify(model, prepared.train, optimisers=(), start=start)
+        out.append(replace(extension, fitted=fitted_model(fit, prepared)))
+    return tuple(out)
 
 
 def _suspect(score: Score, alike: dict[str, tuple[str, ...]]) -> Suspect:

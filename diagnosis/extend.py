@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.present import Present, present
+from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
 from ground.html import bullets, lines
@@ -121,10 +121,8 @@ def falling_text(steps: Sequence[Step]) -> str:
     """Return the steps as lines of text."""
     lines = []
     for step in steps:
-        rms = step.train_rms if step.verify_rms is None else step.verify_rms
-        kind = "fitted" if step.verify_rms is None else "unseen"
-        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, rms, strict=True))
-        lines.append(f"{step.label}: {kind} error [N·m] {numbers}")
+        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, step.judged_rms, strict=True))
+        lines.append(f"{step.label}: {step.judged} error [N·m] {numbers}")
     return "\n".join(lines)
 
 
@@ -185,7 +183,7 @@ def _waterfall(fits: Sequence[Fit], prepared: Prepared) -> Waterfall:
     steps: list[Step] = []
     known: set[str] = set()
     for fit in fits:
-        now: Present = present(fit, prepared)
+        now = fitted_model(fit, prepared)
         new = [t for t in now.model.terms if t.name not in known]
         known |= {t.name for t in now.model.terms}
         if steps and new:
@@ -201,9 +199,7 @@ def _fall(steps: Sequence[Step]) -> float:
 
     Negative where the other joint loses more than this one gains.
     """
-    first, last = steps[0], steps[-1]
-    old = first.train_rms if first.verify_rms is None else first.verify_rms
-    new = last.train_rms if last.verify_rms is None else last.verify_rms
+    old, new = steps[0].judged_rms, steps[-1].judged_rms
     change = (old - new) / np.maximum(old, 1e-300)
     return float(change.max() if change.sum() > 0.0 else change.min())
 

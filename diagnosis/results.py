@@ -96,6 +96,16 @@ class Step:
     verify_rms: Float | None
     sentence: str = ""
 
+    @property
+    def judged(self) -> str:
+        """On which motion a reader is shown the error: "unseen" where there are verification recordings."""
+        return "fitted" if self.verify_rms is None else "unseen"
+
+    @property
+    def judged_rms(self) -> Float:
+        """The error (J,) on that motion, N·m."""
+        return self.train_rms if self.verify_rms is None else self.verify_rms
+
     def to_json(self) -> dict[str, Any]:
         """Return the fields under the names of the schema."""
         return {
@@ -205,10 +215,8 @@ class Diagnosis:
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
         for step in self.steps:
-            rms = step.train_rms if step.verify_rms is None else step.verify_rms
-            kind = "fitted" if step.verify_rms is None else "unseen"
-            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, rms, strict=True))
-            lines.append(f"  {step.label:<28} {kind} error [N·m]: {numbers}")
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, step.judged_rms, strict=True))
+            lines.append(f"  {step.label:<28} {step.judged} error [N·m]: {numbers}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

@@ -16,7 +16,7 @@ from symbolic.quantity import Estimate
 from symbolic.term import Term
 
 if TYPE_CHECKING:
-    from diagnosis.search.engine import Stage
+    from diagnosis.evidence.fitted import FittedModel
 
 
 @dataclass(frozen=True)
@@ -33,13 +33,13 @@ class Conclusion:
 def conclude(
     accepted: Sequence[Accepted],
     left: Remainder | None,
-    first: Stage,
-    last: Stage,
+    first: FittedModel,
+    last: FittedModel,
     verified: bool,
     recordings: int,
     most: int,
 ) -> Conclusion:
-    """Return the conclusion; `first` and `last` are the stages at both ends, `most` the steps that were allowed."""
+    """Return the conclusion; `first` and `last` are the models at both ends, `most` the steps that were allowed."""
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
         where = "on held-out blocks of the only recording"
@@ -106,10 +106,9 @@ def _deciding(alike: Sequence[Accepted]) -> str:
     return "; ".join(dict.fromkeys(parts))
 
 
-def _falls(first: Stage, last: Stage) -> str:
-    before = first.now.train_rms if first.now.verify_rms is None else first.now.verify_rms
-    after = last.now.train_rms if last.now.verify_rms is None else last.now.verify_rms
-    kind = "fitted" if first.now.verify_rms is None else "unseen"
+def _falls(first: FittedModel, last: FittedModel) -> str:
+    before, after = first.judged_rms, last.judged_rms
+    kind = "unseen" if first.verified else "fitted"
     parts = [f"{joint} {b:.3g} to {a:.3g} N·m" for joint, b, a in zip(("hip", "knee"), before, after, strict=True)]
     return f"Error on {kind} motion: {', '.join(parts)}."
 

@@ -7,13 +7,14 @@ change with it, at the present parameters. Nothing here ever looks at the measur
 
 from __future__ import annotations
 
-import functools
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.fitted import FittedModel
 from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.prepare import PreparedRecording
@@ -76,57 +77,18 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Columns:
-    """Filtered columns (V, A, K, m) of a candidate on one recording: V nodes, A = its joints."""
-
-    joints: tuple[int, ...]
-    values: Float
-
-    @property
-    def flat(self) -> Float:
-        """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
-        nodes, _, _, width = self.values.shape
-        return np.moveaxis(self.values, 3, 1).reshape(nodes, width, -1)
-
-    @property
-    def largest(self) -> Float:
-        """The largest magnitude (V, K) of each node's columns at each sample."""
-        _, count, samples, width = self.values.shape
-        size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
-        parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
-        return functools.reduce(np.maximum, parts)
-
-    def full(self, node: int) -> Float:
-        """Return the columns (J, K, m) of one node, zero at joints it does not act on."""
-        _, _, samples, width = self.values.shape
-        out = np.zeros((len(JOINTS), samples, width))
-        out[list(self.joints)] = self.values[node]
-        return out
-
-    def node(self, index: int) -> Columns:
-        """Return the columns of one node alone."""
-        return Columns(self.joints, self.values[index : index + 1])
-
-
-def stacked(parts: Sequence[Columns]) -> Columns:
-    """Return the columns (one node each) of several candidates as those of one on both joints."""
-    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
-
-
-@dataclass(frozen=True, eq=False)
 class Library:
     """The candidates for a question, and their columns; those that no parameter can change are kept."""
 
     candidates: tuple[Candidate, ...]
-    prepared: tuple[PreparedRecording, ...]
     _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
 
     def find(self, name: str) -> Candidate:
         """Return the candidate called `name` with all its nodes."""
         return next(c for c in self.candidates if c.name == name)
 
-    def columns(self, candidate: Candidate, model: Model, linear: Float, shape: Float) -> tuple[Columns, ...]:
-        """Return the columns of `candidate` on every recording, at the present `model` and its numbers.
+    def columns(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
+        """Return the columns of `candidate` on every recording, beside the model `fitted` at its numbers.
 
         Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
         computed anew where it is compared (`look_alikes.refine`).
@@ -134,8 +96,8 @@ class Library:
         if candidate.name in self._kept:
             return self._kept[candidate.name]
         found = tuple(
-            candidate_columns(candidate, nodes, one, model, linear, shape)
-            for nodes, one in zip(candidate.nodes, self.prepared, strict=True)
+            candidate_columns(candidate, nodes, one, fitted)
+            for nodes, one in zip(candidate.nodes, fitted.prepared.all, strict=True)
         )
         fine = candidate.nodes.shape[1] > FINE
         if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
@@ -156,7 +118,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
             if term.name not in known:
                 tangent = not effect.coefficients
                 found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
-    return Library(tuple(found), tuple(prepared))
+    return Library(tuple(found))
 
 
 def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> Float:
@@ -192,29 +154,25 @@ def _feeds_back(term: Term) -> bool:
     return any(torque.names & FEEDBACK for torque in torques(term))
 
 
-def candidate_columns(
-    candidate: Candidate, nodes: Float, one: PreparedRecording, model: Model, linear: Float, shape: Float
-) -> Columns:
+def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
     if candidate.tangent:
-        raw = _tangent(candidate.term, one, model, linear, shape)[None]
+        raw = _tangent(candidate.term, one, fitted)[None]
     elif candidate.term.effect.derive is not None:
-        raw = _derived(candidate.term, one, model, linear, shape, nodes)
+        raw = _derived(candidate.term, one, fitted, nodes)
     else:
-        raw = _texts(candidate, nodes, one, model, linear, shape)
+        raw = _texts(candidate, nodes, one, fitted)
     # (V, A, N, m) -> time first, filter all nodes in one pass, and back
     filtered = one.smooth(np.moveaxis(raw, 2, 0), candidate.joints, 2)
     return Columns(candidate.joints, np.ascontiguousarray(np.moveaxis(filtered, 0, 2)))
 
 
-def _texts(
-    candidate: Candidate, nodes: Float, one: PreparedRecording, model: Model, linear: Float, shape: Float
-) -> Float:
+def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
     term, motion = candidate.term, one.motion
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
     if _feeds_back(term):
-        words |= own_torques(model, one, linear, shape)
+        words |= own_torques(fitted, one)
     out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
     for torque in torques(term):
         place = candidate.joints.index(torque.joint)
@@ -247,11 +205,11 @@ def _at_node(
         return np.zeros(len(motion))
 
 
-def own_torques(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> dict[str, Float]:
+def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
     """Return tau_rigid and tau_model (N,) of both joints, from the parameters of the model (never measured)."""
-    base = model.base()
+    base = fitted.model.base()
     count = len(base.parameters)
-    columns, numbers = base.columns(one.motion), carrying(one.motion, linear[:count])
+    columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
     out = {}
     for j in range(len(JOINTS)):
         out[f"tau_rigid{j + 1}"] = columns[j][:, :4] @ numbers[:4]
@@ -259,26 +217,25 @@ def own_torques(model: Model, one: PreparedRecording, linear: Float, shape: Floa
     return out
 
 
-def _tangent(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float) -> Float:
+def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
     """Return ∂τ/∂(the term's number) (A, N, 1) at zero; the model gets the term with a small value of it."""
-    extended = model.with_effect(term.effect, term.joint)
-    entries = [s.shape for s in extended.shapes[len(model.shapes) :]]
+    extended = fitted.model.with_effect(term.effect, term.joint)
+    entries = [s.shape for s in extended.shapes[len(fitted.model.shapes) :]]
     step = TANGENT_STEP * (entries[0].max - entries[0].min)
     sides = []
     for sign in (1.0, -1.0):
         value = [sign * step, *(s.typical or 0.5 * (s.min + s.max) for s in entries[1:])]
-        sides.append(extended.torque(one.motion, linear, np.concatenate([shape, value])))
+        sides.append(extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, value])))
     slope = (sides[0] - sides[1]) / (2.0 * step)
     joints = (0, 1) if term.joint is None else (JOINTS.index(term.joint),)
     return slope.T[list(joints)][:, :, None]
 
 
-def _derived(term: Term, one: PreparedRecording, model: Model, linear: Float, shape: Float, nodes: Float) -> Float:
+def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
     """Return the new columns (V, A, N, m) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
-    extended = model.with_effect(term.effect, term.joint)
-    new = len(extended.parameters) - len(model.parameters)
-    reference = np.concatenate([linear, np.zeros(new)])
+    extended = fitted.model.with_effect(term.effect, term.joint)
+    new = len(extended.parameters) - len(fitted.model.parameters)
+    reference = np.concatenate([fitted.linear, np.zeros(new)])
+    shapes = [np.concatenate([fitted.shape, node]) for node in nodes]
     joints = [0, 1] if term.joint is None else [JOINTS.index(term.joint)]
-    return np.stack(
-        [derived_columns(extended, one.motion, np.concatenate([shape, node]), reference)[joints] for node in nodes]
-    )
+    return np.stack([derived_columns(extended, one.motion, shape, reference)[joints] for shape in shapes])

@@ -14,23 +14,13 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
+from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Block, Evidence, robust_weight
-from diagnosis.evidence.present import Present
+from diagnosis.rules import Rules
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
-
-LEAST_SHARE = 0.05
-"""Smallest share of a recording's weighted squared error that a difference must explain."""
-LEAST_CHANGE = 0.25
-"""Smallest change of an effect's number, as a share of what the other recordings say."""
-LEAST_NEW = 1e-3
-"""Smallest share of a column of one recording that the others and the rest of the model cannot take over."""
-MOST_NAMED = 8
-"""Differences named at most."""
-MOST = 24
-"""Recordings looked at, at most: beyond, single ones no longer matter."""
 
 
 @dataclass(frozen=True)
@@ -98,20 +88,21 @@ class _Question:
         return out
 
 
-def differing(now: Present, evidence: Evidence) -> tuple[Differing, ...]:
+def differing(now: FittedModel, evidence: Evidence) -> tuple[Differing, ...]:
     """Return what single recordings want different, largest share first; () where there is only one recording.
 
     `evidence` is that of `now`. All recordings are asked, verification ones too: nothing is decided by the answer. What
     differs most is granted before the rest is asked again, or one odd recording would make all others look odd.
     """
     blocks, questions = list(evidence.blocks), _questions(now.model, now.linear, now.shapes)
-    if not 2 <= len(blocks) <= MOST:
+    rules = evidence.rules
+    if not 2 <= len(blocks) <= rules.differing_recordings:
         return ()
     strict = ndtri(0.025 / (len(questions) * len(blocks))) / ndtri(0.025)
     prior = evidence.prior
     out: dict[tuple[int, str], Differing] = {}
-    while len(out) < MOST_NAMED:
-        pooled = _Pooled(blocks, evidence.sigma, prior)
+    while len(out) < rules.differing_named:
+        pooled = _Pooled(blocks, evidence.sigma, prior, rules)
         found: tuple[Differing, int, _Question] | None = None
         for number, one in enumerate(now.prepared.all):
             for question in questions:
@@ -120,8 +111,8 @@ def differing(now: Present, evidence: Evidence) -> tuple[Differing, ...]:
                     continue
                 change, half, share, moved = answer
                 others = question.value + (0.0 if question.index is None else moved[question.index])
-                small = question.index is not None and abs(change) < LEAST_CHANGE * abs(others)
-                matters = share >= LEAST_SHARE and abs(change) > strict * half and not small
+                small = question.index is not None and abs(change) < rules.differing_change * abs(others)
+                matters = share >= rules.differing_share and abs(change) > strict * half and not small
                 if matters and (found is None or share > found[0].share):
                     text = question.name, others + change, others, strict * half, question.unit, share
                     found = Differing(one.name, *text), number, question
@@ -152,9 +143,9 @@ def _questions(model: Model, linear: Float, shapes: Float) -> list[_Question]:
 class _Pooled:
     """The model fitted to all recordings together (weighted, linearised at its shapes), ready to be asked."""
 
-    def __init__(self, blocks: list[Block], sigma: Float, prior: Float) -> None:
-        self.blocks = blocks
-        self.weights = [robust_weight(b, sigma) / sigma[:, None] ** 2 for b in self.blocks]
+    def __init__(self, blocks: list[Block], sigma: Float, prior: Float, rules: Rules) -> None:
+        self.blocks, self.rules = blocks, rules
+        self.weights = [robust_weight(b, sigma, rules) / sigma[:, None] ** 2 for b in self.blocks]
         both = list(zip(self.blocks, self.weights, strict=True))
         gram = np.sum([np.einsum("jkp,jk,jkq->pq", b.columns, w, b.columns, optimize=True) for b, w in both], axis=0)
         slope = np.sum([np.einsum("jkp,jk,jk->p", b.columns, w, b.residual, optimize=True) for b, w in both], axis=0)
@@ -175,7 +166,7 @@ class _Pooled:
         rest[number] = rest[number] + own
         power = self._sum(rest, rest)
         loss = float(np.sum(weight * self.left[number] ** 2))
-        if loss <= 0.0 or power <= LEAST_NEW * float(np.sum(weight * own * own)):
+        if loss <= 0.0 or power <= self.rules.differing_new * float(np.sum(weight * own * own)):
             return None
         change = self._sum(rest, self.left) / power
         score = np.concatenate(

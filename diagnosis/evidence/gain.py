@@ -17,23 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Columns
+from diagnosis.evidence.columns import Columns
+from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
-
-BLOCKS = 4
-"""Blocks a single recording is split into, so that something unseen exists."""
-MOST_FOLDS = 8
-"""Splits at most: more units than that are held out several at a time."""
-REPEATS = 0.5
-"""Shifts at which the motion resembles itself more than this (periodic excitation) are no placebos."""
-MIN_SHIFT = 1.0
-"""Shortest shift in s."""
-LEAST_SCALE = 0.3
-"""Scale of a column for the ridge, at least this part of the largest column of the same candidate."""
-ROBUST = 2.0
-"""Robust standard deviations beyond which a residual counts linearly."""
-RIDGE = 1e-9
-"""Relative ridge on a candidate's own Gram matrix: keeps a column that the model already contains harmless."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +68,9 @@ class Gain:
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
 
-    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording
-    (`shifts`, in samples) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of the model
-    is held where it is, 0 for free ones.
+    Frozen after construction. `train` and `verify` are Blocks; `draws` shifts per recording (`shifts`, in samples; by
+    default as many as `rules` say) are drawn from `seed`. `prior` (P,) is the precision with which each parameter of
+    the model is held where it is, 0 for free ones.
     """
 
     def __init__(
@@ -93,23 +79,25 @@ class Evidence:
         verify: Sequence[Block],
         *,
         seed: int,
-        draws: int = 999,
+        draws: int | None = None,
         sigma: Float | None = None,
         prior: Float | None = None,
+        rules: Rules = RULES,
     ) -> None:
         self.train, self.verify = tuple(train), tuple(verify)
-        self.draws = draws
+        self.rules = rules
+        self.draws = draws = rules.placebos if draws is None else draws
         self.prior = np.zeros(self.train[0].columns.shape[2]) if prior is None else prior
         self.sigma = pooled_scale([(b.residual, b.use) for b in self.train]) if sigma is None else sigma
         self._units: list[tuple[int, Float]] = []
         blocks = self.train + self.verify
         for index, block in enumerate(blocks):
-            weight = robust_weight(block, self.sigma) / self.sigma[:, None] ** 2
+            weight = robust_weight(block, self.sigma, rules) / self.sigma[:, None] ** 2
             for fold in np.unique(block.fold):
                 self._units.append((index, np.where(block.fold == fold, weight, 0.0)))
         self.blocks = blocks
         self.is_train = np.array([index < len(self.train) for index, _ in self._units])
-        self.shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed))
+        self.shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed), rules)
         self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         self._base = [self._unit_base(index, weight) for index, weight in self._units]
         self._splits = self._make_splits()
@@ -136,7 +124,7 @@ class Evidence:
         """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
         training = [u for u in range(len(self._units)) if self.is_train[u]]
         judged = [u for u in range(len(self._units)) if not self.is_train[u]]
-        count = min(len(training), MOST_FOLDS)
+        count = min(len(training), self.rules.most_folds)
         groups = [training[k::count] for k in range(count)]
         self.folds = count
         splits = [([u for u in training if u not in held], held) for held in groups]
@@ -159,7 +147,9 @@ class Evidence:
     @property
     def joint_losses(self) -> Float:
         """Weighted squared residual (J,) of the training recordings, joint by joint."""
-        parts = [np.sum(robust_weight(b, self.sigma) * b.residual**2, axis=1) / self.sigma**2 for b in self.train]
+        parts = [
+            np.sum(robust_weight(b, self.sigma, self.rules) * b.residual**2, axis=1) / self.sigma**2 for b in self.train
+        ]
         return np.asarray(np.sum(parts, axis=0))
 
     @property
@@ -219,12 +209,15 @@ class Evidence:
             )
         return self._transforms[unit, joint]
 
-    def gain(self, grams: Sequence[Gram], ridge: float = RIDGE) -> Gain:
-        """Return what a candidate with these Gram blocks (one per unit) gains on units it was not fitted on."""
+    def gain(self, grams: Sequence[Gram], ridge: float | None = None) -> Gain:
+        """Return what a candidate with these Gram blocks (one per unit) gains on units it was not fitted on.
+
+        `ridge` is relative to the candidate's own Gram matrix, by default that of `rules`.
+        """
         folds, unseen, coefficients = [], None, None
         count = self.folds
         for number, split in enumerate(self._splits):
-            fall, fitted = _split_gain(split, grams, ridge)
+            fall, fitted = _split_gain(split, grams, self._ridge(ridge))
             if number < count:
                 folds.append(fall)
             else:
@@ -238,25 +231,25 @@ class Evidence:
         """Return the recording index and the weights (J, K) of a unit."""
         return self._units[number]
 
-    def held_out_fits(self, grams: Sequence[Gram], ridge: float = RIDGE) -> list[tuple[int, Float, Float]]:
+    def held_out_fits(self, grams: Sequence[Gram], ridge: float | None = None) -> list[tuple[int, Float, Float]]:
         """Return (unit, base step (P,), candidate coefficients (m,)) for every judged unit, fitted on the others."""
         out = []
         for fit, held, inverse, step, _, _ in self._splits:
-            coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
+            coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], self._ridge(ridge))
             out += [(unit, base[0], coefficients[0]) for unit in held]
         return out
 
-    def leave_one_out(self, grams: Sequence[Gram], ridge: float = RIDGE) -> Float:
+    def leave_one_out(self, grams: Sequence[Gram], ridge: float | None = None) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
         count = self.folds
-        return np.array([_split_gain(split, grams, ridge)[1][0] for split in self._splits[:count]])
+        return np.array([_split_gain(split, grams, self._ridge(ridge))[1][0] for split in self._splits[:count]])
 
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
         """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
         units = [u for u in range(len(self._units)) if self._units[u][0] == index]
         inverse, slope = self._normal(units)
         step = inverse @ slope
-        return _fit_candidate(inverse, step, [grams[u] for u in units])[::2]
+        return _fit_candidate(inverse, step, [grams[u] for u in units], self._ridge(None))[::2]
 
     def pick(self, grams_by_node: Sequence[Sequence[Gram]], nodes: np.ndarray) -> list[Gram]:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; `grams_by_node` is [node][unit]."""
@@ -279,11 +272,15 @@ class Evidence:
         # Two columns of one entry may resemble each other; what counts is that the best of them is new.
         return np.linalg.eigvalsh(left)[:, -1] / np.maximum(np.linalg.eigvalsh(whole)[:, -1], 1e-300)
 
-    def _fit_all(self, grams: Sequence[Gram], ridge: float) -> Float:
+    def _ridge(self, ridge: float | None) -> tuple[float, float]:
+        """Return the relative ridge and the least scale it is relative to."""
+        return self.rules.ridge if ridge is None else ridge, self.rules.least_scale
+
+    def _fit_all(self, grams: Sequence[Gram], ridge: float | None) -> Float:
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
         inverse, slope = self._normal(fit)
         step = inverse @ slope
-        return _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)[0]
+        return _fit_candidate(inverse, step, [grams[u] for u in fit], self._ridge(ridge))[0]
 
 
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
@@ -295,28 +292,28 @@ def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
     return np.array(out)
 
 
-def robust_weight(block: Block, sigma: Float) -> Float:
+def robust_weight(block: Block, sigma: Float, rules: Rules = RULES) -> Float:
     """Return the weights (J, K) that make the squares of the present residual a bound of its Huber loss.
 
     Bursts and reversals count linearly (Huber 1964): a few hundred bad samples must not drown what all others say.
     """
     size = np.maximum(np.abs(block.residual), 1e-300)
-    return block.use * np.minimum(1.0, ROBUST * sigma[:, None] / size)
+    return block.use * np.minimum(1.0, rules.robust * sigma[:, None] / size)
 
 
-def _draw_shifts(blocks: Sequence[Block], draws: int, rng: np.random.Generator) -> list[np.ndarray]:
+def _draw_shifts(blocks: Sequence[Block], draws: int, rng: np.random.Generator, rules: Rules) -> list[np.ndarray]:
     """Return (draws,) shifts in samples for each recording, away from zero and from repeats of the motion."""
     out = []
     for block in blocks:
         samples = len(block.motion)
-        least = min(int(MIN_SHIFT * block.rate), samples // 4)
+        least = min(int(rules.min_shift * block.rate), samples // 4)
         centred = block.motion - block.motion.mean(axis=0)
         spectrum = np.abs(np.fft.rfft(centred, axis=0)) ** 2
         alike = np.fft.irfft(spectrum, samples, axis=0)
         alike = (alike / np.maximum(alike[:1], 1e-300)).mean(axis=1)
         lag = np.arange(samples)
         allowed = (lag >= least) & (lag <= samples - least)
-        fresh = np.flatnonzero(allowed & (alike < REPEATS))
+        fresh = np.flatnonzero(allowed & (alike < rules.repeats))
         out.append(rng.choice(fresh if fresh.size > 20 else np.flatnonzero(allowed), size=draws))
     return out
 
@@ -329,7 +326,7 @@ def _inverse(gram: Float) -> Float:
 
 
 def _fit_candidate(
-    inverse: Float, step: Float, grams: Sequence[Gram], ridge: float = RIDGE
+    inverse: Float, step: Float, grams: Sequence[Gram], ridge: tuple[float, float]
 ) -> tuple[Float, Float, Float]:
     """Return candidate coefficients (D, m), the base step (D, P) refitted with them, and the gain (D,) on the fit."""
     g = sum(gram.g for gram in grams)
@@ -339,15 +336,15 @@ def _fit_candidate(
     schur = h - np.swapaxes(g, 1, 2) @ projected
     scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
     # A column that the fitted units hardly show must not escape the ridge by being small.
-    scale = np.maximum(scale, LEAST_SCALE * scale.max(axis=1, keepdims=True))
-    normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge * np.eye(schur.shape[1])
+    scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
+    normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge[0] * np.eye(schur.shape[1])
     right = a - step @ g
     coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale
     base = step - (projected @ coefficients[:, :, None])[:, :, 0]
     return coefficients, base, np.sum(coefficients * right, axis=1)
 
 
-def _split_gain(split: tuple, grams: Sequence[Gram], ridge: float) -> tuple[Float, Float]:
+def _split_gain(split: tuple, grams: Sequence[Gram], ridge: tuple[float, float]) -> tuple[Float, Float]:
     fit, held, inverse, step, (gram, slope, constant), loss = split
     coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
     g = sum(grams[u].g for u in held)

@@ -12,33 +12,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Columns, Library, candidate_columns, stacked
-from diagnosis.evidence.gain import RIDGE, Evidence, Gram
-from diagnosis.evidence.suspects import Score, weigh
+from diagnosis.evidence.candidates import Candidate, candidate_columns
+from diagnosis.evidence.columns import Columns, stacked
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.gain import Evidence, Gram
+from diagnosis.evidence.score import Score, weigh
 from optimisation.fitting.shapes import from_unit, to_unit
-from optimisation.preparation.prepare import PreparedRecording
-from symbolic.model import Model
 from symbolic.motion import Float
 
-BLOCK_SECONDS = 2.0
-CLEAR = 2.5
-"""Standard errors by which the better candidate must lead to be told apart."""
-TIED = 1.0
-"""Standard errors within which two candidates are as good as each other; then the simpler one is taken."""
-PRACTICALLY = 0.98
-"""A rival with fewer numbers that gains this part of the best one's gain ties with it: the rest is what a linearised
-candidate loses before it is refitted."""
-CLOSE = 0.5
-"""Only candidates with at least this part of the best one's gain are compared."""
-ANOTHER = 0.5
-"""A rival that keeps more than this part of its gain beside the best one is another effect."""
-REFINEMENTS = 3
-"""Rounds of refinement of each shape value before a comparison, so that a coarse grid decides nothing."""
 
-
-def refine(
-    evidence: Evidence, score: Score, library: Library, model: Model, linear: Float, shape: Float
-) -> tuple[Score, list[Columns]]:
+def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score, list[Columns]]:
     """Return the score at shape values refined between the nodes, and the columns there (one node)."""
     candidate = score.candidate
     chosen = score.shape  # (R, S)
@@ -47,17 +30,17 @@ def refine(
         for i, s in enumerate(candidate.term.effect.shape.values())
         if not candidate.tangent and not s.choices and not s.per_recording
     ]
-    columns = columns_at(candidate, chosen, library.prepared, model, linear, shape)
+    columns = columns_at(candidate, chosen, fitted)
     best = _one_node(evidence, candidate, chosen, columns, score)
     for index in free:
         entry = list(candidate.term.effect.shape.values())[index]
         reach = 1.0 / max(1, entry.points - 1)
-        for _ in range(REFINEMENTS):
+        for _ in range(evidence.rules.refinements):
             middle = to_unit(entry, float(chosen[0, index]))
             for unit in (middle - 0.5 * reach, middle + 0.5 * reach):
                 trial = chosen.copy()
                 trial[:, index] = from_unit(entry, unit)
-                trial_columns = columns_at(candidate, trial, library.prepared, model, linear, shape)
+                trial_columns = columns_at(candidate, trial, fitted)
                 found = _one_node(evidence, candidate, trial, trial_columns, score)
                 if found.share > best.share:
                     best, chosen, columns = found, trial, trial_columns
@@ -65,18 +48,11 @@ def refine(
     return best, columns
 
 
-def columns_at(
-    candidate: Candidate,
-    chosen: Float,
-    prepared: Sequence[PreparedRecording],
-    model: Model,
-    linear: Float,
-    shape: Float,
-) -> list[Columns]:
+def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:
     """Return the columns (one node) of a candidate on every recording, at shape values `chosen` (R, S)."""
     return [
-        candidate_columns(candidate, row[None], one, model, linear, shape)
-        for row, one in zip(chosen, prepared, strict=True)
+        candidate_columns(candidate, row[None], one, fitted)
+        for row, one in zip(chosen, fitted.prepared.all, strict=True)
     ]
 
 
@@ -105,10 +81,10 @@ def look_alikes(
             continue
         difference = block_losses(evidence, evidence.plain(columns), columns) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
-        practically = score.share >= PRACTICALLY * best[0].share
+        practically = score.share >= evidence.rules.practically * best[0].share
         if practically and score.candidate.numbers < best[0].candidate.numbers:
             out[score.name] = 0.0
-        elif difference.sum() < CLEAR * spread:
+        elif difference.sum() < evidence.rules.clear * spread:
             out[score.name] = float(difference.sum() / spread)
     return out
 
@@ -118,11 +94,13 @@ def _gains_beside(
 ) -> bool:
     together = [stacked([b, c]) for b, c in zip(best[1], columns, strict=True)]
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
-    return share - best[0].share > ANOTHER * rival.share
+    return share - best[0].share > evidence.rules.another * rival.share
 
 
-def block_losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float = RIDGE) -> Float:
-    """Return the held-out loss of a candidate in blocks of BLOCK_SECONDS, over all units of all splits."""
+def block_losses(
+    evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float | None = None
+) -> Float:
+    """Return the held-out loss of a candidate in blocks of time, over all units of all splits."""
     out = []
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):
         index, weight = evidence.unit(unit)
@@ -131,7 +109,7 @@ def block_losses(evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Co
         for place, joint in enumerate(columns[index].joints):
             residual[joint] = residual[joint] - columns[index].values[0, place] @ coefficients
         loss = np.sum(weight * residual**2, axis=0)
-        size = max(1, int(BLOCK_SECONDS * block.rate))
+        size = max(1, int(evidence.rules.block_seconds * block.rate))
         live = np.flatnonzero(weight.sum(axis=0) > 0.0)
         starts = np.arange(0, live.size, size)
         out.append(np.add.reduceat(loss[live], starts))

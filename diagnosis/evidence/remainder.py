@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Columns, candidate_columns, own_torques
-from diagnosis.evidence.gain import BLOCKS, Evidence
-from diagnosis.evidence.gain import RIDGE as LEAST_RIDGE
+from diagnosis.evidence.candidates import Candidate, candidate_columns, own_torques
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.gain import Evidence, Gain
 from diagnosis.evidence.look_alikes import block_losses
-from diagnosis.evidence.present import Present
-from diagnosis.evidence.suspects import weigh
+from diagnosis.evidence.score import weigh
 from diagnosis.plots import curve
+from diagnosis.rules import RULES, Rules
 from ground.html import bullets, lines
 from optimisation.preparation.prepare import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
@@ -30,26 +31,8 @@ from symbolic.term import Term
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KNOTS = 12
-"""Number of spline functions of a remainder."""
-RIDGE = 3e-2
-"""Relative ridge on a remainder: parts of a spline that the model nearly contains must not run wild."""
-LEAST_SHARE = 0.02
-"""Smallest share of the unseen loss a remainder must explain to be spoken of."""
-OWN_HANDICAP = 0.85
-"""A curve per recording is preferred to a common one only where its share is larger by this factor."""
-LEVEL = 0.005
-"""p-value a remainder must reach; a few dozen are tried."""
-BEATEN = 3.0
-"""A term is only a stand-in if a curve without physics at the same joint gains more by this many standard errors ..."""
-BEATEN_SHARE = 0.02
-"""... and by this much of the present loss, ..."""
-AS_GOOD = 0.97
-"""A single bump with fewer numbers than a term is as good as it with this part of its gain."""
 BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
 """Quantiles of a path at which bumps are tried."""
-SUPERSEDED = 0.5
-"""... and the term adds less than this part of its own gain to the curve."""
 VARIABLES: Mapping[str, tuple[str, str]] = {
     "q1": ("hip angle", "rad"),
     "q2": ("knee angle", "rad"),
@@ -143,7 +126,7 @@ class Suggestion:
 
 
 def remainders(
-    now: Present,
+    now: FittedModel,
     evidence: Evidence,
     joints: Sequence[str] = JOINTS,
     *,
@@ -162,17 +145,17 @@ def remainders(
     seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
     for joint in (j for j in joints if seen[JOINTS.index(j)]):
         for variable, factor in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), factor)
+            splines = _splines(now, variable, JOINTS.index(joint), factor, evidence.rules.knots)
             if splines is None:
                 continue
             for own, judges in _modes(variable, factor, common, owns):
                 one = _weigh(judges, splines, joint, variable, factor, own, each_joint)
                 found.append((judges, splines, one))
     # A curve of its own for each recording must earn that freedom.
-    found.sort(key=lambda entry: -entry[2].share * (OWN_HANDICAP if entry[2].own else 1.0))
+    found.sort(key=lambda entry: -entry[2].share * (evidence.rules.own_handicap if entry[2].own else 1.0))
     out = []
     for rank, (judges, splines, one) in enumerate(found):
-        if rank < placebos and one.share >= LEAST_SHARE:
+        if rank < placebos and one.share >= evidence.rules.curve_share:
             one = replace(one, p_value=_p_value(judges, splines.columns, one.share))
         out.append(one)
     return out
@@ -206,8 +189,16 @@ class _Judge:
     which: tuple[int, ...]
     trained: bool = True
 
+    @property
+    def curve_ridge(self) -> float:
+        return self.evidence.rules.curve_ridge
+
     def columns(self, columns: Sequence[Columns]) -> list[Columns]:
         return [columns[i] for i in self.which]
+
+    def gain(self, splines: Sequence[Columns]) -> Gain:
+        """Return what a curve gains."""
+        return self.evidence.gain(self.evidence.plain(self.columns(splines)), self.curve_ridge)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +210,7 @@ class _Splines:
     basis: Float
 
 
-def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
+def _own_judges(now: FittedModel, evidence: Evidence) -> list[_Judge]:
     """Return a judge for each recording, to whom the zeros of its torque sensors are no news."""
     out = []
     prior = np.append(evidence.prior, np.zeros(len(JOINTS)))
@@ -227,8 +218,10 @@ def _own_judges(now: Present, evidence: Evidence) -> list[_Judge]:
         samples = block.residual.shape[1]
         zeros = np.repeat(np.eye(len(JOINTS))[:, None, :], samples, axis=1)
         columns = np.concatenate([block.columns, zeros], axis=2)
-        folded = replace(block, columns=columns, fold=np.arange(samples) * BLOCKS // samples)
-        alone = Evidence([folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior)
+        folded = replace(block, columns=columns, fold=np.arange(samples) * evidence.rules.blocks // samples)
+        alone = Evidence(
+            [folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=evidence.rules
+        )
         out.append(_Judge(alone, (index,), index < len(now.prepared.train)))
     return out
 
@@ -242,7 +235,7 @@ def _weigh(
     own: bool,
     each_joint: bool = False,
 ) -> Remainder:
-    gains = [j.evidence.gain(j.evidence.plain(j.columns(splines.columns)), RIDGE) for j in judges]
+    gains = [j.gain(splines.columns) for j in judges]
     fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
     if each_joint:
@@ -264,7 +257,7 @@ def _weigh(
 
 def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float) -> float:
     trained = [j for j in judges if j.trained]
-    null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), RIDGE).total[1:] for j in trained)
+    null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), j.curve_ridge).total[1:] for j in trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 
@@ -275,7 +268,7 @@ class Winner:
 
     columns: tuple[Columns, ...]
     judges: tuple[_Judge, ...]
-    ridge: float
+    ridge: float | None
     share: float
 
     def leaves(self, term: Sequence[Columns]) -> float:
@@ -285,10 +278,10 @@ class Winner:
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
         """Whether a term adds less than half of its own gain to the curve."""
-        return self.leaves(term) < SUPERSEDED * _share(self.judges, term)
+        return self.leaves(term) < self.judges[0].evidence.rules.superseded * _share(self.judges, term)
 
 
-def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
+def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
     """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, judged alike.
 
     Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
@@ -296,42 +289,45 @@ def beaten(now: Present, evidence: Evidence, joint: str, term: Sequence[Columns]
     stand-in. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
     `evidence` are of the model without the term.
     """
+    rules = evidence.rules
     common = (_Judge(evidence, tuple(range(len(evidence.blocks)))),)
     for judges, own in ((common, False), (tuple(_own_judges(now, evidence)), True)):
         mine = _share(judges, term)
         losses = _blocks(judges, term)
         for variable, factor in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), factor)
+            splines = _splines(now, variable, JOINTS.index(joint), factor, evidence.rules.knots)
             if splines is None or (own and not _may_move(variable, factor)):
                 continue
-            curve = Winner(splines.columns, judges, RIDGE, _share(judges, splines.columns, RIDGE))
-            if curve.share <= mine + BEATEN_SHARE:
+            curve = Winner(
+                splines.columns, judges, rules.curve_ridge, _share(judges, splines.columns, rules.curve_ridge)
+            )
+            if curve.share <= mine + rules.beaten_share:
                 continue
-            lead = losses - _blocks(judges, splines.columns, RIDGE)
-            clear = lead.sum() >= BEATEN * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            lead = losses - _blocks(judges, splines.columns, rules.curve_ridge)
+            clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
             if clear and curve.supersedes(term):
                 return curve
     mine = _share(common, term)
     for candidate in _bumps(now, joint):
         columns = [
-            candidate_columns(candidate, nodes, one, now.model, now.linear, now.shapes[0])
+            candidate_columns(candidate, nodes, one, now)
             for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
         ]
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
-        bump = Winner(best, common, LEAST_RIDGE, score.share)
-        as_good = score.share >= AS_GOOD * mine and candidate.numbers < numbers
+        bump = Winner(best, common, None, score.share)
+        as_good = score.share >= rules.as_good * mine and candidate.numbers < numbers
         if as_good and bump.supersedes(term):
             return bump
     return None
 
 
-def _bumps(now: Present, joint: str) -> list[Candidate]:
+def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
     """Return single bumps in the angles and in the joint's own velocity, as candidates at `joint`."""
     own, other = JOINTS.index(joint) + 1, 2 - JOINTS.index(joint)
     out = []
     for word, variable in ((f"theta{own}", f"q{own}"), (f"theta{other}", f"q{other}"), (f"dtheta{own}", f"dq{own}")):
-        paths = [_signal(p, now, variable, own - 1, s, "") for p, s in zip(now.prepared.all, now.shapes, strict=True)]
+        paths = [_signal(p, now, variable, own - 1, "") for p in now.prepared.all]
         low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
         if not high - low > 1e-9:
             continue
@@ -359,7 +355,7 @@ def _bumps(now: Present, joint: str) -> list[Candidate]:
     return out
 
 
-def _blocks(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> Float:
+def _blocks(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float | None = None) -> Float:
     """Return the losses of columns (one node) in blocks of time, on all that the judges hold out."""
     trained = [(j.evidence, j.columns(columns)) for j in judges if j.trained]
     return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
@@ -372,51 +368,51 @@ def _beside(curve: Columns, term: Columns) -> Columns:
     return Columns(tuple(range(len(JOINTS))), both[None])
 
 
-def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float = LEAST_RIDGE) -> float:
+def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float | None = None) -> float:
     """Return the share of the loss on held-out units that columns (one node) explain."""
     trained = [j for j in judges if j.trained]
     fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
     return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
 
 
-def significant(one: Remainder) -> bool:
+def significant(one: Remainder, rules: Rules = RULES) -> bool:
     """Whether a remainder is certain enough to be reported as structure that nobody explains."""
-    fresh = one.unseen >= 0.5 * LEAST_SHARE
-    return one.p_value is not None and one.p_value <= LEVEL and one.share >= LEAST_SHARE and fresh
+    fresh = one.unseen >= 0.5 * rules.curve_share
+    return one.p_value is not None and one.p_value <= rules.curve_level and one.share >= rules.curve_share and fresh
 
 
-def _signal(one: PreparedRecording, now: Present, variable: str, joint: int, shape: Float, factor: str) -> Float:
+def _signal(one: PreparedRecording, now: FittedModel, variable: str, joint: int, factor: str) -> Float:
     motion = one.motion
     if variable == "t":
         return motion.t - motion.t[0]
     if variable == "load":
-        return own_torques(now.model, one, now.linear, shape)[f"tau_rigid{joint + 1}"]
+        return own_torques(now, one)[f"tau_rigid{joint + 1}"]
     stem, index = variable[:-1], int(variable[-1]) - 1
     signal = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
     return np.abs(signal) if factor == "sign" and stem == "dq" else signal
 
 
-def _splines(now: Present, variable: str, joint: int, factor: str) -> _Splines | None:
+def _splines(now: FittedModel, variable: str, joint: int, factor: str, knots: int) -> _Splines | None:
     """Return splines over the range of `variable` on the training motion; None where it does not vary or apply."""
     from scipy.interpolate import BSpline
 
     if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":
         return None  # the direction is that of the joint itself
     prepared = now.prepared.all
-    signals = [_signal(p, now, variable, joint, s, factor) for p, s in zip(prepared, now.shapes, strict=True)]
+    signals = [_signal(p, now, variable, joint, factor) for p in prepared]
     train = np.concatenate(signals[: len(now.prepared.train)])
     low, high = np.quantile(train, (0.002, 0.998))
     if not high - low > 1e-9:
         return None
     order = 3
-    levels = np.linspace(0.0, 1.0, KNOTS - order + 1)
+    levels = np.linspace(0.0, 1.0, knots - order + 1)
     # Half even, half where the motion is: what happens near standstill is narrow, and much time is spent there.
     inner = 0.5 * (low + levels * (high - low)) + 0.5 * np.quantile(np.clip(train, low, high), levels)
     inner[[0, -1]] = low, high  # exactly, or rounding leaves samples outside
-    knots = np.concatenate([[low] * order, inner, [high] * order])
+    positions = np.concatenate([[low] * order, inner, [high] * order])
 
     def design(x: Float) -> Float:
-        return np.asarray(BSpline.design_matrix(np.clip(x, low, high), knots, order).toarray())
+        return np.asarray(BSpline.design_matrix(np.clip(x, low, high), positions, order).toarray())
 
     out = []
     for one, signal in zip(prepared, signals, strict=True):
@@ -431,8 +427,8 @@ def _splines(now: Present, variable: str, joint: int, factor: str) -> _Splines |
 def _curve(judge: _Judge, splines: _Splines) -> tuple[Float, Float]:
     """Return the learnt curve and the half-width of its 95 % band from the spread over held-out fits (jackknife)."""
     grams = judge.evidence.plain(judge.columns(splines.columns))
-    curves = judge.evidence.leave_one_out(grams, RIDGE) @ splines.basis.T
-    y = splines.basis @ judge.evidence.gain(grams, RIDGE).coefficients[0]
+    curves = judge.evidence.leave_one_out(grams, judge.curve_ridge) @ splines.basis.T
+    y = splines.basis @ judge.evidence.gain(grams, judge.curve_ridge).coefficients[0]
     count = len(curves)
     spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
     return y - y.mean(), 1.96 * spread

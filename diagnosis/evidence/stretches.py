@@ -11,59 +11,55 @@ from dataclasses import replace
 
 import numpy as np
 
+from diagnosis.rules import RULES, Rules
 from measurement.finding import Finding
 from measurement.signals.conditioning import response_seconds
 from optimisation.preparation.prepare import Prepared, PreparedRecording
 from symbolic.motion import Motion
 
-LONGEST = 900.0
-"""Seconds of recordings that are searched as a whole."""
-STRETCH = 30.0
-"""Length of a stretch in s."""
-SEARCHED = 600.0
-"""Seconds searched of recordings that are longer, spread evenly; half as much of those for verification."""
 
-
-def stretches(prepared: Prepared) -> Prepared:
+def stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
     """Return `prepared` itself, or, where it is too long to be searched, stretches as recordings of their own."""
-    if sum(_seconds(one) for one in prepared.all) <= LONGEST:
+    if sum(_seconds(one) for one in prepared.all) <= rules.whole_seconds:
         return prepared
-    return replace(prepared, train=_spread(prepared.train, SEARCHED), verify=_spread(prepared.verify, 0.5 * SEARCHED))
+    train = _spread(prepared.train, rules.searched_seconds, rules.stretch_seconds)
+    verify = _spread(prepared.verify, 0.5 * rules.searched_seconds, rules.stretch_seconds)
+    return replace(prepared, train=train, verify=verify)
 
 
-def searched(prepared: Prepared, part: Prepared) -> tuple[Finding, ...]:
+def searched(prepared: Prepared, part: Prepared, rules: Rules = RULES) -> tuple[Finding, ...]:
     """Return what a report must say about it: nothing where everything was searched."""
     if part is prepared:
         return ()
     whole, seen = (sum(_seconds(one) for one in p.all) for p in (prepared, part))
     what = f"suspects were searched in {len(part.all)} stretches, {seen / 60:.0f} min of {whole / 60:.0f} min"
     remedy = "nothing to do: errors, parameters and intervals are of the whole recordings"
-    return (Finding("stretches", "info", what, "all recordings", seen, LONGEST, remedy),)
+    return (Finding("stretches", "info", what, "all recordings", seen, rules.whole_seconds, remedy),)
 
 
 def _seconds(one: PreparedRecording) -> float:
     return float(one.t[-1] - one.t[0])
 
 
-def _spread(recordings: Sequence[PreparedRecording], total: float) -> tuple[PreparedRecording, ...]:
+def _spread(recordings: Sequence[PreparedRecording], total: float, stretch: float) -> tuple[PreparedRecording, ...]:
     """Return stretches of `recordings`, about `total` seconds, each recording with its share; short ones stay whole."""
     length = sum(_seconds(one) for one in recordings)
     if length <= total:
         return tuple(recordings)
     out: list[PreparedRecording] = []
     for one in recordings:
-        count = max(1, round(total / STRETCH * _seconds(one) / length))
-        if count * STRETCH >= _seconds(one):
+        count = max(1, round(total / stretch * _seconds(one) / length))
+        if count * stretch >= _seconds(one):
             out.append(one)
             continue
-        starts = one.t[0] + np.linspace(0.0, _seconds(one) - STRETCH, count)
-        out += [_cut(one, start, f"{one.name} from {start:.0f} s") for start in starts]
+        starts = one.t[0] + np.linspace(0.0, _seconds(one) - stretch, count)
+        out += [_cut(one, start, stretch, f"{one.name} from {start:.0f} s") for start in starts]
     return tuple(out)
 
 
-def _cut(one: PreparedRecording, start: float, name: str) -> PreparedRecording:
+def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> PreparedRecording:
     """Return one stretch, with as much motion around it as the filter reaches."""
-    inside = np.flatnonzero((one.t >= start) & (one.t <= start + STRETCH))
+    inside = np.flatnonzero((one.t >= start) & (one.t <= start + stretch))
     kept = one.kept[inside]
     reach = int(np.ceil(response_seconds(one.cutoff) * one.rate)) + 1
     first, last = max(0, int(kept[0]) - reach), min(len(one.motion), int(kept[-1]) + reach + 1)

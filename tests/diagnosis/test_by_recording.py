@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.present import present
+from diagnosis.evidence.fitted import fitted_model
 from measurement.bench.hidden import parse_hidden
 from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import simulate_runs
@@ -29,7 +29,7 @@ def recordings():
 
 def asked(recordings):
     prepared = prepare(MODEL, recordings)
-    now = present(identify(MODEL, prepared.train, optimisers=()), prepared)
+    now = fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared)
     return differing(now, now.evidence(seed=0, draws=0))
 
 

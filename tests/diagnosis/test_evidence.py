@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.evidence.candidates import Columns
+from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Block, Evidence
 
 
@@ -108,7 +108,8 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
 def test_noise_is_called_significant_as_often_as_it_should_be():
     """Pure noise against placebos of itself: the p-value is uniform."""
     from diagnosis.evidence.candidates import Candidate
-    from diagnosis.evidence.suspects import Score, placebo
+    from diagnosis.evidence.placebo import placebo
+    from diagnosis.evidence.score import Score
     from symbolic.catalogue import find_effect
     from symbolic.term import Term
 

@@ -1,4 +1,4 @@
-"""The present model as evidence sees it: its columns, its residual, and how it could still bend by itself.
+"""The model at its numbers: its torque, columns and sensitivities on every recording, and what it leaves.
 
 The columns include the derivative by every shape parameter, so that a candidate is never credited with what a small
 change of a shape already explains.
@@ -7,11 +7,13 @@ change of a shape already explains.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
-from diagnosis.evidence.gain import BLOCKS, ROBUST, Block, Evidence, pooled_scale
+from diagnosis.evidence.gain import Block, Evidence, pooled_scale
+from diagnosis.rules import RULES, Rules
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.local_shape import shapes_for
 from optimisation.linear.loss import huber
@@ -19,25 +21,52 @@ from optimisation.preparation.prepare import Prepared, PreparedRecording
 from symbolic.model import Model
 from symbolic.motion import Float
 
-HOLD = 2.0
-"""Standard deviations of a shape value that a split of the recordings may move it by."""
 SLOPE_STEP = 1e-3
 """Step of the derivative by a shape parameter, as a share of its range."""
 
 
 @dataclass(frozen=True, eq=False)
-class Present:
-    """A fitted model on all prepared recordings: shape values (R, S) and residuals (J, K), training first.
+class FittedModel:
+    """A model at the numbers of `fit`, on all prepared recordings (training first), with its residuals (J, K) N·m.
 
-    `slack` (S,) is how far the data leave each shape value open (a standard deviation).
+    `shapes` (R, S) are the shape values in every recording, `slack` (S,) how far the data leave each of them open (a
+    standard deviation).
     """
 
-    model: Model
-    linear: Float
+    fit: Fit
     shapes: Float
     residuals: tuple[Float, ...]
     prepared: Prepared
     slack: Float
+
+    @property
+    def model(self) -> Model:
+        """The model that was fitted."""
+        return cast("Model", self.fit.model)
+
+    @property
+    def linear(self) -> Float:
+        """Linear parameters (P,)."""
+        return self.fit.linear
+
+    @property
+    def shape(self) -> Float:
+        """Shape values (S,), the middle of those of the training recordings."""
+        return self.fit.shape
+
+    def torque(self, index: int) -> Float:
+        """Return the torque (J, K) of recording `index` after the common filter, N·m."""
+        return _filtered_torque(self.model, self.prepared.all[index], self.linear, self.shapes[index])
+
+    @property
+    def verified(self) -> bool:
+        """Whether there are verification recordings."""
+        return bool(self.prepared.verify)
+
+    @property
+    def judged_rms(self) -> Float:
+        """RMS residual (J,) in N·m that a reader is shown: of verification recordings, of fitted ones without any."""
+        return self.train_rms if self.verify_rms is None else self.verify_rms
 
     @property
     def train_rms(self) -> Float:
@@ -61,9 +90,9 @@ class Present:
         """Robust standard deviation (J,) of the unseen residual, N·m."""
         return pooled_scale(self._unseen())
 
-    def unseen_loss(self, scale: Float) -> float:
+    def unseen_loss(self, scale: Float, rules: Rules = RULES) -> float:
         """Return the Huber loss of the unseen residual in units of `scale` (J,), both joints together."""
-        limit = np.full(len(scale), ROBUST)
+        limit = np.full(len(scale), rules.robust)
         return float(sum(huber(np.where(use, r, 0.0) / scale[:, None], limit) for r, use in self._unseen()))
 
     @property
@@ -71,14 +100,14 @@ class Present:
         """Robust standard deviation (J,) of the residual of all recordings, N·m."""
         return pooled_scale([(r, p.use.T) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
 
-    def block_losses(self, scale: Float, seconds: float) -> Float:
-        """Return the Huber loss in blocks of `seconds`, recording after recording, in units of `scale` (J,)."""
+    def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
+        """Return the Huber loss in blocks of time, recording after recording, in units of `scale` (J,)."""
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
             size = np.where(one.use.T, np.abs(residual), 0.0) / scale[:, None]
-            inner = np.minimum(size, ROBUST)
+            inner = np.minimum(size, rules.robust)
             loss = np.sum(inner * (2.0 * size - inner), axis=0)
-            starts = np.arange(0, loss.size, max(1, int(seconds * one.kept_rate)))
+            starts = np.arange(0, loss.size, max(1, int(rules.block_seconds * one.kept_rate)))
             out.append(np.add.reduceat(loss, starts))
         return np.concatenate(out)
 
@@ -87,36 +116,36 @@ class Present:
         """Name and RMS residual (J,) of every recording."""
         return [(p.name, pooled_rms([r], [p])) for p, r in zip(self.prepared.all, self.residuals, strict=True)]
 
-    def evidence(self, *, seed: int, draws: int = 999, sigma: Float | None = None) -> Evidence:
+    def evidence(
+        self, *, seed: int, draws: int | None = None, sigma: Float | None = None, rules: Rules = RULES
+    ) -> Evidence:
         """Return the evidence that weighs missing effects, in units of `sigma` (J,) N·m, by default its own scale."""
         lone = len(self.prepared.train) == 1
         blocks = [
-            _block(self.model, one, self.linear, shape, residual, lone and i == 0)
+            _block(self.model, one, self.linear, shape, residual, rules.blocks if lone and i == 0 else 1)
             for i, (one, shape, residual) in enumerate(zip(self.prepared.all, self.shapes, self.residuals, strict=True))
         ]
         count = len(self.prepared.train)
         # Slopes describe small changes of a shape value: a split that hardly shows it must not run off along one.
         free = np.zeros(len(self.model.parameters))
-        prior = np.concatenate([free, (HOLD * self.slack) ** -2.0])
-        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior)
+        prior = np.concatenate([free, (rules.hold * self.slack) ** -2.0])
+        return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior, rules=rules)
 
-    def on(self, prepared: Prepared) -> Present:
+    def on(self, prepared: Prepared) -> FittedModel:
         """Return the same model with the same numbers on other versions of the recordings."""
         residuals = _residuals(self.model, self.linear, self.shapes, prepared)
-        return Present(self.model, self.linear, self.shapes, residuals, prepared, self.slack)
+        return replace(self, residuals=residuals, prepared=prepared)
 
 
-def present(fit: Fit, prepared: Prepared) -> Present:
+def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
     """Return the fitted model on training and verification recordings.
 
     Shape values that belong to a recording (where a stop is met) are fitted to each recording, unseen ones included;
     everything else is as fitted on the training recordings.
     """
-    model: Model = fit.model  # type: ignore[assignment]
+    model = cast("Model", fit.model)
     shapes = shapes_for(fit, prepared)
-    return Present(
-        model, fit.linear, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model)
-    )
+    return FittedModel(fit, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model))
 
 
 def _slack(fit: Fit, model: Model) -> Float:
@@ -129,11 +158,11 @@ def _slack(fit: Fit, model: Model) -> Float:
 
 def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
     return tuple(
-        one.tau.T - filtered_torque(model, one, linear, shape) for one, shape in zip(prepared.all, shapes, strict=True)
+        one.tau.T - _filtered_torque(model, one, linear, shape) for one, shape in zip(prepared.all, shapes, strict=True)
     )
 
 
-def filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
+def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
     """Return the model's torque (J, K) after the common filter, N·m."""
     return np.asarray(one.smooth(model.torque(one.motion, linear, shape)).T)
 
@@ -145,13 +174,13 @@ def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]
     return np.sqrt(square / np.maximum(count, 1))
 
 
-def _block(model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, lone: bool) -> Block:
+def _block(model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, parts: int) -> Block:
     raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
-    parts = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
-    columns = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(parts, axis=2), 0, 1)), 0, 1)
-    samples = columns.shape[1]
-    fold = np.arange(samples) * BLOCKS // samples if lone else np.zeros(samples, dtype=int)
-    return Block(np.ascontiguousarray(columns), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
+    columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
+    smooth = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(columns, axis=2), 0, 1)), 0, 1)
+    samples = smooth.shape[1]
+    fold = np.arange(samples) * parts // samples
+    return Block(np.ascontiguousarray(smooth), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
 
 
 def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:

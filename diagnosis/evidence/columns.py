@@ -1,0 +1,50 @@
+"""The columns of a candidate on one recording, filtered like the torque: what the evidence weighs."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Filtered columns (V, A, K, m) of a candidate on one recording: V nodes, A = its joints."""
+
+    joints: tuple[int, ...]
+    values: Float
+
+    @property
+    def flat(self) -> Float:
+        """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
+        nodes, _, _, width = self.values.shape
+        return np.moveaxis(self.values, 3, 1).reshape(nodes, width, -1)
+
+    @property
+    def largest(self) -> Float:
+        """The largest magnitude (V, K) of each node's columns at each sample."""
+        _, count, samples, width = self.values.shape
+        size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
+        parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
+        return functools.reduce(np.maximum, parts)
+
+    def full(self, node: int) -> Float:
+        """Return the columns (J, K, m) of one node, zero at joints it does not act on."""
+        _, _, samples, width = self.values.shape
+        out = np.zeros((len(JOINTS), samples, width))
+        out[list(self.joints)] = self.values[node]
+        return out
+
+    def node(self, index: int) -> Columns:
+        """Return the columns of one node alone."""
+        return Columns(self.joints, self.values[index : index + 1])
+
+
+def stacked(parts: Sequence[Columns]) -> Columns:
+    """Return the columns (one node each) of several candidates as those of one on both joints."""
+    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])

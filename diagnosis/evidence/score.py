@@ -1,0 +1,162 @@
+"""How much a candidate lowers the error of motion it was not fitted on, with coefficients that physics allows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.gain import Evidence, Gain, Gram
+from diagnosis.rules import Rules
+from symbolic.effect import Coefficient, Shape
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What the evidence says about one candidate.
+
+    `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
+    present model: `share` on held-out training units, `folds` (F,) on each, `unseen` on verification
+    recordings (None without). `helps`: it lowers the error where it was not fitted.
+    `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
+    """
+
+    candidate: Candidate
+    nodes: np.ndarray
+    share: float
+    folds: Float
+    unseen: float | None
+    coefficients: Float
+    novelty: float
+    helps: bool = False
+    p_value: float | None = None
+    significant: bool = False
+    caution: str = ""
+
+    @property
+    def name(self) -> str:
+        """Full name of the candidate."""
+        return self.candidate.name
+
+    @property
+    def shape(self) -> Float:
+        """Shape values (R, S) on each recording."""
+        return self.candidate.nodes[np.arange(len(self.nodes)), self.nodes]
+
+
+def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
+    """Return the score of a candidate at its best node, without placebos."""
+    grams = evidence.plain(columns)
+    novelty = evidence.novelty(grams)
+    rules = evidence.rules
+    alive = (novelty > rules.least_novelty) & (_active(evidence, columns) >= rules.least_active)
+    if not alive.any():
+        nodes = np.zeros(len(columns), dtype=int)
+        blank = np.zeros(len(evidence.fold_losses))
+        text = "the model's own parameters already contain it, on this motion"
+        return Score(
+            candidate, nodes, 0.0, blank, 0.0, np.zeros(columns[0].values.shape[3]), float(novelty.max()), caution=text
+        )
+    best: tuple[np.ndarray, Gain] | None = None
+    wrong = 0.0
+    for nodes, gain in _choices(evidence, candidate, grams, alive):
+        right = admissible(candidate, gain.coefficients, rules)[0]
+        total = float(gain.total[0])
+        if right and (best is None or total > best[1].total[0]):
+            best = nodes, gain
+        elif not right:
+            wrong = max(wrong, total)
+    whole = float(evidence.fold_losses.sum())
+    if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
+        nodes, gain = best or next(iter(_choices(evidence, candidate, grams, alive)))
+        text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
+    else:
+        (nodes, gain), text = best, ""
+    unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
+    share = float(gain.total[0]) / whole if best is not None else 0.0
+    folds = gain.folds[:, 0] / evidence.fold_losses
+    helps = _helps(rules, share, folds, unseen)
+    return Score(
+        candidate, nodes, share, folds, unseen, gain.coefficients[0], float(novelty[nodes[0]]), helps, caution=text
+    )
+
+
+def _helps(rules: Rules, share: float, folds: Float, unseen: float | None) -> bool:
+    """Whether a candidate lowers the error where it was not fitted: in total, on verification, and hurts nothing."""
+    harmless = np.all(folds > -rules.harmless * share)
+    fresh = unseen is None or unseen >= 0.5 * rules.least_share
+    return share >= rules.least_share and bool(harmless) and fresh
+
+
+def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.ndarray:
+    """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds."""
+    effect = candidate.term.effect
+    entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*effect.shape.values()][:1]
+    reach = rules.tangent_reach if candidate.tangent else 1.0
+    ok = np.ones(len(coefficients), dtype=bool)
+    for value, entry in zip(coefficients.T, entries, strict=True):
+        if entry.min is not None:
+            ok &= value >= entry.min * (reach if entry.min < 0.0 else 1.0 / reach)
+        if entry.max is not None:
+            ok &= value <= entry.max * (reach if entry.max > 0.0 else 1.0 / reach)
+    return ok
+
+
+def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
+    """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
+    train = columns[: len(evidence.train)]
+    largest = [c.largest for c in train]
+    peak = np.max([size.max(axis=1) for size in largest], axis=0)
+    live = [np.mean(size > 1e-3 * peak[:, None], axis=1) for size in largest]
+    whole = seen = 0.0
+    for c, block in zip(train, evidence.train, strict=True):
+        squares = np.square(c.flat).sum(axis=1)
+        whole = whole + squares.sum(axis=1)
+        seen = seen + squares @ block.use[list(c.joints)].ravel()
+    return np.where((peak > 0.0) & (seen >= evidence.rules.least_seen * whole), np.mean(live, axis=0), 0.0)
+
+
+def groups_of(candidate: Candidate) -> list[np.ndarray]:
+    """Return the nodes that differ between recordings, those together that share every other value."""
+    own = candidate.per_recording
+    moving = np.setdiff1d(np.arange(candidate.nodes.shape[1]), candidate.common)
+    if not own or not moving.size:
+        return []
+    _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)
+    return [moving[label.ravel() == k] for k in range(label.max() + 1)]
+
+
+def _choices(
+    evidence: Evidence, candidate: Candidate, grams: Sequence[Gram], alive: np.ndarray
+) -> list[tuple[np.ndarray, Gain]]:
+    """Return (nodes (R,), Gain) of what the search may choose: of the nodes that are common to all recordings the best
+    with an admissible sign and the best with another, and the best of every group.
+    """
+    recordings = len(evidence.blocks)
+    gain = evidence.gain(grams)
+    common = np.intersect1d(candidate.common, np.flatnonzero(alive))
+    right = admissible(candidate, gain.coefficients[common], evidence.rules)
+    out = []
+    for side in (common[right], common[~right]):
+        if side.size:
+            v = int(side[np.argmax(gain.total[side])])
+            one = Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1])
+            out.append((np.full(recordings, v), one))
+    groups = groups_of(candidate)
+    if not groups:
+        return out
+    by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
+    for group in groups:
+        nodes = np.array([group[_local(evidence, candidate, grams, r, group)] for r in range(recordings)])
+        out.append((nodes, evidence.gain(evidence.pick(by_node, nodes[:, None]))))
+    return out
+
+
+def _local(evidence: Evidence, candidate: Candidate, grams: Sequence[Gram], recording: int, group: np.ndarray) -> int:
+    coefficients, gain = evidence.recording_gain(grams, recording)
+    gain = np.where(admissible(candidate, coefficients, evidence.rules), gain, -np.inf)
+    return int(np.argmax(gain[group]))

@@ -1,0 +1,144 @@
+"""Every threshold that decides in a diagnosis, in one record: what it is, and what it prevents.
+
+The table of docs/statistics.md and that of the report are written from this record. Numerical steps (of a derivative,
+of a grid) are not here: they decide nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One threshold as a table shows it: the question it belongs to, its name, value, and what it prevents."""
+
+    group: str
+    name: str
+    value: float
+    prevents: str
+
+
+def _rule(group: str, value: Any, prevents: str) -> Any:
+    return field(default=value, metadata={"group": group, "prevents": prevents})
+
+
+EVIDENCE = "evidence on unseen motion"
+ACCEPTANCE = "from candidate to suspect"
+PLACEBO = "placebos"
+ALIKE = "look-alikes"
+SEARCH = "the search"
+REMAINDER = "what is left"
+CONSISTENCY = "consistency between recordings"
+LENGTH = "long recordings"
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The thresholds of one diagnosis. `Rules()` are those in use; `dataclasses.replace` varies one of them."""
+
+    blocks: int = _rule(EVIDENCE, 4, "parts of a recording that is alone; with none, nothing would be unseen")
+    most_folds: int = _rule(EVIDENCE, 8, "splits at most; more units are held out several at a time, for speed")
+    robust: float = _rule(
+        EVIDENCE,
+        2.0,
+        "robust deviations beyond which a residual counts linearly: bursts and reversals would outvote all",
+    )
+    ridge: float = _rule(EVIDENCE, 1e-9, "relative ridge of a candidate: a column the model already contains runs wild")
+    least_scale: float = _rule(
+        EVIDENCE, 0.3, "scale of a column for the ridge, of the largest: a column hardly seen would escape the ridge"
+    )
+    hold: float = _rule(
+        EVIDENCE, 2.0, "deviations a split may move a shape value: a split that hardly shows it would run off along it"
+    )
+
+    least_share: float = _rule(
+        ACCEPTANCE, 0.01, "least share of the weighted unseen loss: errors of the filter pass for small effects below"
+    )
+    harmless: float = _rule(
+        ACCEPTANCE, 0.3, "part of the average gain that a recording may lose: a term that helps one and harms another"
+    )
+    false_discovery_rate: float = _rule(ACCEPTANCE, 0.05, "entries named by chance, over the catalogue at every step")
+    least_novelty: float = _rule(ACCEPTANCE, 1e-6, "share of a column new to the model: the rest its parameters absorb")
+    least_active: float = _rule(ACCEPTANCE, 0.003, "share of samples on which a column is not zero: a lucky burst")
+    least_seen: float = _rule(
+        ACCEPTANCE,
+        0.01,
+        "share of a column on fitted samples: a peak inside the sticking speeds is credited with its edge",
+    )
+    tangent_reach: float = _rule(
+        ACCEPTANCE, 2.0, "times a bound that a tangent may reach: of a large delay it shows only direction and size"
+    )
+
+    placebos: int = _rule(PLACEBO, 999, "placebos of a candidate; no p-value can be below one over one more")
+    placebo_for: int = _rule(PLACEBO, 12, "candidates that get placebos, the best ones; the others count with p = 1")
+    placebo_nodes: int = _rule(PLACEBO, 100, "nodes in the search of a placebo; neighbours resemble each other")
+    telegraph: float = _rule(PLACEBO, 3.0, "seconds between changes of sign in the placebo of a constant")
+    min_shift: float = _rule(PLACEBO, 1.0, "shortest shift in s: a placebo that is nearly the candidate")
+    repeats: float = _rule(
+        PLACEBO,
+        0.5,
+        "autocorrelation of the motion above which a shift is not used: a periodic motion shifted by a period",
+    )
+
+    block_seconds: float = _rule(
+        ALIKE, 2.0, "blocks in s in which losses are compared, longer than a residual remembers"
+    )
+    clear: float = _rule(ALIKE, 2.5, "standard errors by which the better candidate leads: a choice made by chance")
+    tied: float = _rule(ALIKE, 1.0, "standard errors within which the simpler candidate is taken: needless numbers")
+    practically: float = _rule(
+        ALIKE, 0.98, "part of the gain with which a simpler rival ties: what linearising loses would decide"
+    )
+    close: float = _rule(ALIKE, 0.5, "part of the best gain from which a candidate is compared at all, for speed")
+    another: float = _rule(ALIKE, 0.5, "part of its gain kept beside the best: another effect called a look-alike")
+    refinements: int = _rule(ALIKE, 3, "rounds of refinement of a shape value: a coarse grid decides nothing")
+
+    most_terms: int = _rule(SEARCH, 6, "terms added at most; a model that needs more has another problem")
+    near: float = _rule(
+        SEARCH, 0.8, "part of the best gain from which a candidate is refitted: a grid missed its place"
+    )
+    refitted: int = _rule(SEARCH, 5, "rivals at most that a refit compares, for speed")
+    own_place: float = _rule(
+        SEARCH,
+        0.5,
+        "part of its gain that a candidate with per-recording positions keeps beside an offset per recording",
+    )
+    sure: float = _rule(SEARCH, 0.01, "p-value an accepted term keeps beside the others: a superfluous term")
+    merged: float = _rule(
+        SEARCH, 0.97, "part of the gain of two terms with which one replaces them: two for one effect"
+    )
+    many_numbers: int = _rule(SEARCH, 4, "a term with so many numbers is compared with plainer ones in its place")
+    rounds: int = _rule(SEARCH, 4, "times the search goes on after it took back a proxy")
+
+    knots: int = _rule(REMAINDER, 12, "spline functions of a curve: fewer miss a bump, more follow noise")
+    curve_ridge: float = _rule(
+        REMAINDER, 3e-2, "relative ridge of a curve: parts that the model nearly contains run wild"
+    )
+    curve_share: float = _rule(REMAINDER, 0.02, "least share of the unseen loss that a curve explains to be reported")
+    curve_level: float = _rule(REMAINDER, 0.005, "p-value of a curve; a few dozen are tried")
+    own_handicap: float = _rule(REMAINDER, 0.85, "factor on the share of a curve per recording: freedom must be earned")
+    beaten: float = _rule(REMAINDER, 3.0, "standard errors by which a curve leads to unmask a proxy: a true term lost")
+    beaten_share: float = _rule(REMAINDER, 0.02, "share of the loss by which a curve leads to unmask a proxy")
+    superseded: float = _rule(REMAINDER, 0.5, "part of its gain a proxy adds to the curve that replaces it")
+    as_good: float = _rule(REMAINDER, 0.97, "part of the gain with which a bump with fewer numbers unmasks a proxy")
+
+    differing_share: float = _rule(CONSISTENCY, 0.05, "share of a recording's error that a difference explains")
+    differing_change: float = _rule(CONSISTENCY, 0.25, "relative change of an effect's parameter that is named")
+    differing_new: float = _rule(CONSISTENCY, 1e-3, "share of a column of one recording that nothing else takes over")
+    differing_named: int = _rule(CONSISTENCY, 8, "differences named at most")
+    differing_recordings: int = _rule(CONSISTENCY, 24, "recordings at most; beyond, a single one no longer matters")
+
+    whole_seconds: float = _rule(LENGTH, 900.0, "seconds that are searched as a whole; beyond, memory runs out")
+    stretch_seconds: float = _rule(LENGTH, 30.0, "length of a stretch of a longer recording, s")
+    searched_seconds: float = _rule(LENGTH, 600.0, "seconds searched of longer recordings; half as much to verify")
+
+    def table(self) -> Iterator[Rule]:
+        """Yield every threshold in the order of the groups."""
+        for one in fields(self):
+            yield Rule(one.metadata["group"], one.name, getattr(self, one.name), one.metadata["prevents"])
+
+
+RULES = Rules()
+"""The thresholds in use."""

@@ -1,0 +1,156 @@
+"""Which candidate to add: the significant ones are compared after a refit of everything, and must outlive two doubts.
+
+What noise of the angles makes, and what another offset of the torque sensor in every recording would do, is no effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.gain import Block, Evidence
+from diagnosis.evidence.look_alikes import columns_at, look_alikes
+from diagnosis.evidence.score import Score, weigh
+from diagnosis.search.context import SearchContext
+from diagnosis.search.state import Extension
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The extension with the best candidate, or None; `failed` are candidates that led and did not outlive a refit."""
+
+    found: Extension | None
+    failed: frozenset[str] = frozenset()
+
+
+def choose(
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    scores: Sequence[Score],
+    banned: frozenset[str],
+) -> Choice:
+    """Return the model with the best candidate that really helps after a full refit."""
+    failed: frozenset[str] = frozenset()
+    while good := [s for s in scores if s.significant and s.name not in banned | failed]:
+        out = banned | failed
+        # A rival need not beat its own placebos: that something is missing is certain, the question is what.
+        rivals = [s for s in scores if s.helps and not s.caution and s.name not in out and s is not good[0]]
+        wanted = [good[0], *(s for s in rivals if s.share >= context.rules.close * good[0].share)]
+        near, alike = shortlist(context, extension, evidence, wanted)
+        found = refitted(context, extension, evidence, near, alike)
+        if found is not None:
+            return Choice(found, failed)
+        failed |= {near[0].name}
+    return Choice(None, failed)
+
+
+def shortlist(
+    context: SearchContext, extension: Extension, evidence: Evidence, scores: Sequence[Score]
+) -> tuple[list[Score], Collection[str]]:
+    """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best."""
+    refined = [context.refined(evidence, extension, s) for s in scores]
+    refined.sort(key=lambda pair: -pair[0].share)
+    alike = look_alikes(evidence, refined[0], refined[1:])
+    least = context.rules.near * refined[0][0].share
+    return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
+
+
+def refitted(
+    context: SearchContext, extension: Extension, evidence: Evidence, rivals: Sequence[Score], alike: Collection[str]
+) -> Extension | None:
+    """Return the extension with the best of `rivals` (best first), each compared after a refit of everything.
+
+    Linearised and on a grid they were too close to call; those in `alike` stay look-alikes unless a refit
+    distinguishes them. None where none of them helps unseen recordings, or where what they gain is made by the noise of
+    the angles.
+    """
+    rules, scale = context.rules, extension.fitted.scale
+    tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
+    tried = [(score, found) for score, found in tried if context.unseen_gain(extension, found) > 0.0]
+    if not tried:
+        return None
+    losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
+    least = min(losses.values(), key=np.sum)
+    lag = {name: _lag(loss, least) for name, loss in losses.items()}
+    score, found = min(
+        ((s, f) for s, f in tried if lag[s.name] < rules.tied),
+        key=lambda p: (p[0].candidate.numbers, p[0].candidate.tangent),
+    )
+    if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
+        return None
+    others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
+    never = tuple(s.name for s in others if _same(s, score))
+    return replace(found, alike=tuple(s.name for s in others), never=never)
+
+
+def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
+    """Whether a candidate still gains enough once the part that the noise of the angles makes is taken off.
+
+    Noise makes accelerations, and so the model's torque, rougher than the motion was; whatever smooths it (a
+    flexible drive, a delay) then gains. With the noise added once more that part doubles, the true part does not.
+    """
+    noisy = noisier(extension.fitted, context.seed)
+    columns = context.columns_of(score, noisy)
+    single = replace(score.candidate, nodes=score.shape[:, None, :])
+    rougher = noisy.evidence(seed=context.seed, draws=0, sigma=evidence.sigma, rules=context.rules)
+    with_noise = weigh(rougher, single, columns)
+    loss, rough_loss = float(evidence.fold_losses.sum()), float(rougher.fold_losses.sum())
+    made_by_noise = max(with_noise.share * rough_loss - score.share * loss, 0.0) / loss
+    return score.share - made_by_noise >= context.rules.least_share
+
+
+def noisier(fitted: FittedModel, seed: int) -> FittedModel:
+    """Return the same model on the recordings as they would be with the noise of their encoders doubled."""
+    rng = np.random.default_rng(seed)
+    train = tuple(one.noisier(rng) for one in fitted.prepared.train)
+    verify = tuple(one.noisier(rng) for one in fitted.prepared.verify)
+    return fitted.on(replace(fitted.prepared, train=train, verify=verify))
+
+
+def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> bool:
+    """Whether a candidate with per-recording positions is more than another offset of the sensor in each recording.
+
+    A stop that is met elsewhere in each recording can take the place of a torque that is a little higher in one
+    than in another. So means are taken off: recording by recording, of residual, model and candidate alike.
+    """
+    if not score.candidate.per_recording or len(evidence.blocks) < 2:
+        return True
+    rules, count = evidence.rules, len(evidence.train)
+    blocks = [_centred(block) for block in evidence.blocks]
+    level = Evidence(
+        blocks[:count], blocks[count:], seed=0, draws=0, sigma=evidence.sigma, prior=evidence.prior, rules=rules
+    )
+    columns = [
+        replace(c, values=c.values - _mean(c.values, block.use[list(c.joints)][None, :, :, None], 2))
+        for c, block in zip(columns_at(score.candidate, score.shape, extension.fitted), evidence.blocks, strict=True)
+    ]
+    gain = float(level.gain(level.plain(columns)).total[0]) / float(evidence.fold_losses.sum())
+    return gain >= max(rules.least_share, rules.own_place * score.share)
+
+
+def _centred(block: Block) -> Block:
+    """Return a block of which every column and the residual have no mean at either joint."""
+    columns = block.columns - _mean(block.columns, block.use[:, :, None], 1)
+    return replace(block, columns=columns, residual=block.residual - _mean(block.residual, block.use, 1))
+
+
+def _mean(x: Float, use: np.ndarray, axis: int) -> Float:
+    """Return the mean of `x` over the usable samples along `axis`, kept as an axis of length one."""
+    return np.sum(x * use, axis=axis, keepdims=True) / np.maximum(use.sum(axis=axis, keepdims=True), 1)
+
+
+def _lag(loss: Float, least: Float) -> float:
+    """Return by how many standard errors a model's loss in blocks of time is above the least one's; 0 for itself."""
+    difference = loss - least
+    spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))
+    return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
+
+
+def _same(one: Score, other: Score) -> bool:
+    """Whether two candidates gain the same to rounding, on every held-out recording: no motion here differs."""
+    return bool(np.allclose(one.folds, other.folds, rtol=1e-4, atol=1e-6))

@@ -1,0 +1,157 @@
+"""What stays the same during one search, and the few operations that every move is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, Library
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.look_alikes import columns_at, refine
+from diagnosis.evidence.placebo import placebo
+from diagnosis.evidence.ranking import rank
+from diagnosis.evidence.score import Score, weigh
+from diagnosis.rules import RULES, Rules
+from diagnosis.search.state import Extension, State
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared
+from symbolic.model import Model
+from symbolic.motion import Float
+
+Progress = Callable[[float, str], None]
+Ranked = tuple[Evidence, list[Score]]
+
+
+def silent(fraction: float, text: str) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class SearchContext:
+    """Recordings, candidates, seed and thresholds of one search; `most` terms may be added."""
+
+    prepared: Prepared
+    library: Library
+    seed: int = 0
+    tick: Progress = silent
+    most: int = RULES.most_terms
+    rules: Rules = RULES
+    ranked: dict[tuple[str, ...], Ranked] = field(default_factory=dict)
+    """What was found against a model with these terms, for when the search comes back to it."""
+
+    # -- models -----------------------------------------------------------------------------------------------
+
+    def fit(self, model: Model, start: Float | None = None) -> Extension:
+        """Return `model` fitted to the training recordings, on all of them; no term is added yet."""
+        fit = identify(model, self.prepared.train, optimisers=(), start=start)
+        return Extension(fitted_model(fit, self.prepared))
+
+    def with_term(self, extension: Extension, score: Score) -> Extension:
+        """Return the model of `extension` with the candidate of `score` added, everything refitted."""
+        before, term = extension.fitted, score.candidate.term
+        model = before.model.with_effect(term.effect, term.joint)
+        count = len(self.prepared.train)
+        own = score.shape[:count] if not score.candidate.tangent else _from_tangent(score, count)
+        shapes = np.broadcast_to(before.fit.shapes, (count, len(before.shape)))
+        start = np.concatenate([shapes, own], axis=1)
+        if not any(s.shape.per_recording for s in model.shapes):
+            start = start[0]
+        return replace(self.fit(model, start if model.shapes else None), added=score)
+
+    def without(self, extension: Extension, scores: Sequence[Score]) -> Extension:
+        """Return the model of `extension` without the terms of `scores`, refitted."""
+        names = {score.name for score in scores}
+        model = extension.fitted.model
+        keep = [i for i, s in enumerate(model.shapes) if s.term not in names]
+        for name in names:
+            model = model.without(name)
+        shapes = np.asarray(extension.fitted.fit.shapes)[:, keep]
+        start = shapes if any(s.shape.per_recording for s in model.shapes) else shapes[0]
+        return self.fit(model, start if model.shapes else None)
+
+    def replay(self, state: State, names: Sequence[str]) -> State:
+        """Return the state again with only the terms in `names`, the one that helps most at each step first.
+
+        Their old order may not do: a term can be worth nothing before another has come.
+        """
+        out = [state.extensions[0]]
+        waiting = [e for e in state.extensions if e.added is not None and e.added.name in names]
+        while waiting:
+            tried = [(self.with_term(out[-1], e.added), e) for e in waiting if e.added is not None]
+            found, old = max(tried, key=lambda pair: self.unseen_gain(out[-1], pair[0]))
+            out.append(replace(found, alike=old.alike, never=old.never))
+            waiting = [e for e in waiting if e is not old]
+        return state.grown(*out)
+
+    def unseen_gain(self, before: Extension, after: Extension) -> float:
+        """Return the relative fall of the loss on unseen recordings from `before` to `after`."""
+        return before.unseen_gain(after, self.rules)
+
+    # -- evidence ---------------------------------------------------------------------------------------------
+
+    def evidence(self, extension: Extension, draws: int | None = None) -> Evidence:
+        """Return the evidence against the model of `extension`."""
+        return extension.fitted.evidence(seed=self.seed, draws=draws, rules=self.rules)
+
+    def rank(self, extension: Extension, step: int) -> Ranked:
+        """Return the evidence against the model of `extension`, and all candidates weighed by it, best first."""
+        key = tuple(term.name for term in extension.fitted.model.terms)
+        if key not in self.ranked:
+            low, high = _span(step)
+            evidence = self.evidence(extension)
+            tick: Progress = lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}")  # noqa: E731
+            self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
+        return self.ranked[key]
+
+    def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
+        """Weigh a candidate against the model of `extension`, without placebos."""
+        return weigh(evidence, candidate, self.library.columns(candidate, extension.fitted))
+
+    def tested(self, extension: Extension, score: Score) -> Score:
+        """Weigh the candidate of `score` anew against the model of `extension`, with placebos."""
+        evidence = self.evidence(extension)
+        candidate = self.library.find(score.name)
+        columns = self.library.columns(candidate, extension.fitted)
+        return placebo(evidence, weigh(evidence, candidate, columns), columns)
+
+    def sure(self, score: Score) -> bool:
+        """Whether an accepted term that was tested anew beside the others may stay."""
+        return score.helps and score.p_value is not None and score.p_value <= self.rules.sure
+
+    def refined(self, evidence: Evidence, extension: Extension, score: Score) -> tuple[Score, list[Columns]]:
+        """Return the score at shape values between the nodes, and the columns there."""
+        return refine(evidence, score, extension.fitted)
+
+    def columns_of(self, score: Score, fitted: FittedModel) -> list[Columns]:
+        """Return the columns of a candidate at the shape values of its score, beside the model `fitted`."""
+        return columns_at(score.candidate, score.shape, fitted)
+
+
+def as_fitted(score: Score, extension: Extension) -> Score:
+    """Return the score of an accepted candidate at the shape values that the model of `extension` ended at.
+
+    It was weighed on a grid; compared with a curve that bends freely, it must stand where it fits best.
+    """
+    own = [k for k, entry in enumerate(extension.fitted.model.shapes) if entry.term == score.name]
+    if not own or score.candidate.tangent:
+        return score
+    shapes = extension.fitted.shapes[:, own]
+    nodes = replace(score.candidate, nodes=shapes[:, None, :])
+    return replace(score, candidate=nodes, nodes=np.zeros(len(shapes), dtype=int))
+
+
+def _span(step: int) -> tuple[float, float]:
+    """Return from where to where the progress bar moves in a step; nobody knows how many there will be."""
+    return 0.9 * (1.0 - 0.55 ** (step - 1)), 0.9 * (1.0 - 0.55**step)
+
+
+def _from_tangent(score: Score, count: int) -> Float:
+    """Return start values (R, S) for a number that was weighed as a tangent: its fitted value, inside its bounds."""
+    shapes = list(score.candidate.term.effect.shape.values())
+    value = float(np.clip(score.coefficients[0], shapes[0].min, shapes[0].max))
+    rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in shapes[1:]]
+    return np.tile([value, *rest], (count, 1))

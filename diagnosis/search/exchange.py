@@ -1,0 +1,64 @@
+"""Exchange: every accepted term but the last is compared with its rivals once more, now that the others are there.
+
+The first terms were chosen while other effects were still missing: a rival that could imitate a little of those too had
+an advantage then. What these data cannot distinguish is counted anew as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from diagnosis.evidence.score import Score
+from diagnosis.search.choice import refitted, shortlist
+from diagnosis.search.context import SearchContext
+from diagnosis.search.state import Extension, State
+
+
+def exchange(context: SearchContext, state: State) -> State:
+    """Put a rival in the place of an accepted term where it is the better one beside all the others."""
+    for score in state.accepted[:-1]:
+        context.tick(0.87, f"comparing {score.name} with its rivals once more")
+        without = context.without(state.last, [score])
+        evidence = context.evidence(without, draws=0)
+        taken = {*state.names, *state.banned} - {score.name}
+        wanted = [score.name, *(name for name in _rivals(context, score) if name not in taken)]
+        weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
+        helping = [s for s in weighed if s.helps and not s.caution]
+        if not helping:
+            continue
+        near, alike = shortlist(context, without, evidence, helping)
+        if [s.name for s in near] == [score.name]:
+            state = _relabelled(state, score, (), ())
+            continue
+        found = refitted(context, without, evidence, near, alike)
+        if found is None or found.added is None:
+            continue
+        if found.added.name == score.name:
+            state = _relabelled(state, score, found.alike, found.never)
+            continue
+        again = context.tested(without, found.added)
+        if context.sure(again):
+            rest = context.replay(state, [name for name in state.names if name != score.name])
+            state = rest.grown(*rest.extensions, replace(found, added=replace(found.added, p_value=again.p_value)))
+    return state
+
+
+def _relabelled(state: State, score: Score, alike: tuple[str, ...], never: tuple[str, ...]) -> State:
+    """Return the state with other look-alikes of an accepted term."""
+
+    def one(e: Extension) -> Extension:
+        return replace(e, alike=alike, never=never) if e.added is score else e
+
+    return state.grown(*map(one, state.extensions))
+
+
+def _rivals(context: SearchContext, score: Score) -> list[str]:
+    """Return the candidates that came close to an accepted one when it stood out most."""
+    best: tuple[float, list[str]] = 0.0, []
+    for _, scores in context.ranked.values():
+        own = next((s.share for s in scores if s.name == score.name), 0.0)
+        lead = own / max(s.share for s in scores) if scores and own > 0.0 else 0.0
+        if lead > best[0]:
+            close = context.rules.close * own
+            best = lead, [s.name for s in scores if s.share >= close and s.name != score.name]
+    return best[1]

@@ -1,0 +1,20 @@
+"""Forward: the best candidate is added, the model refitted, everything weighed anew, as long as one helps."""
+
+from __future__ import annotations
+
+from diagnosis.search.choice import choose
+from diagnosis.search.context import SearchContext
+from diagnosis.search.state import State
+
+
+def forward(context: SearchContext, state: State) -> State:
+    """Add the best candidate, and again, as long as one helps and more may be added."""
+    out = state.banned | state.dropped
+    while len(state.extensions) <= context.most:
+        evidence, scores = context.rank(state.last, len(state.extensions))
+        choice = choose(context, state.last, evidence, scores, out)
+        if choice.found is None:
+            break
+        out |= choice.failed
+        state = state.grown(*state.extensions, choice.found)
+    return state

@@ -1,0 +1,69 @@
+"""What a search has reached: models, each with one term more than the one before, and what is ruled out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.score import Score
+from diagnosis.rules import RULES, Rules
+
+
+@dataclass(frozen=True, eq=False)
+class Extension:
+    """A fitted model, and the evidence for the term `added` last (None: the model the search began with).
+
+    `alike` are the candidates that these data cannot distinguish from it, `never` those that no motion can.
+    """
+
+    fitted: FittedModel
+    added: Score | None = None
+    alike: tuple[str, ...] = ()
+    never: tuple[str, ...] = ()
+
+    def unseen_gain(self, later: Extension, rules: Rules = RULES) -> float:
+        """Return the fall of the Huber loss on unseen recordings from here to `later`, as a share of it here.
+
+        Without verification recordings it is the loss on the fitted ones.
+        """
+        scale = self.fitted.unseen_scale
+        return 1.0 - later.fitted.unseen_loss(scale, rules) / max(self.fitted.unseen_loss(scale, rules), 1e-300)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a search stands. Moves return another one.
+
+    `extensions` begin with the model that was given. `banned` candidates turned out to be proxies and are not tried
+    again; `dropped` ones became superfluous beside others. `left` is what the last model leaves, once that is known.
+    """
+
+    extensions: tuple[Extension, ...]
+    banned: frozenset[str] = frozenset()
+    dropped: frozenset[str] = frozenset()
+    left: Remainder | None = None
+
+    @property
+    def last(self) -> Extension:
+        """The extension with all accepted terms."""
+        return self.extensions[-1]
+
+    @property
+    def accepted(self) -> tuple[Score, ...]:
+        """The evidence for every accepted term, in the order of acceptance."""
+        return tuple(e.added for e in self.extensions if e.added is not None)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the accepted terms."""
+        return tuple(score.name for score in self.accepted)
+
+    @property
+    def numbers(self) -> int:
+        """How many parameters the accepted terms have together."""
+        return sum(score.candidate.numbers for score in self.accepted)
+
+    def grown(self, *extensions: Extension) -> State:
+        """Return the state with these extensions instead."""
+        return replace(self, extensions=extensions)

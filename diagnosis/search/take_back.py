@@ -1,0 +1,90 @@
+"""Take back: accepted terms that a curve without physics clearly beats were only the nearest thing in the catalogue.
+
+So are those whose parameters, refitted beside the others, are certainly outside what physics allows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from diagnosis.evidence.columns import stacked
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.remainder import Remainder, Winner, beaten, remainders, significant, suggest
+from diagnosis.search.context import SearchContext, as_fitted
+from diagnosis.search.state import Extension, State
+from symbolic.quantity import JOINTS
+
+
+def take_back(context: SearchContext, state: State) -> State:
+    """Return the state with what is left, and without the proxies among its terms; these are banned."""
+    left = left_over(context, state.last)
+    unmasked = proxies(context, state, left) | impossible(state.last)
+    if not unmasked:
+        return replace(state, left=left)
+    shorter = replace(state, banned=state.banned | unmasked, left=left)
+    return context.replay(shorter, [name for name in state.names if name not in shorter.banned])
+
+
+def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
+    """Return what the model of `extension` leaves, if that is significant, with suggested closed forms."""
+    context.tick(0.88, "looking at what is left")
+    found = remainders(extension.fitted, context.evidence(extension))
+    best = next((r for r in found if significant(r, context.rules)), None)
+    return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def proxies(context: SearchContext, state: State, left: Remainder | None) -> frozenset[str]:
+    """Return the accepted terms that a curve without physics clearly beats.
+
+    All of a joint together first: two entries may build one curve that neither would pass for. Then one by one, at
+    their own joint; and, where something is `left`, at its joint too: what nobody explains at one joint bends the
+    parameters that both share, and a term at the other joint may bend them back. With them go the candidates that
+    could only take their place: those that add little to the same curve.
+    """
+    scores = {score.name: score for score in state.accepted}
+    for joint in JOINTS:
+        here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
+        disturbed = left is not None and left.joint == joint
+        single = [[n] for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
+        for group in ([here] if len(here) > 1 else []) + single:
+            context.tick(0.9, f"comparing {' and '.join(group)} with a curve without physics")
+            without = context.without(state.last, [scores[n] for n in group])
+            evidence = context.evidence(without, draws=0)
+            numbers = sum(scores[n].candidate.numbers for n in group)
+            columns = [context.columns_of(as_fitted(scores[n], state.last), without.fitted) for n in group]
+            together = [stacked(each) for each in zip(*columns, strict=True)]
+            winner = beaten(without.fitted, evidence, joint, together, numbers)
+            if winner is not None:
+                return frozenset({*group, *_superseded(context, without, evidence, winner, joint)})
+    return frozenset()
+
+
+def _superseded(
+    context: SearchContext, extension: Extension, evidence: Evidence, winner: Winner, joint: str
+) -> set[str]:
+    """Return the candidates that touch `joint` and add little to the curve that won there."""
+    out = set()
+    present = {term.name for term in extension.fitted.model.terms}
+    for candidate in context.library.candidates:
+        if candidate.name in present or candidate.term.joint not in (joint, None):
+            continue
+        columns = context.library.columns(candidate, extension.fitted)
+        score = context.weighed(extension, evidence, candidate)
+        best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
+        if score.share >= context.rules.least_share and winner.supersedes(best):
+            out.add(candidate.name)
+    return out
+
+
+def impossible(extension: Extension) -> set[str]:
+    """Return the terms whose coefficients, refitted beside the others, are certainly outside what physics allows."""
+    known = {e.name: e for e in extension.fitted.fit.estimates}
+    out = set()
+    for entry in extension.fitted.model.parameters:
+        if entry.term is None or entry.name not in known:
+            continue
+        one = known[entry.name]
+        low, high = (entry.min is not None and one.high < entry.min), (entry.max is not None and one.low > entry.max)
+        if low or high:
+            out.add(entry.term)
+    return out
