@@ -22,7 +22,7 @@ BEGIN, END = "<!-- rules: written by benchmarks/make_rules_table.py -->", "<!-- 
 def table() -> str:
     lines = []
     for group, rules in groupby(RULES.table(), key=lambda rule: rule.group):
-        lines += ["", f"**{group.capitalize()}**", "", "| threshold | value | what it is, and what happens without it |"]
+        lines += ["", f"**{group.capitalize()}**", "", "| threshold | value | what it is; what happens without it |"]
         lines += ["|---|---|---|", *(f"| `{r.name}` | {r.value:g} | {r.prevents} |" for r in rules)]
     return "\n".join([*lines, ""])
 
