@@ -81,9 +81,12 @@ SHOWN_SUSPECTS = 6
 
 
 def _outside(identifier: str, torque: str, joint: str, **shape: tuple[float, float, float]) -> Effect:
-    numbers = {key: Shape("1", low, high, typical=usual) for key, (low, high, usual) in shape.items()}
+    own, unit = ("rad/s", "N·m") if "exp(-((dtheta" in torque else ("rad", "N·m")
+    if torque.endswith(("dtheta", "dtheta2")):
+        unit = "N·m·s/rad"
+    numbers = {key: Shape(own, low, high, typical=usual) for key, (low, high, usual) in shape.items()}
     text = f"an effect that the catalogue does not have: {torque}"
-    return Effect(identifier, text, torque, None, (joint,), {"c": Coefficient("N·m")}, numbers, custom=True)
+    return Effect(identifier, text, torque, None, (joint,), {"c": Coefficient(unit)}, numbers, custom=True)
 
 
 OUTSIDE: dict[str, tuple[Effect, tuple[str, ...]]] = {

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from ground.errors import EffectError
+from ground.errors import EffectError, ExpressionError
 from symbolic import effects
 from symbolic.effect import Effect
 from symbolic.term import Term
@@ -44,11 +44,16 @@ def find_effect(id: str) -> Effect:
 
 def _load(name: str) -> Effect:
     """Import one file of the folder and return its EFFECT."""
-    effect = getattr(importlib.import_module(f"{effects.__name__}.{name}"), "EFFECT", None)
+    where = f"symbolic/effects/{name}.py"
+    try:
+        effect = getattr(importlib.import_module(f"{effects.__name__}.{name}"), "EFFECT", None)
+    except (EffectError, ExpressionError) as error:
+        what = f"the file does not define an effect: {error.what}"
+        raise EffectError(what, where=where, remedy=error.remedy) from error
     if not isinstance(effect, Effect) or effect.id != name or effect.family not in FAMILIES:
         raise EffectError(
             "the file does not define an EFFECT whose id is the file's name",
-            where=f"symbolic/effects/{name}.py",
+            where=where,
             remedy=f'write EFFECT = Effect(id="{name}", ...) with a family of: {", ".join(FAMILIES)}',
         )
     return effect

@@ -6,7 +6,7 @@ Sign convention, stated once: the torque of an effect stands on the left side of
 
 so it is *torque that the drive has to supply*. Friction therefore has the sign of the velocity, and a spring
 that pulls back towards θ = 0 has the sign of θ. Built-in effects and a user's `[[custom_effects]]` are the
-same type, written in the same torque language (`expression.py`).
+same type, written in the same torque language (`symbolic/language`).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ground.html import code, lines, table
+from symbolic.effect_declaration import check_effect
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 
@@ -55,7 +56,8 @@ class Shape:
 
 @dataclass(frozen=True)
 class Effect:
-    """One entry of the catalogue.
+    """One entry of the catalogue, or an effect of the user's own; EffectError or ExpressionError where it contradicts
+    itself.
 
     `joints` is ("hip", "knee") or a part of it for an effect that belongs to one joint at a time, and ("both",)
     for an effect that acts on both joints at once. Exactly one of `torque` and `derive` is given:
@@ -80,6 +82,9 @@ class Effect:
     tells_apart: str = ""
     reference: str = "no reference given"
     custom: bool = False
+
+    def __post_init__(self) -> None:
+        check_effect(self)
 
     def _repr_html_(self) -> str:
         """Show what the catalogue says, in a notebook."""

@@ -1,33 +1,52 @@
-"""Whether an effect keeps what it declares: known names, ordered bounds, linear in its coefficients.
+"""Whether an effect keeps what it declares: known names, units that fit, ordered bounds, linear in its coefficients.
 
-A torque is evaluated with one coefficient at one and the others at zero, so it has to be linear *and*
-homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (degree.py).
+Every Effect is checked here when it is made, in a file of the catalogue, from a model file or in a notebook. A torque
+is evaluated with one coefficient at one and the others at zero, so it has to be linear *and* homogeneous in them: c * x
+is, c * x + 1, c**2 * x and abs(c) * x are not (linearity.py).
 """
 
 from __future__ import annotations
 
+import keyword
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Protocol
 
 from ground.errors import EffectError
-from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.language.dimensions import check_dimensions
 from symbolic.language.linearity import check_proportional
-from symbolic.language.parser import parse
 from symbolic.language.tokens import refusal
-from symbolic.language.torque import MODEL_TORQUE, OWN
-from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Call, Node
+from symbolic.language.tree import OPERATORS, Call, Node
+from symbolic.language.words import DIMENSIONS, MODEL_TORQUE, RESERVED, allowed_words, read_text
 from symbolic.quantity import JOINTS
+from symbolic.units import TORQUE, dimension
 
-NUMBERED = tuple(f"{stem}{index}" for stem in OWN for index in (1, 2))
-RESERVED = frozenset((*OWN, *NUMBERED, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
-"""Words no coefficient and no shape may be called."""
+
+class Declared(Protocol):
+    """The part of an Effect that is checked."""
+
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def torque(self) -> str | Mapping[str, str] | None: ...  # noqa: D102
+    @property
+    def derive(self) -> Callable[..., Any] | None: ...  # noqa: D102
+    @property
+    def joints(self) -> tuple[str, ...]: ...  # noqa: D102
+    @property
+    def coefficients(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def shape(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def on_both(self) -> bool: ...  # noqa: D102
+
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-_ID = re.compile(r"[a-z][a-z0-9_]{0,59}")
+_ID = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")
 
 
-def check_effect(effect: Effect) -> None:
+def check_effect(effect: Declared) -> None:
     """Refuse an effect that contradicts itself: EffectError for a declaration, ExpressionError for a text."""
     _check_place(effect)
     for key in (*effect.coefficients, *effect.shape):
@@ -38,34 +57,38 @@ def check_effect(effect: Effect) -> None:
         _check_shape(f"{effect.id}.{key}", shape)
     if not (effect.coefficients or effect.shape):
         raise EffectError("no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one")
-    used: set[str] = set()
-    for text in texts(effect):
-        used |= _check_text(effect, text)
-    for key in (*effect.coefficients, *effect.shape):
-        if effect.torque is not None and key not in used:
+    numbers = (*effect.coefficients, *effect.shape)
+    trees = [(text, read_text(text, not effect.on_both, numbers)) for text in texts(effect)]
+    used = frozenset().union(*(node.names() for _, node in trees))
+    if trees and effect.coefficients and not used & effect.coefficients.keys():
+        missing, (text, node) = " and ".join(effect.coefficients), trees[0]
+        what = f"{missing} does not appear in the torque"
+        raise refusal(what, text, node.span, "multiply every part by a coefficient")
+    for key in numbers:
+        if trees and key not in used:
             raise EffectError(
                 f"{key} is declared but does not appear in the torque",
                 where=f"{effect.id}: {'; '.join(texts(effect))}",
                 remedy=f"use {key} in the text or drop its declaration",
             )
+    for text, node in trees:
+        _check_text(effect, text, node)
 
 
-def texts(effect: Effect) -> tuple[str, ...]:
+def texts(effect: Declared) -> tuple[str, ...]:
     """Return the torque texts of an effect; none for a derived one."""
     if effect.torque is None:
         return ()
     return (effect.torque,) if isinstance(effect.torque, str) else tuple(effect.torque.values())
 
 
-def allowed_names(effect: Effect) -> frozenset[str]:
+def allowed_names(effect: Declared) -> frozenset[str]:
     """Return the names the effect's texts may use."""
-    own = () if effect.on_both else OWN
-    return frozenset((*own, *NUMBERED, "t", *CONSTANTS, *effect.coefficients, *effect.shape))
+    return allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape))
 
 
-def _check_text(effect: Effect, text: str) -> frozenset[str]:
-    """Check one torque text and return the names it uses."""
-    node = parse(text, allowed_names(effect))
+def _check_text(effect: Declared, text: str, node: Node) -> None:
+    """Check one torque text."""
     if effect.coefficients:
         check_proportional(node, text, effect.coefficients, "coefficient")
     else:
@@ -79,20 +102,23 @@ def _check_text(effect: Effect, text: str) -> frozenset[str]:
                 call.arguments[1].span,
                 "it is a number or a shape: the memory of a joint does not change while it moves",
             )
-    return node.names()
+    units = {
+        key: dimension(number.unit, effect.id) for key, number in (*effect.coefficients.items(), *effect.shape.items())
+    }
+    check_dimensions(node, text, {**DIMENSIONS, **units}, TORQUE, effect.coefficients)
 
 
 def _memory(node: Node) -> Iterator[Call]:
     return (part for part in node.walk() if isinstance(part, Call) and part.function in OPERATORS)
 
 
-def _check_place(effect: Effect) -> None:
+def _check_place(effect: Declared) -> None:
     """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
-    if not _ID.fullmatch(effect.id):
+    if not _ID.fullmatch(effect.id) or keyword.iskeyword(effect.id):
         raise EffectError(
-            f"{effect.id[:60]!r} is not an effect's id",
+            f"{effect.id[:60]!r} is not an effect's id: not a usable name",
             where="id",
-            remedy="use small letters, digits and _, beginning with a letter",
+            remedy="use up to 60 letters, digits and _, beginning with a letter",
         )
     joints = effect.joints
     if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not {*joints} <= {*JOINTS}):
@@ -115,30 +141,31 @@ def _check_place(effect: Effect) -> None:
         )
 
 
-def _check_word(effect: Effect, key: str) -> None:
+def _check_word(effect: Declared, key: str) -> None:
     """Check the name of a coefficient or shape."""
-    if not _IDENTIFIER.fullmatch(key):
+    where = f"{effect.id}.{key}"
+    if not _IDENTIFIER.fullmatch(key) or keyword.iskeyword(key):
         raise EffectError(
             f"{key[:60]!r} is not a name",
-            where=effect.id,
-            remedy="use ASCII letters, digits and _, beginning with a letter",
+            where=where,
+            remedy="use up to 40 ASCII letters, digits and _, beginning with a letter",
         )
     if key in RESERVED:
-        raise EffectError(f"{key} already means something else", where=effect.id, remedy="choose another name")
-    if key in effect.coefficients and key in effect.shape:
         raise EffectError(
-            f"{key} is declared as a coefficient and as a shape", where=effect.id, remedy="keep one of them"
+            f"{key} already means something else in torque texts", where=where, remedy="choose another name"
         )
+    if key in effect.coefficients and key in effect.shape:
+        raise EffectError(f"{key} is declared as a coefficient and as a shape", where=where, remedy="keep one of them")
 
 
-def _check_coefficient(where: str, coefficient: Coefficient) -> None:
+def _check_coefficient(where: str, coefficient: Any) -> None:
     """Check unit and bounds of a coefficient."""
     low = -math.inf if coefficient.min is None else coefficient.min
     high = math.inf if coefficient.max is None else coefficient.max
     _check_bounds(where, coefficient.unit, low, high, coefficient.typical)
 
 
-def _check_shape(where: str, shape: Shape) -> None:
+def _check_shape(where: str, shape: Any) -> None:
     """Check unit, bounds, choices and grid of a shape."""
     if not (math.isfinite(shape.min) and math.isfinite(shape.max)):
         raise EffectError(
@@ -162,10 +189,9 @@ def _check_shape(where: str, shape: Shape) -> None:
 
 
 def _check_bounds(where: str, unit: str, low: float, high: float, typical: float | None) -> None:
-    if not unit.strip():
-        raise EffectError("the unit is missing", where=where, remedy='give it, or "1" for a plain number')
+    dimension(unit, where)
     if not low < high:
-        raise EffectError(f"min {low:g} is not below max {high:g}", where=where, remedy="swap them")
+        raise EffectError(f"min {low:g} is not below max {high:g}", where=where, remedy="swap or mend them")
     if typical is not None and not low <= typical <= high:
         raise EffectError(
             f"the typical value {typical:g} lies outside its bounds",

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symbolic.language.lower import to_numpy
-from symbolic.language.torque import Torque, is_transform, own_names, torques
+from symbolic.language.torque import Torque, is_transform, torques
+from symbolic.language.words import own_names
 from symbolic.mechanics.friction import FRICTION
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS

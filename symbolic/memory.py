@@ -9,7 +9,8 @@ import numpy as np
 
 from symbolic.evaluation import feedback, motion_words, own_signs, shape_values, shaped
 from symbolic.language.instant import Operation, split_memory
-from symbolic.language.torque import FEEDBACK, torques
+from symbolic.language.torque import torques
+from symbolic.language.words import FEEDBACK
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:

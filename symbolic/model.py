@@ -23,7 +23,6 @@ from ground.html import lines, table
 from ground.lazy import takes_methods
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
-from symbolic.language.torque import check_term
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float, Motion
 from symbolic.term import Parameter, ShapeParameter, Term
@@ -93,7 +92,6 @@ class Model:
             term = Term(self.find_effect(name), joint or place or None)
         else:
             term = Term(effect, joint)
-        check_term(term)
         return replace(self, terms=(*self.terms, term))
 
     def without(self, term_name: str) -> Model:

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
+from ground.errors import ExoidError, ExpressionError, ModelFileError
 from ground.files import write_whole
 from ground.inputs import open_input
 from ground.toml_reader import Table
+from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.model import TABLE_1, Limits, Model
 from symbolic.quantity import JOINTS
@@ -210,8 +211,6 @@ def _limits(top: Table) -> Mapping[str, Limits]:
 
 
 def _custom_effects(top: Table) -> tuple[Effect, ...]:
-    from symbolic.custom_effect import read_custom_effect
-
     found: dict[str, Effect] = {}
     for entry in top.tables("custom_effects"):
         try:
@@ -220,8 +219,6 @@ def _custom_effects(top: Table) -> tuple[Effect, ...]:
             raise ExpressionError(
                 error.what, where=f"{entry.place('torque')}:\n{error.where}", remedy=error.remedy
             ) from error
-        except EffectError as error:
-            raise entry.error("torque", error.what, error.remedy) from error
         if effect.id in found:
             raise entry.error("id", f"there are two custom effects called {effect.id!r}", "rename one")
         found[effect.id] = effect

@@ -23,7 +23,8 @@ from symbolic.columns import derived_columns
 from symbolic.effect import Effect, Shape
 from symbolic.evaluation import carrying, motion_words, torque_values
 from symbolic.language.instant import split_memory
-from symbolic.language.torque import FEEDBACK, Torque, torques
+from symbolic.language.torque import Torque, torques
+from symbolic.language.words import FEEDBACK
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS

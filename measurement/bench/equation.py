@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from measurement.bench.hidden import TrueModel
 from measurement.bench.plant import Equation, Memory, Symbols, step_function
 from symbolic.codegen.equation import model_expressions
-from symbolic.language.torque import MODEL_TORQUE, torques
+from symbolic.language.torque import torques
 from symbolic.language.tree import OPERATORS, Call
+from symbolic.language.words import MODEL_TORQUE
 from symbolic.model import Model
 from symbolic.term import Term
 

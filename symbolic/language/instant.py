@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.language.torque import own_names
 from symbolic.language.tree import OPERATORS, Binary, Call, Name, Unary
+from symbolic.language.words import own_names
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
     memory; `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no
     value or the torque is not a finite number.
     """
+
     def remember(word: str) -> Callable[..., Any]:
         def apply(x: Any, *parameter: Any) -> Float:
             t = np.asarray(_known("t", env), dtype=float)

@@ -16,7 +16,7 @@ from symbolic.language.instant import split_memory
 from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.operators import MEMORY
 from symbolic.language.parser import parse
-from symbolic.language.torque import MODEL_TORQUE, own_names
+from symbolic.language.words import MODEL_TORQUE, own_names
 from symbolic.language.writing import to_latex, to_text
 from symbolic.term import Term
 
@@ -252,7 +252,12 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_new_file_is_a_new_effect(folder):
-    source = 'from symbolic.effect import Effect\nEFFECT = Effect(id="trial_a", explains="", family="base")\n'
+    source = (
+        "from symbolic.effect import Effect, Shape\n"
+        "def derive(mechanism, symbols):\n    return mechanism\n"
+        'TIP = {"d": Shape("m", 0.0, 1.0)}\n'
+        'EFFECT = Effect("trial_a", "", None, derive, ("both",), shape=TIP, family="base")\n'
+    )
     (folder / "trial_a.py").write_text(source)
     assert list(catalogue.__wrapped__()) == ["trial_a"]
 

@@ -32,7 +32,7 @@ def random_motion(n=60, seed=0):
 
 def rich_model():
     """Shapes, memory, feedback, a transform and derived effects at once."""
-    load = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": N_M})
+    load = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": Coefficient("1")})
     late = Effect("late", "", "delay(tau_model, d) - tau_model", shape={"d": Shape("s", -0.1, 0.1, typical=0.03)})
     slack = Effect("slack", "", "c * play(theta, h)", coefficients={"c": N_M}, shape={"h": Shape("rad", 0.01, 0.4)})
     creep = Effect(
@@ -75,7 +75,7 @@ def test_columns_and_torque_agree(make, backend):
 
 @pytest.mark.parametrize("backend", ["auto", "vm"])
 def test_forward_dynamics_undoes_inverse_dynamics(backend):
-    effect = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": N_M})
+    effect = Effect("load", "", "c * abs(tau_rigid) * sgn(dtheta)", coefficients={"c": Coefficient("1")})
     model = Model.standard().with_effect(effect, "hip").with_effect("com_offset_shank")
     motion = random_motion()
     linear = np.array([25.14, 7.42, 1.43, -10.42, 31.35, 12.53, 43.40, 28.01, 0.1, 0.1])

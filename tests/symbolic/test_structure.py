@@ -63,6 +63,6 @@ def test_an_extra_gravity_term_is_phi_4():
 
 
 def test_dependent_numbers_within_a_model():
-    twice = Effect("twice", "", "c * dtheta * 2", coefficients={"c": N_M})
+    twice = Effect("twice", "", "c * dtheta * 2", coefficients={"c": Coefficient("N·m·s/rad")})
     (one,) = structural_look_alikes(Model.standard().with_effect(twice, "knee"), [])
     assert one.relation == "twice:knee.c = 2 viscous:knee"

@@ -1,0 +1,193 @@
+"""Units as dimensions: "N·m·s/rad" becomes powers of m, kg, s, A and K.
+
+The radian counts as 1, as in SI. Only coherent SI units are read, so that no factor is hidden in a unit: "deg", "mm" or
+"rpm" are refused with the unit to use.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+
+from ground.errors import EffectError
+
+BASE = ("m", "kg", "s", "A", "K")
+LONGEST = 60
+"""Characters of a unit."""
+LARGEST_POWER = 12
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """Powers of m, kg, s, A, K."""
+
+    powers: tuple[float, ...] = (0.0,) * len(BASE)
+
+    def __mul__(self, other: Dimension) -> Dimension:
+        return Dimension(tuple(a + b for a, b in zip(self.powers, other.powers, strict=True)))
+
+    def __truediv__(self, other: Dimension) -> Dimension:
+        return self * other**-1
+
+    def __pow__(self, exponent: float) -> Dimension:
+        return Dimension(tuple(round(a * exponent, 6) + 0.0 for a in self.powers))
+
+    def __str__(self) -> str:
+        """Write it with N·m in front where a mass is in it once, else in base units."""
+        rest = self
+        parts: list[str] = []
+        over: list[str] = []
+        if self.powers[1] == 1:
+            rest, parts = self / TORQUE, ["N·m"]
+            if rest.powers[0] == -1:
+                rest, parts = self / FORCE, ["N"]
+        for name, power in zip(BASE, rest.powers, strict=True):
+            if power:
+                (parts if power > 0 else over).append(_power_text(name, abs(power)))
+        above = "·".join(parts) or "1"
+        return above + "".join(f"/{part}" for part in over)
+
+
+def _power_text(name: str, power: float) -> str:
+    if power == int(power):
+        return name + ("" if power == 1 else str(int(power)).translate(_RAISED))
+    return f"{name}^{power:g}"
+
+
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+
+
+def _of(**powers: int) -> Dimension:
+    return Dimension(tuple(float(powers.get(name, 0)) for name in BASE))
+
+
+NONE = _of()
+LENGTH, TIME = _of(m=1), _of(s=1)
+FORCE = _of(m=1, kg=1, s=-2)
+TORQUE = FORCE * LENGTH
+
+UNITS = {
+    "1": NONE, "rad": NONE, "m": LENGTH, "kg": _of(kg=1), "s": TIME, "A": _of(A=1), "K": _of(K=1), "Hz": TIME**-1,
+    "N": FORCE, "Nm": TORQUE, "Nms": TORQUE * TIME, "J": TORQUE, "W": TORQUE / TIME, "Pa": FORCE / LENGTH**2,
+    "V": TORQUE / TIME / _of(A=1),
+}  # fmt: skip
+"""Words of the unit language."""
+
+NOT_SI = {
+    "deg": "rad", "°": "rad", "degree": "rad", "degrees": "rad", "turn": "rad", "rev": "rad", "rpm": "rad/s",
+    "mm": "m", "cm": "m", "km": "m", "ms": "s", "us": "s", "µs": "s", "min": "s", "h": "s", "g": "kg", "t": "kg",
+    "mN": "N", "kN": "N", "mNm": "N·m", "kNm": "N·m", "Nmm": "N·m", "mA": "A", "°C": "K", "degC": "K",
+    "%": "1", "percent": "1", "-": "1",
+}  # fmt: skip
+"""Units with a factor in them, and what to use instead."""
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<word>°C|°|%|[A-Za-zµ]+|1(?![0-9]))|(?P<mark>[·⋅*./()])|(?P<raised>[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)"
+    r"|(?:\^|\*\*)\s*(?P<power>-?[0-9]+(?:\.[0-9]+)?|\(\s*-?[0-9]+(?:\s*/\s*[0-9]+|\.[0-9]+)?\s*\)))"
+)
+
+
+@lru_cache(maxsize=512)
+def dimension(unit: str, where: str) -> Dimension:
+    """Return the dimension of a unit text; EffectError at `where` for one that is missing or not SI."""
+    text = str(unit).strip()
+    if not text:
+        raise EffectError("the unit is missing", where=where, remedy='give it, or "1" for a plain number')
+    if len(text) > LONGEST:
+        raise EffectError(f"a unit of {len(text)} characters", where=where, remedy=f"use at most {LONGEST}")
+    if text in NOT_SI:
+        raise _not_si(text, where)
+    return _Reader(text.replace("**", "^"), where).read()
+
+
+class _Reader:
+    """Products, quotients, brackets and powers, from left to right: N·m/rad/s is N·m/(rad·s)."""
+
+    def __init__(self, text: str, where: str) -> None:
+        self.text, self.where, self.at = text, where, 0
+        self.tokens = self._tokens()
+
+    def read(self) -> Dimension:
+        found = self._product(0)
+        if self.at < len(self.tokens):
+            raise self._refusal()
+        return found
+
+    def _tokens(self) -> list[tuple[str, str]]:
+        tokens, at = [], 0
+        while at < len(self.text):
+            match = _TOKEN.match(self.text, at)
+            if match is None:
+                raise self._refusal()
+            tokens.append((str(match.lastgroup), str(match.group(str(match.lastgroup)))))
+            at = match.end()
+        return tokens
+
+    def _product(self, depth: int) -> Dimension:
+        result = self._factor(depth)
+        while self.at < len(self.tokens):
+            kind, text = self.tokens[self.at]
+            if text == ")":
+                break
+            divides = kind == "mark" and text == "/"
+            self.at += kind == "mark" and text != "("
+            factor = self._factor(depth)
+            result = result / factor if divides else result * factor
+        return result
+
+    def _factor(self, depth: int) -> Dimension:
+        if self.at >= len(self.tokens) or depth > 8:
+            raise self._refusal()
+        kind, text = self.tokens[self.at]
+        self.at += 1
+        if kind == "word":
+            found = self._word(text)
+        elif text == "(":
+            found = self._product(depth + 1)
+            if self.at >= len(self.tokens):
+                raise self._refusal()
+            self.at += 1
+        else:
+            raise self._refusal()
+        if self.at < len(self.tokens) and self.tokens[self.at][0] in ("raised", "power"):
+            found = found ** self._exponent(self.tokens[self.at][1])
+            self.at += 1
+        return found
+
+    def _exponent(self, text: str) -> float:
+        above, _, below = text.translate(_LOWERED).strip("() ").partition("/")
+        try:
+            value = float(above) / float(below or 1)
+        except (ValueError, ZeroDivisionError) as error:
+            raise self._refusal() from error
+        if abs(value) > LARGEST_POWER:
+            raise self._refusal()
+        return value
+
+    def _word(self, word: str) -> Dimension:
+        if word in UNITS:
+            return UNITS[word]
+        if word in NOT_SI:
+            raise _not_si(word, self.where)
+        near = difflib.get_close_matches(word, UNITS, n=2, cutoff=0.6)
+        raise EffectError(
+            f"unknown unit {word[:20]!r} in {self.text!r}",
+            where=self.where,
+            remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),
+        )
+
+    def _refusal(self) -> EffectError:
+        return EffectError(
+            f"{self.text!r} is not a unit", where=self.where, remedy="write it like N·m·s/rad, kg·m² or 1/rad"
+        )
+
+
+def _not_si(word: str, where: str) -> EffectError:
+    return EffectError(
+        f"the unit {word} has a factor in it; all numbers here are in SI units",
+        where=where,
+        remedy=f"use {NOT_SI[word]}, and convert bounds and values",
+    )
