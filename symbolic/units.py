@@ -90,24 +90,30 @@ _TOKEN = re.compile(
 )
 
 
-@lru_cache(maxsize=512)
 def dimension(unit: str, where: str) -> Dimension:
     """Return the dimension of a unit text; EffectError at `where` for one that is missing or not SI."""
-    text = str(unit).strip()
+    try:
+        return _dimension(str(unit).strip())
+    except EffectError as error:
+        raise EffectError(error.what, where=where, remedy=error.remedy) from error
+
+
+@lru_cache(maxsize=512)
+def _dimension(text: str) -> Dimension:
     if not text:
-        raise EffectError("the unit is missing", where=where, remedy='give it, or "1" for a plain number')
+        raise EffectError("the unit is missing", remedy='give it, or "1" for a plain number')
     if len(text) > LONGEST:
-        raise EffectError(f"a unit of {len(text)} characters", where=where, remedy=f"use at most {LONGEST}")
+        raise EffectError(f"a unit of {len(text)} characters", remedy=f"use at most {LONGEST}")
     if text in NOT_SI:
-        raise _not_si(text, where)
-    return _Reader(text.replace("**", "^"), where).read()
+        raise _not_si(text)
+    return _Reader(text.replace("**", "^")).read()
 
 
 class _Reader:
     """Products, quotients, brackets and powers, from left to right: N·m/rad/s is N·m/(rad·s)."""
 
-    def __init__(self, text: str, where: str) -> None:
-        self.text, self.where, self.at = text, where, 0
+    def __init__(self, text: str) -> None:
+        self.text, self.at = text, 0
         self.tokens = self._tokens()
 
     def read(self) -> Dimension:
@@ -171,23 +177,19 @@ class _Reader:
         if word in UNITS:
             return UNITS[word]
         if word in NOT_SI:
-            raise _not_si(word, self.where)
+            raise _not_si(word)
         near = difflib.get_close_matches(word, UNITS, n=2, cutoff=0.6)
         raise EffectError(
             f"unknown unit {word[:20]!r} in {self.text!r}",
-            where=self.where,
             remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),
         )
 
     def _refusal(self) -> EffectError:
-        return EffectError(
-            f"{self.text!r} is not a unit", where=self.where, remedy="write it like N·m·s/rad, kg·m² or 1/rad"
-        )
+        return EffectError(f"{self.text!r} is not a unit", remedy="write it like N·m·s/rad, kg·m² or 1/rad")
 
 
-def _not_si(word: str, where: str) -> EffectError:
+def _not_si(word: str) -> EffectError:
     return EffectError(
         f"the unit {word} has a factor in it; all numbers here are in SI units",
-        where=where,
         remedy=f"use {NOT_SI[word]}, and convert bounds and values",
     )
