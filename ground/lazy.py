@@ -81,3 +81,8 @@ def _method(name: str, module: str, function: str) -> Callable[..., Any]:
     method.__name__ = name
     method.__doc__ = f"Return `{module}.{function}` of this object."
     return method
+
+
+def lent(package: ModuleType) -> dict[str, str]:
+    """Return {short name: module that defines it} of a package that lends."""
+    return dict(package.__dict__["_homes"])

@@ -8,12 +8,24 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend, lend_methods
 
 if TYPE_CHECKING:
+    from symbolic.catalogue import catalogue, find_effect
     from symbolic.effect import Coefficient, Effect, Shape
     from symbolic.model import Limits, Model
     from symbolic.model_file import read_model, write_model
     from symbolic.motion import Motion
 
-__all__ = ["Coefficient", "Effect", "Limits", "Model", "Motion", "Shape", "read_model", "write_model"]
+__all__ = [
+    "Coefficient",
+    "Effect",
+    "Limits",
+    "Model",
+    "Motion",
+    "Shape",
+    "catalogue",
+    "find_effect",
+    "read_model",
+    "write_model",
+]
 
 lend(
     __name__,
@@ -24,6 +36,8 @@ lend(
         "Model": "symbolic.model",
         "Motion": "symbolic.motion",
         "Shape": "symbolic.effect",
+        "catalogue": "symbolic.catalogue",
+        "find_effect": "symbolic.catalogue",
         "read_model": "symbolic.model_file",
         "write_model": "symbolic.model_file",
     },

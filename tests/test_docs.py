@@ -130,13 +130,6 @@ def test_the_page_on_the_paper_says_what_the_check_says():
     assert "(1, 3)" in page and ("(1, 3)" in printed or "(1,3)" in printed)
 
 
-def test_pages_say_how_many_effects_there_are():
-    from symbolic.catalogue import catalogue
-
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert f"{len(catalogue())} effects" in text
-
-
 def test_the_page_on_the_paper_was_written_by_its_script(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
     script = runpy.run_path(str(ROOT / "benchmarks" / "paper.py"))

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench")
+LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "exoid")
 """Lowest first; a package may import itself and what stands before it."""
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py", "numpy")

@@ -1,0 +1,45 @@
+"""One door to everything a notebook needs.
+
+    import exoid
+
+    leg = exoid.Model.standard(thigh_length=0.40)
+    runs = [exoid.read_recording(f"run{k}.csv") for k in (1, 2, 3, 4)]
+    found = exoid.discover(leg, runs[:3], verify=runs[3:])
+
+the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, `catalogue`, `read_model`, `write_model`
+measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
+                 `simulate`, `simulate_runs`
+numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`
+what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`
+bad input        `ExoidError`: what is wrong, where, what to do
+
+`dir(exoid)` has them all. Every name lives in one of the packages `symbolic`, `measurement`, `optimisation` and
+`diagnosis`, which can be imported from as well, and is loaded at its first use: `import exoid` itself costs nothing.
+"""
+
+from typing import TYPE_CHECKING
+
+from exoid.own_packages import check_own_packages
+
+check_own_packages()
+
+import diagnosis  # noqa: E402 - after the check: another package of this name would fail without saying why
+import measurement  # noqa: E402
+import optimisation  # noqa: E402
+import symbolic  # noqa: E402
+from ground.lazy import lend, lent  # noqa: E402
+
+if TYPE_CHECKING:
+    from diagnosis import *  # noqa: F403
+    from ground.errors import ExoidError as ExoidError
+    from measurement import *  # noqa: F403
+    from optimisation import *  # noqa: F403
+    from symbolic import *  # noqa: F403
+
+_NAMES = {"ExoidError": "ground.errors"}
+for _package in (symbolic, measurement, optimisation, diagnosis):
+    _NAMES |= lent(_package)
+
+__all__ = list(_NAMES)
+
+lend(__name__, _NAMES)
