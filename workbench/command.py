@@ -20,6 +20,7 @@ from types import ModuleType
 from ground.delivery import together
 from ground.errors import ExoidError
 from ground.suggest import did_you_mean
+from ground.text import printable
 from workbench import commands
 from workbench.command_line.parser import Parser, UsageError
 from workbench.terminal.encoding import install
@@ -205,13 +206,13 @@ def versions() -> Mapping[str, str]:
 
 def _complain(text: str, status: int = BAD_INPUT) -> int:
     """Write `text` to stderr after the name of the program and return `status`."""
-    sys.stderr.write(f"exoid: {text}\n")
+    sys.stderr.write(f"exoid: {printable(text)}\n")
     return status
 
 
 def _note(message: Warning | str, *_: object, **__: object) -> None:
     """Show a Python warning as one line for a person."""
-    sys.stderr.write(f"exoid: note: {message}\n")
+    sys.stderr.write(f"exoid: note: {printable(str(message))}\n")
 
 
 if __name__ == "__main__":

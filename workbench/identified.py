@@ -13,6 +13,8 @@ from typing import Any
 from ground.errors import ExoidError
 from symbolic.model import Model
 from symbolic.model_file import Numbers, read_model, read_numbers
+from symbolic.quantity import JOINTS
+from workbench.reserved import is_taken
 
 
 class ExportError(ExoidError):
@@ -32,7 +34,12 @@ class Options:
     def __post_init__(self) -> None:
         if not (self.name.isidentifier() and self.name.isascii() and len(self.name) <= 40):
             raise ExportError(
-                f"{self.name!r} cannot prefix functions", remedy="use letters, digits and _, at most 40 of them"
+                f"{self.name[:60]!r} cannot prefix functions", remedy="use letters, digits and _, at most 40 of them"
+            )
+        if is_taken(self.name):
+            raise ExportError(
+                f"{self.name!r} already means something in C, Python or the shell",
+                remedy="choose a name of your own, such as my_leg",
             )
         if self.sample_time is not None and not (math.isfinite(self.sample_time) and self.sample_time > 0.0):
             raise ExportError(
@@ -120,7 +127,7 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
         )
         for k, m in enumerate(x.memories)
     )
-    return Ready(
+    made = Ready(
         model,
         linear,
         shape,
@@ -132,6 +139,29 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
         forward,
         memories,
     )
+    _refuse_overflow(made, where)
+    return made
+
+
+def _refuse_overflow(made: Ready, where: str) -> None:
+    """Refuse numbers with which the torque is not finite although the motion is inside its limits."""
+    import casadi as ca
+
+    limits = [made.model.limits[joint] for joint in JOINTS]
+    for share in (0.0, 1.0):
+        q = [low + share * (high - low) for low, high in (limit.angle for limit in limits)]
+        dq, ddq = ([share * getattr(limit, name) for limit in limits] for name in ("velocity", "acceleration"))
+        memory = [share] * len(made.memories)
+        given = [0.0, q, dq, ddq, [share, share], memory]
+        outputs = [f(*given) for f in (made.torque, made.rigid, made.mass, made.coriolis, made.gravity)]
+        outputs += [m.argument(*given) for m in made.memories]
+        if not all(ca.DM(out).is_regular() for out in outputs):
+            largest = max({**made.linear, **made.shape}.items(), key=lambda item: abs(item[1]))
+            raise ExportError(
+                "with these numbers the torque is not finite on a motion inside the limits",
+                where=where,
+                remedy=f"the largest is {largest[0]} = {largest[1]:g}; identify the model again",
+            )
 
 
 _NAMES = ["t", "q", "dq", "ddq", "sign", "memory"]
@@ -152,8 +182,3 @@ def _complete(names: list[str], known: Any, table: str, where: str) -> dict[str,
             f"the identified number of {', '.join(wrong)} is not finite", where=where, remedy="identify it again"
         )
     return out
-
-
-def safe(text: str) -> str:
-    """Return text that cannot end a comment or a docstring."""
-    return "".join(c if c.isalnum() or c in " -_.,()" else " " for c in text)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.files import sha256, write_whole
+from ground.text import in_comment
 from symbolic.codegen.equation import STATE, Expressions, model_expressions
 from symbolic.codegen.fingerprint import equations_key, library_versions
 from symbolic.quantity import JOINTS
@@ -229,16 +230,16 @@ CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, cons
 
 
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
-    parameters = [f"  {k}: {p.name} [{p.unit}]" for k, p in enumerate(model.parameters)]
-    shapes = [f"  {k}: {s.name} [{s.shape.unit}]" for k, s in enumerate(model.shapes)]
-    table = [f"  {k}: Y[{JOINTS[j]}][{model.parameters[p].name}]" for k, (j, p) in enumerate(entries)]
+    parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
+    shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
+    table = [f"  {k}: {in_comment(f'Y[{JOINTS[j]}][{model.parameters[p].name}]')}" for k, (j, p) in enumerate(entries)]
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
         "    const double *shape, const double *memory, const double *extra, double *out);\n"
         for name, meaning in MEANING.items()
     )
     return _HEADER.format(
-        name=model.name.replace("*/", "* /"),
+        name=in_comment(model.name),
         state=", ".join(STATE),
         parameters="\n".join(parameters),
         shapes="\n".join(shapes) or "  none",

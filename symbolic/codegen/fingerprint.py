@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ground.cache import cache_folder
 from ground.files import sha256, write_whole
+from ground.inputs import read_input
 
 if TYPE_CHECKING:
     from symbolic.effect import Effect
@@ -93,7 +94,7 @@ def generator_key() -> str:
     contents = [path.read_bytes() for part in GENERATING for path in sorted((folder / part).glob("*.py"))]
     note = cache_folder() / f"generator-{sha256(''.join(sha256(content) for content in contents))[:40]}"
     try:
-        found = note.read_text(encoding="ascii")
+        found = read_input(note, 64, remember=False).decode("ascii")
         if re.fullmatch("[0-9a-f]{64}", found):
             return found
     except (OSError, ValueError):
@@ -102,7 +103,7 @@ def generator_key() -> str:
 
     key = sha256("".join(sha256(computing_part(content.decode())) for content in contents))
     with suppress(OSError):  # a cache that cannot be written costs the next process that time
-        write_whole(note, key)
+        write_whole(note, key, at_once=True)
     return key
 
 

@@ -6,6 +6,7 @@ documented interface, so that no text has to be searched and replaced.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -97,7 +98,10 @@ def scalar_c(function: Any, inputs: Sequence[Sequence[str]], store: str, languag
             held[made[0]] = inputs[given[0]][given[1]]
             continue
         if operation == casadi.OP_CONST:
-            held[made[0]] = f"({float(function.instruction_constant(step))!r})"
+            constant = float(function.instruction_constant(step))
+            if not math.isfinite(constant):
+                raise CompilerError(f"a number became {constant!r}, which has no literal in C")
+            held[made[0]] = f"({constant!r})"
             continue
         if operation not in names:
             raise CompilerError(f"CasADi's operation {operation} has no scalar form")

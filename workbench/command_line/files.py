@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import math
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -44,7 +45,12 @@ def strict(value: Any) -> Any:
 
 def to_json(payload: Any) -> str:
     """Return `payload` as strict JSON text that ends with a line feed."""
-    return json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+_UNSEEN = re.compile("[\\x7f-\\x9f\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069\\ud800-\\udfff]")
+"""What a terminal obeys, or UTF-8 cannot say (half of a pair, from a file name in another encoding)."""
 
 
 def read_json(path: str | Path) -> Any:
@@ -59,7 +65,7 @@ def read_json(path: str | Path) -> Any:
 
 def write_text(path: str | Path, text: str) -> Path:
     """Write `text` as UTF-8 to `path`, whole or not at all; raises OutputError."""
-    return write_bytes(path, text.encode("utf-8"))
+    return write_bytes(path, text.encode("utf-8", "backslashreplace"))
 
 
 def write_bytes(path: str | Path, content: bytes) -> Path:

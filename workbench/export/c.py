@@ -1,8 +1,10 @@
 """C99 for a controller: the identified torque of the leg, its gravity, M, C and forward dynamics.
 
 Nothing but math.h is needed, nothing is allocated, and there is no static state: effects with memory keep theirs in a
-struct that the caller owns. Operators with memory run on the controller's own clock: play and dahl step by step, delay
-through a ring of samples, and ddt, which in the model looks both ways, as a backward difference, half a sample late.
+struct that the caller owns. A sample that is not finite gives a torque that is not finite and is not remembered: every
+operator is held at its last finite argument, so that the next sample is good again. Operators with memory run on the
+controller's own clock: play and dahl step by step, delay through a ring of samples, and ddt, which in the model looks
+both ways, as a backward difference, half a sample late.
 """
 
 from __future__ import annotations
@@ -11,9 +13,10 @@ import math
 import re
 from typing import Any
 
+from ground.text import in_comment
 from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.quantity import JOINTS
-from workbench.identified import ExportError, Memory, Options, Ready, safe
+from workbench.identified import ExportError, Memory, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 
@@ -46,7 +49,7 @@ def _header(ready: Ready, options: Options) -> str:
     memory = bool(ready.memories)
     first = f"{n}_state *state, " if memory else ""
     numbers = "\n".join(
-        f" *   {name:<28} {value: .9g}" for name, value in (*ready.linear.items(), *ready.shape.items())
+        f" *   {in_comment(name):<28} {value: .9g}" for name, value in (*ready.linear.items(), *ready.shape.items())
     )
     state = _state_struct(ready, options) if memory else ""
     init = f"\n/* Call once before the first step. */\nvoid {n}_init({n}_state *state);\n" if memory else ""
@@ -59,7 +62,8 @@ def _header(ready: Ready, options: Options) -> str:
 void {n}_forward_dynamics(double t, const double q[2], const double dq[2], const double tau[2], double ddq[2]);
 """
     )
-    return f"""/* {safe(ready.model.name)}: torque of a leg with two joints, with identified numbers. Written by exoid.
+    return f"""/* {in_comment(ready.model.name)}:
+ * torque of a leg with two joints, with identified numbers. Written by exoid.
  *
  * Joint order {", ".join(JOINTS)}. q in rad (hip from the downward vertical, knee relative to the thigh, flexion
  * negative), dq in rad/s, ddq in rad/s^2, t in s since the model's time began (only drifts use it).
@@ -103,14 +107,15 @@ def _sign_text(options: Options) -> str:
 
 def _state_struct(ready: Ready, options: Options) -> str:
     fields = [f"  double {_field(k, m)};" for k, m in enumerate(ready.memories) if m.operator != "delay"]
-    fields += [f"  double last{k};" for k, m in enumerate(ready.memories) if m.operator in ("dahl", "ddt")]
+    fields += [f"  double last{k};" for k in range(len(ready.memories))]
     for k, memory in enumerate(ready.memories):
         if memory.operator == "delay":
             fields += [f"  double past{k}[{_ring(memory, options)}];", f"  int next{k};"]
     body = "\n".join(fields)
     name = options.name
     return f"""
-/* What the effects with memory remember. One per leg; yours to keep. */
+/* What the effects with memory remember. One per leg; yours to keep. A sample with a NaN or an infinity in it gives a
+   torque that is not finite; it is not remembered, and the next sample is good again. */
 typedef struct {name}_state {{
 {body}
   int started;
@@ -190,8 +195,14 @@ def _memory_steps(ready: Ready, options: Options) -> str:
     for k, memory in enumerate(ready.memories):
         inside = scalar_c(memory.argument, _inputs(k), f"x{k} = {{value}};", PLAIN)
         # What an argument does not use yet (later memories) must still have a name.
-        lines += [f"  double x{k};", f"  double memory{k};", "  {", inside, "  }", *_step(k, memory, options)]
-    return "\n".join([*lines, "  state->started = 1;", ""]) if lines else ""
+        lines += [f"  double x{k};", f"  double memory{k};", "  {", inside, "  }"]
+        # x - x is 0 for every finite number, and NaN for every other.
+        lines += [f"  const double gap{k} = x{k} - x{k};", f"  if (!(gap{k} == 0.0)) {{", f"    x{k} = state->last{k};"]
+        lines += ["    whole = 0;", "  }", *_step(k, memory, options), f"  state->last{k} = x{k};"]
+        lines += [f"  memory{k} += gap{k};"]
+    if not lines:
+        return ""
+    return "\n".join(["  int whole = 1;", *lines, "  if (whole) state->started = 1;", ""])
 
 
 def _step(k: int, memory: Memory, options: Options) -> list[str]:
@@ -210,14 +221,12 @@ def _step(k: int, memory: Memory, options: Options) -> list[str]:
             f"    const double move = x{k} - state->last{k}, keep = exp(-({p!r}) * fabs(move));",
             f"    {own} = keep * {own} + (double)((move > 0.0) - (move < 0.0)) * (1.0 - keep);",
             "  }",
-            f"  state->last{k} = x{k};",
             f"  memory{k} = {own};",
         ]
     assert options.sample_time is not None
     if memory.operator == "ddt":
         return [
             f"  {own} = state->started ? (x{k} - state->last{k}) / {options.sample_time!r} : 0.0;",
-            f"  state->last{k} = x{k};",
             f"  memory{k} = {own};",
         ]
     assert p is not None

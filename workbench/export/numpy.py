@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from ground.text import in_comment
 from symbolic.codegen.instructions import FORMS, Language, scalar_c
-from workbench.identified import Options, Ready, safe
+from workbench.identified import Options, Ready
 
 HELP = "a Python module with only NumPy in it"
 
@@ -26,24 +27,35 @@ NUMPY = Language(
     "{place} = {value}",
 )  # fmt: skip
 
+HELD = '''
+def held(x):
+    """Return x (N,) with the last finite value before it in place of what is not finite (0 where there is none)."""
+    last = np.maximum.accumulate(np.where(np.isfinite(x), np.arange(len(x)), -1))
+    return np.where(last < 0, 0.0, x[last])
+
+'''
 OPERATORS = {
-    "play": '''
+    "play": HELD
+    + '''
 def play(t, x, h):
-    """Return what follows x (N,) through a gap of half-width h."""
+    """Return what follows x (N,) through a gap of half-width h; a sample that is not finite leaves it as it was."""
+    gap, x = x - x, held(x)
     out, w = np.empty_like(x), x[0]
     for k, value in enumerate(x):
         w = value - h if value - h > w else value + h if value + h < w else w
         out[k] = w
-    return out
+    return out + gap
 ''',
-    "dahl": '''
+    "dahl": HELD
+    + '''
 def dahl(t, x, sigma):
-    """Return the Dahl friction state (N,), between -1 and 1, along x (N,)."""
+    """Return the Dahl friction state (N,), between -1 and 1, along x (N,); not finite samples leave it as it was."""
+    gap, x = x - x, held(x)
     out = np.zeros_like(x)
     for k, step in enumerate(np.diff(x)):
         keep = np.exp(-sigma * abs(step))
         out[k + 1] = keep * out[k] + np.sign(step) * (1.0 - keep)
-    return out
+    return out + gap
 ''',
     "delay": '''
 def delay(t, x, d):
@@ -72,13 +84,16 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
         parameter = "" if memory.parameter is None else f", {memory.parameter!r}"
         body.append(f"    memory{k} = {memory.operator}(t, x{k}{parameter})")
     body.append(scalar_c(ready.torque, inputs, "tau[:, {k}] = {value}", NUMPY))
-    text = f'''"""{safe(ready.model.name)}: torque of a two-joint leg, with identified numbers. Written by exoid.
+    operators = "".join(OPERATORS[word] for word in used)
+    first = operators.find(HELD)
+    operators = operators[: first + len(HELD)] + operators[first + len(HELD) :].replace(HELD, "")
+    text = f'''"""{in_comment(ready.model.name)}: torque of a two-joint leg, with identified numbers. Written by exoid.
 
 Joint order hip, knee; rad, rad/s, rad/s², s, N·m. Model {ready.model.key()[:16]}.
 """
 
 import numpy as np
-{"".join(OPERATORS[word] for word in used)}
+{operators}
 
 def torque(t, q, dq, ddq):
     """Return the torque (N, 2) in N·m the drives have to supply along a motion: t (N,) s, q, dq, ddq (N, 2)."""

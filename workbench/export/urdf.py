@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ground.text import in_comment
 from workbench.identified import ExportError, Options, Ready
 
 HELP = "URDF of the rigid leg with viscous and Coulomb friction"
@@ -55,7 +56,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     upper, lower = segments(
         (numbers["Phi1"], numbers["Phi2"], numbers["Phi3"], numbers["Phi4"]), ready.model.thigh_length
     )
-    left_out = ", ".join(term.name for term in ready.model.terms) or "nothing"
+    left_out = ", ".join(in_comment(term.name) for term in ready.model.terms) or "nothing"
     hip, knee = (_joint(ready, joint, options) for joint in ("hip", "knee"))
     return {
         f"{options.name}.urdf": f"""<?xml version="1.0" encoding="utf-8"?>

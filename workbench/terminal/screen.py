@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ground.text import printable
 from symbolic.quantity import JOINTS
 from workbench.terminal.encoding import plain, spells
 
@@ -42,6 +43,7 @@ class Screen:
         """Write `text` as a line, in a style of `STYLES` when the terminal has colours."""
         if self.silent:
             return
+        text = printable(text)
         if sys.stdout.isatty():
             from rich.text import Text
 
@@ -54,7 +56,10 @@ class Screen:
         """Write a table, numbers set to the right; sentences fold, nothing is cut off."""
         if self.silent:
             return
-        head, rows = without_empty(head, rows)
+        title, note, head = printable(title), printable(note), [printable(name) for name in head]
+        head, rows = without_empty(
+            head, [[printable(str(cell)) if isinstance(cell, str) else cell for cell in row] for row in rows]
+        )
         from rich import box
         from rich.table import Table
         from rich.text import Text
@@ -107,7 +112,7 @@ def folded(line: str) -> str:
 
 def warn(text: str) -> None:
     """Write `text` to stderr; --quiet does not hide it."""
-    sys.stderr.write(f"exoid: {text}\n")
+    sys.stderr.write(f"exoid: {printable(text)}\n")
 
 
 def per_joint(values: Iterable[float], unit: str = "N·m") -> str:

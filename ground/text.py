@@ -1,0 +1,32 @@
+"""Text from outside (names of files, models and columns), made harmless for where it is going to stand."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+_ACTING = frozenset(("Cc", "Cf", "Cs", "Zl", "Zp"))
+"""Categories of characters that act instead of being seen: controls, direction marks, halves, line separators."""
+
+
+def printable(text: str) -> str:
+    """Return `text` with every control character spelt out (ESC is \\x1b), line feeds and tabs kept.
+
+    A terminal obeys them: a file name could clear the screen, or write what looks like a message of ours.
+    """
+    if text.isascii() and text.replace("\n", "").isprintable():
+        return text
+    return "".join(c if c in "\n\t" or unicodedata.category(c) not in _ACTING else _spelt(c) for c in text)
+
+
+def in_comment(text: str) -> str:
+    """Return `text` as one line that cannot end a comment or a docstring of C, Python or XML.
+
+    No backslash (before a line end it joins lines, and Python reads it in a docstring), no trigraph, no quote.
+    """
+    line = " ".join(printable(text).split()).replace("\\", "|").replace('"', "'")
+    return re.sub(r"(?<=[?])(?=[?])|(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=-)(?=-)", " ", line)
+
+
+def _spelt(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
