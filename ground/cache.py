@@ -1,14 +1,28 @@
 """The folder where a user's compiled models live.
 
-`EXOID_CACHE` names another one. Where none can be trusted and written to, a private temporary folder serves.
+`EXOID_CACHE` names another one. What lies in it is run, so nobody else may be able to write there: not to the folder,
+not to what lies in it, and not to a folder above it, where it could be exchanged. Where none can be trusted and
+written to, a private temporary folder serves.
 """
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
+import sys
 import tempfile
+import warnings
 from functools import lru_cache
 from pathlib import Path
+
+from ground.inputs import read_input
+
+if sys.platform != "win32":
+    import grp
+    import pwd
+
+OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path:
@@ -17,29 +31,76 @@ def cache_folder() -> Path:
     """
     wanted = os.environ.get("EXOID_CACHE")
     if wanted:
-        candidates = [Path(wanted).expanduser()]
+        candidate = Path(wanted).expanduser()
     else:
         import platformdirs
 
-        candidates = [Path(platformdirs.user_cache_dir("exoid", appauthor=False))]
-    for candidate in candidates:
-        if _is_ours(candidate):
-            return candidate
-    return _private_folder()
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether the folder can be created and written to, and nobody else owns it: it holds code that will be
-    run.
-    """
+        candidate = Path(platformdirs.user_cache_dir("exoid", appauthor=False))
     try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if hasattr(os, "getuid") and folder.stat().st_uid != os.getuid():
-            return False
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
+        why = _distrusted(candidate)
+    except (OSError, ValueError, RuntimeError):  # a loop of links is a RuntimeError before Python 3.13
+        return _private_folder()
+    if why:
+        _say_once(f"the cache {candidate} is not used: {why}; models are compiled anew by every command")
+    return _private_folder() if why else candidate
+
+
+def read_trusted(path: Path, most: int) -> bytes:
+    """Return a file of the cache; OSError unless it is an ordinary file of at most `most` bytes that only this user
+    can change, under its own name.
+    """
+    why = distrust(path)
+    if why:
+        raise OSError(errno.EPERM, why, str(path))
+    return read_input(path, most, remember=False)
+
+
+def distrust(path: Path) -> str:
+    """Return why a file or folder of the cache is not to be trusted, "" where it is."""
+    status = path.lstat()
+    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+        return f"{path} is neither a file nor a folder"
+    if not hasattr(os, "getuid"):
+        return ""
+    if status.st_uid != os.getuid():
+        return f"{path} belongs to somebody else"
+    return f"others may write to {path}" if status.st_mode & OTHERS else ""
+
+
+def _distrusted(folder: Path) -> str:
+    """Return why the folder is not to be trusted, "" where it is; OSError where it cannot be made or written to."""
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    real = folder.resolve(strict=True)
+    with tempfile.TemporaryFile(dir=real):
+        return distrust(real) or next(filter(None, map(_exchangeable, real.parents)), "")
+
+
+def _exchangeable(folder: Path) -> str:
+    """Return why others could put another folder in the place of one below `folder`, "" where they cannot."""
+    if not hasattr(os, "getuid"):
+        return ""
+    status = folder.stat()
+    if status.st_uid not in (0, os.getuid()):
+        return f"{folder} belongs to somebody else"
+    open_to_all = status.st_mode & stat.S_IWOTH or (status.st_mode & stat.S_IWGRP and not _of_one(status.st_gid))
+    # In a sticky folder such as /tmp everybody may write, but only the owner may rename.
+    return f"others may write to {folder}" if open_to_all and not status.st_mode & stat.S_ISVTX else ""
+
+
+def _of_one(group: int) -> bool:
+    """Whether the group is the user's own, with nobody else in it."""
+    if sys.platform == "win32":
+        return True
+    try:
+        user, found = pwd.getpwuid(os.getuid()).pw_name, grp.getgrgid(group)
+    except KeyError:
         return False
+    return found.gr_name == user and set(found.gr_mem) <= {user}
+
+
+@lru_cache(maxsize=8)
+def _say_once(text: str) -> None:
+    warnings.warn(text, UserWarning, stacklevel=2)
 
 
 @lru_cache(maxsize=1)

@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.cache import cache_folder
+from ground.cache import cache_folder, read_trusted
 from ground.errors import EffectError
 from ground.files import sha256, write_whole
-from ground.inputs import read_input
 from symbolic.codegen.fingerprint import canonical, equations, generator_key, library_versions, term_content
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
@@ -154,7 +153,7 @@ def _content_key(model: Model) -> str:
 
 def _read(path: Path) -> tuple[LookAlike, ...] | None:
     try:
-        content = json.loads(read_input(path, LARGEST_CACHE, remember=False))
+        content = json.loads(read_trusted(path, LARGEST_CACHE))
         if content["seal"] != sha256(canonical(content["found"])):
             return None
         return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])

@@ -18,12 +18,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ground.cache import cache_folder
+from ground.cache import cache_folder, distrust, read_trusted
 from ground.files import sha256, sha256_file
 from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
 from symbolic.codegen.fingerprint import canonical, generator_key, library_versions, processor
 
 LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
+
+LARGEST = 200_000_000
+"""Bytes of a file of an entry; a library has some hundred thousand."""
 
 LEFTOVER = 86_400.0
 """Seconds after which an unfinished entry counts as abandoned; a compilation takes at most a minute."""
@@ -77,13 +80,15 @@ def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
 
 
 def _open(entry: Path) -> CompiledLibrary | None:
-    """Load an entry after checking it against its seal; a damaged one is removed."""
-    if not entry.is_dir():
+    """Load an entry after checking that nobody else made it, and its seal; any other is removed."""
+    if not os.path.lexists(entry):
         return None
     try:
-        seal = json.loads((entry / SEAL).read_text())
-        intact = all(sha256_file(entry / name) == seal[name] for name in (LIBRARY, RECORD))
-        record = json.loads((entry / RECORD).read_text()) if intact else None
+        trusted = not distrust(entry)
+        content = {name: read_trusted(entry / name, LARGEST) for name in (LIBRARY, RECORD, SEAL)} if trusted else {}
+        seal = json.loads(content[SEAL])
+        intact = all(sha256(content[name]) == seal[name] for name in (LIBRARY, RECORD))
+        record = json.loads(content[RECORD]) if intact else None
         library = ctypes.CDLL(str(entry / LIBRARY)) if intact else None
     except (OSError, ValueError, KeyError, TypeError):
         record = library = None
@@ -102,6 +107,8 @@ def _build(entry: Path, source: GeneratedC, compiler: Compiler) -> None:
         (folder / RECORD).write_text(canonical(source.record))
         seal = {name: sha256_file(folder / name) for name in (LIBRARY, RECORD)}
         (folder / SEAL).write_text(canonical(seal))
+        for name in (LIBRARY, RECORD, SEAL):
+            (folder / name).chmod(0o600)  # whatever the umask says: `_open` trusts no other
         try:
             os.rename(folder, entry)
         except OSError:
