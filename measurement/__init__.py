@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from measurement.bench.seal import open_seal
     from measurement.bench.simulation import Bench, simulate, simulate_runs
     from measurement.finding import Finding
-    from measurement.reading.read import read_recording
+    from measurement.reading.read import read_recording, read_recordings
     from measurement.recording import Recording, write_recording
     from measurement.trajectories.extremes import shortest_period
     from measurement.trajectories.trajectory import paper_trajectory
@@ -28,6 +28,7 @@ __all__ = [
     "paper_leg",
     "paper_trajectory",
     "read_recording",
+    "read_recordings",
     "read_trajectory",
     "shortest_period",
     "simulate",
@@ -48,6 +49,7 @@ lend(
         "paper_leg": "measurement.bench.leg",
         "paper_trajectory": "measurement.trajectories.trajectory",
         "read_recording": "measurement.reading.read",
+        "read_recordings": "measurement.reading.read",
         "read_trajectory": "measurement.trajectories.trajectory_file",
         "shortest_period": "measurement.trajectories.extremes",
         "simulate": "measurement.bench.simulation",

@@ -131,3 +131,15 @@ def clock_unit(t: Float, q: Float) -> tuple[str, float]:
         if step < most:
             return unit, scale
     return "s", 1.0
+
+
+def epoch_unit(t: Float) -> tuple[str, float] | None:
+    """Return ("ms", 1e-3) or the like where stamps (N,) count from 1970 and this century in that unit, else None."""
+    finite = t[np.isfinite(t)]
+    if finite.size < 2:
+        return None
+    middle, step = float(np.median(finite)), float(np.median(np.abs(np.diff(finite))))
+    for unit, scale in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)):
+        if 9.4e8 < middle * scale < 4.2e9 and 1e-5 < step * scale < 0.5:
+            return unit, scale
+    return None

@@ -1,8 +1,6 @@
-"""Which column of a file is which: usual names, units in the header, and what the user maps by hand.
+"""Which column of a file is which: usual names (`names.py`), units in the header, and what the user maps by hand.
 
-A name is cut into words; if the words that remain after fillers ("measured", "joint", ...) are a known
-quantity and a known joint, the column is recognised. Anything else in the name ("desired", "ref", "error")
-forbids it, so a set-point is never taken for a measurement.
+Two readings that are both possible are a question to the user, never a guess.
 """
 
 from __future__ import annotations
@@ -15,76 +13,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ground.errors import RecordingError
+from measurement.reading.names import Reading, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.units import QUANTITIES, factor
+from measurement.reading.units import QUANTITIES, factor, is_product, is_scaled
+from symbolic.quantity import JOINTS
 
-REQUIRED = ("t", "q1", "q2", "tau1", "tau2")
-OPTIONAL = ("dq1", "dq2", "ddq1", "ddq2", "f1", "f2")
-CANONICAL = REQUIRED + OPTIONAL
+LEGS = ("left", "right", "ipsi", "contra")
 SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
 
-WORDS: Mapping[str, tuple[str, ...]] = {
-    "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
-          "stamp", "rowtimes", "datetime"),
-    "q": ("q", "theta", "angle", "angles", "pos", "position", "phi", "winkel", "th"),
-    "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
-           "speed", "w", "anglevelocity", "angularvelocity", "anglerate", "dth"),
-    "ddq": ("ddq", "qdd", "qddot", "qpp", "ddtheta", "thetaddot", "thetadd", "acc", "acceleration",
-            "angularacceleration", "ddth"),
-    "tau": ("tau", "torque", "torques", "trq", "moment", "drehmoment", "effort", "efforts", "u"),
-    "f": ("f", "force", "cuffforce", "interactionforce", "fint", "fdis", "fcuff", "kraft"),
-}  # fmt: skip
-JOINTS: Mapping[str, int] = {"1": 1, "2": 2, "01": 1, "02": 2, "hip": 1, "h": 1, "knee": 2, "k": 2, "kn": 2,
-                             "thigh": 1, "shank": 2, "hüfte": 1, "huefte": 1, "knie": 2}  # fmt: skip
-FILLERS = frozenset(
-    {
-        "joint",
-        "measured",
-        "meas",
-        "actual",
-        "act",
-        "sensor",
-        "motor",
-        "of",
-        "in",
-        "the",
-        "encoder",
-        "data",
-        "value",
-        "values",
-        "signal",
-    }
-)
-FOREIGN = frozenset(
-    {
-        "ref",
-        "reference",
-        "desired",
-        "des",
-        "cmd",
-        "command",
-        "commanded",
-        "setpoint",
-        "target",
-        "error",
-        "err",
-        "model",
-        "simulated",
-        "predicted",
-        "feedforward",
-    }
-)
-"""Anywhere in a name, also in that of its group, these say that it is not a measurement."""
-GREEK = {
-    "θ̈": " ddtheta ",
-    "θ̇": " dtheta ",
-    "θ": " theta ",
-    "ϑ": " theta ",
-    "φ": " phi ",
-    "τ": " tau ",
-    "ω": " omega ",
-}
-_QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
+
+def required(joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+    """Return the names of the columns that a recording of `joints` must have: t, q1, ..., tau1, ..."""
+    numbers = range(1, len(joints) + 1)
+    return ("t", *(f"q{k}" for k in numbers), *(f"tau{k}" for k in numbers))
+
+
+def canonical(joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+    """Return the names of all columns that a recording of `joints` may have."""
+    numbers = range(1, len(joints) + 1)
+    return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers))
 
 
 @dataclass(frozen=True)
@@ -99,91 +46,153 @@ class Assigned:
     told: bool
 
 
-def quantity_of(name: str) -> str:
-    """Return the quantity of a canonical column name: "dq1" -> "dq"."""
-    return name.rstrip("12")
-
-
-def recognise(name: str) -> tuple[str, str, int] | None:
-    """Return (canonical name, unit hidden in the name, number of filler words) or None: "tau1_mNm" ->
-    ("tau1", "mNm", 0)."""
-    for sign, word in GREEK.items():
-        name = name.replace(sign, word)
-    if FOREIGN.intersection(re.split(r"[\W\d_]+", _spaced(name).lower())):
-        return None
-    path = [part for part in re.split(r"[./:]", name) if part]
-    for depth in (1, 2):  # "run.q1" and "run.hip.angle"; a unit such as "rad/s" also looks like a path
-        found = _recognised(" ".join(path[-depth:])) or _recognised(name)
-        if found:
-            return found
-    return None
-
-
-def _recognised(text: str) -> tuple[str, str, int] | None:
-    parts = [part for part in re.split(r"[\W_]+", text) if part]
-    for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
-        tail = "/".join(parts[-used:])
-        found = _match(parts[:-used]) if len(parts) > used and not tail.isdigit() else None
-        if found and factor(quantity_of(found[0]), tail) is not None:
-            return found[0], tail, found[1]
-    found = _match(parts)
-    return (found[0], "", found[1]) if found else None
-
-
-def _spaced(name: str) -> str:
-    """Return `name` with a blank between words and numbers written as one: "hipAngle", "q1"."""
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return re.sub(r"(?<=[^\W\d_])(?=\d)|(?<=\d)(?=[^\W\d_])", " ", name)
-
-
-def _match(parts: Sequence[str]) -> tuple[str, int] | None:
-    lower = _spaced(" ".join(parts)).lower().split()
-    kept = [word for word in lower if word not in FILLERS]
-    joints = {JOINTS[word] for word in kept if word in JOINTS}
-    quantity = _QUANTITY.get("".join(word for word in kept if word not in JOINTS))
-    if quantity == "t" and not joints:
-        return "t", len(lower) - len(kept)
-    if quantity in (None, "t") or len(joints) != 1:
-        return None
-    return f"{quantity}{joints.pop()}", len(lower) - len(kept)
-
-
 def assign(
-    table: RawTable, mapping: Mapping[str, str] | None, units: Mapping[str, str] | None, *, where: str
+    table: RawTable,
+    mapping: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
+    *,
+    where: str,
+    leg: str | None = None,
+    joints: Sequence[str] = JOINTS,
+    partial: bool = False,
 ) -> dict[str, Assigned]:
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
 
-    `mapping` is {canonical: column in the file}; `units` is {quantity, canonical name or column: unit}.
+    `mapping` is {canonical: column in the file}; `units` is {quantity, canonical name or column: unit}; `leg` ("left",
+    "right", "ipsi" or "contra") says which one where the file has several. With `partial`, columns may be missing: the
+    rest stands in another file.
     """
     mapping, units = dict(mapping or {}), dict(units or {})
-    _check_keys(mapping, CANONICAL, "--map", where)
-    _check_keys(units, (*SI, *CANONICAL, *table.names), "--units", where)
+    _check_keys(mapping, canonical(joints), "--map", where)
+    _check_keys(units, (*SI, *canonical(joints), *table.names), "--units", where)
     chosen = _mapped(table, mapping, where)
-    taken = {id(column) for column in chosen.values()}
-    aliases = _counted_from_one(table.names)
-    offers: dict[str, list[tuple[int, RawColumn]]] = {}
+    offers = _offers(table, chosen, units, joints)
+    side = _side(offers, chosen, leg, required(joints), where)
     hidden: dict[int, str] = {}
-    for column in table.columns:
-        found = None if id(column) in taken else recognise(aliases.get(column.name, column.name))
-        if found:
-            offers.setdefault(found[0], []).append((found[2] + 100 * column.rank, column))
-            hidden[id(column)] = found[1]
-    for name, columns in offers.items():
+    for name in canonical(joints):
         if name in chosen:
             continue
-        fewest = min(rank for rank, _ in columns)
-        best = [column for rank, column in columns if rank == fewest]
-        # Time series of Simulink each carry the same time.
-        if any(not np.array_equal(best[0].values, other.values, equal_nan=True) for other in best[1:]):
-            names = ", ".join(repr(name) for name in numbered([column.name for column in best]))
-            raise RecordingError(
-                f"more than one column can be {name}: {names}",
-                where=where,
-                remedy=f"say which: --map {name}={numbered([column.name for column in best])[0]}",
-            )
-        chosen[name] = best[0]
-    _check_missing(chosen, table, where)
-    return {name: _with_unit(name, chosen[name], units, hidden, where) for name in CANONICAL if name in chosen}
+        fitting = [offer for offer in offers if offer[0].name == name and offer[0].side in ("", side)]
+        if leg and any(reading.side for reading, _ in fitting):
+            fitting = [offer for offer in fitting if offer[0].side]
+        if not fitting:
+            continue
+        reading, column = _best(name, fitting, where)
+        chosen[name], hidden[id(column)] = column, reading.unit
+    if not partial:
+        _check_missing(chosen, table, where, required(joints), offers)
+    return {name: _with_unit(name, chosen[name], units, hidden, where) for name in canonical(joints) if name in chosen}
+
+
+Offer = tuple[Reading, RawColumn]
+
+
+def legs(table: RawTable, joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+    """Return the legs of which `table` has every angle and torque, in the order of LEGS."""
+    return _complete(_offers(table, {}, {}, joints), {}, required(joints))
+
+
+def _offers(
+    table: RawTable, chosen: Mapping[str, RawColumn], units: Mapping[str, str], joints: Sequence[str]
+) -> list[Offer]:
+    """Return what each column can be, those that are mapped already apart."""
+    taken = {id(column) for column in chosen.values()}
+    aliases, doubtful = _counted_from_one(table.names)
+    offers: list[Offer] = []
+    for column in table.columns:
+        name = aliases.get(column.name, column.name)
+        found = None if id(column) in taken or name in doubtful else recognise(name, tuple(joints))
+        if found and quantity_of(found.name) == "i":  # a current is a torque only for whom the constant was given
+            name = found.name.replace("i", "tau")
+            given = units.get(name) or units.get("tau") or ""
+            found = found._replace(name=name) if is_product(given) and re.search(r"A\b", given) else None
+        if found:
+            offers.append((found._replace(rank=found.rank + 100 * column.rank), column))
+    if not any(reading.name == "t" for reading, _ in offers) and "t" not in chosen:
+        weak = [c for c in table.columns if weak_time(c.name) and id(c) not in taken and _runs_forwards(c)]
+        offers += [(Reading("t", rank=50), column) for column in weak[:1]]
+    return offers
+
+
+def _runs_forwards(column: RawColumn) -> bool:
+    step = np.diff(column.values[np.isfinite(column.values)])
+    return bool(step.size > 10 and np.mean(step > 0) > 0.95)
+
+
+def _complete(offers: Sequence[Offer], chosen: Mapping[str, RawColumn], wanted: Sequence[str]) -> tuple[str, ...]:
+    """Return the legs of which every column of `wanted` is there, counting columns that name no leg."""
+    there = {(reading.side, reading.name) for reading, _ in offers}
+    sides = {side for side, _ in there if side}
+    return tuple(
+        side
+        for side in LEGS
+        if side in sides and all(n in chosen or ("", n) in there or (side, n) in there for n in wanted)
+    )
+
+
+def _side(
+    offers: Sequence[Offer], chosen: Mapping[str, RawColumn], leg: str | None, wanted: Sequence[str], where: str
+) -> str:
+    """Return the leg to read ("" where the columns name none); asks where more than one is possible."""
+    sides = {reading.side for reading, _ in offers if reading.side and reading.name in wanted}
+    if leg:
+        if leg in sides or not sides:
+            return leg
+        if len(sides) == 1 and sides <= {"ipsi"} and leg != "contra":
+            return "ipsi"
+        raise RecordingError(
+            f"there are no columns of the {leg} leg, only of: {', '.join(s for s in LEGS if s in sides)}",
+            where=where,
+            remedy=f"--leg {next(s for s in LEGS if s in sides)}, or name the columns with --map q1=COLUMN",
+        )
+    unsided = {reading.name for reading, _ in offers if not reading.side}
+    if not sides or all(name in chosen or name in unsided for name in wanted):
+        return ""
+    whole = _complete(offers, chosen, wanted)
+    possible = whole or tuple(side for side in LEGS if side in sides)
+    if len(possible) > 1:
+        both = " or --leg both (two recordings)" if set(possible) == {"left", "right"} and whole else ""
+        raise RecordingError(
+            f"the file holds columns of more than one leg ({', '.join(possible)}): which is it?",
+            where=where,
+            remedy=f"--leg {' or --leg '.join(possible)}{both}",
+        )
+    return possible[0]
+
+
+def _best(name: str, offers: Sequence[Offer], where: str) -> Offer:
+    """Return the offer of smallest rank; asks where two of them differ."""
+    fewest = min(reading.rank for reading, _ in offers)
+    best = [offer for offer in offers if offer[0].rank == fewest]
+    first = best[0][1]
+    # Time series of Simulink each carry the same time.
+    alike = _same_clock if name == "t" else _same
+    if any(not alike(first, other) for _, other in best[1:]):
+        names = numbered([column.name for _, column in best])
+        raise RecordingError(
+            f"more than one column can be {name}: {', '.join(repr(n) for n in names)}",
+            where=where,
+            remedy=f"say which: --map {name}={names[0]}",
+        )
+    return best[0]
+
+
+def _same(one: RawColumn, other: RawColumn) -> bool:
+    return np.array_equal(one.values, other.values, equal_nan=True)
+
+
+def _same_clock(one: RawColumn, other: RawColumn) -> bool:
+    """Whether two columns are one clock, counted from another instant or in a thousandth or so of its unit."""
+    if _same(one, other):
+        return True
+    good = np.isfinite(one.values) & np.isfinite(other.values)
+    if good.sum() < 10 or good.mean() < 0.9:
+        return False
+    a, b = (c.values[good] - c.values[good][0] for c in (one, other))
+    if not (a[-1] > 0 and b[-1] > 0):
+        return False
+    ratio = 10.0 ** (3 * round(np.log10(b[-1] / a[-1]) / 3))
+    return bool(np.abs(b - ratio * a).max() < 0.02 * ratio * np.median(np.abs(np.diff(a))))
 
 
 def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, where: str) -> None:
@@ -224,10 +233,22 @@ def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str
     return chosen
 
 
-def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str) -> None:
-    missing = [name for name in REQUIRED if name not in chosen]
+def _check_missing(
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, wanted: Sequence[str], offers: Sequence[Offer]
+) -> None:
+    missing = [name for name in wanted if name not in chosen]
     if not missing:
         return
+    currents = {k: c.name for c in table.columns if (k := recognise(c.name)) and quantity_of(k.name) == "i"}
+    torques = [name for name in missing if quantity_of(name) == "tau"]
+    if torques and torques == missing and currents:
+        shown = ", ".join(repr(name) for name in list(currents.values())[:4])
+        raise RecordingError(
+            f"no column for {', '.join(missing)} was found, but currents: {shown}",
+            where=where,
+            remedy="say what one ampere is at the joint, torque constant times gear: "
+            f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
+        )
     used = {id(column) for column in chosen.values()}
     free = [column.name for column in table.columns if id(column) not in used]
     close = difflib.get_close_matches(missing[0], free, 1, cutoff=0.5)
@@ -244,9 +265,13 @@ def numbered(names: Sequence[str]) -> list[str]:
     return [f"{name}#{names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
 
 
-def _counted_from_one(names: Sequence[str]) -> dict[str, str]:
-    """Return {name: the same counted from 1} for joints counted from 0: there is a 0 and a 1, but no 2."""
+def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
+    """Return {name: the same counted from 1} for joints counted from 0, and the names that count 0, 1, 2, ...
+
+    Of these nobody can say which two are the hip and the knee.
+    """
     out: dict[str, str] = {}
+    doubtful: set[str] = set()
     for name in names:
         found = re.fullmatch(r"(.*?)(?<!\d)0(\D*)", name)
         if not found:
@@ -254,7 +279,9 @@ def _counted_from_one(names: Sequence[str]) -> dict[str, str]:
         first, second = (f"{found[1]}{k}{found[2]}" for k in (1, 2))
         if first in names and second not in names:
             out |= {name: first, first: second}
-    return out
+        elif first in names:
+            doubtful |= {f"{found[1]}{k}{found[2]}" for k in range(100)}
+    return out, doubtful
 
 
 def listed(names: Sequence[str], most: int = 20) -> str:
@@ -268,10 +295,23 @@ def _with_unit(
 ) -> Assigned:
     quantity = quantity_of(name)
     told = units.get(name) or units.get(column.name) or units.get(quantity)
-    unit = told or column.unit or hidden.get(id(column), "")
+    written = column.unit or hidden.get(id(column), "")
+    unit = told or written
     if not unit or unit in ("-", "1"):
         return Assigned(name, column, SI[quantity], 1.0, False)
-    scale = factor(quantity, unit)
+    scale = factor(quantity, unit, written)
+    if scale is None and is_scaled(quantity, unit):
+        raise RecordingError(
+            f"column {column.name!r} ({name}) is in {unit}, which becomes {SI[quantity]} only with a further number",
+            where=where,
+            remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}",
+        )
+    if scale is None and is_product(unit) and written and factor(quantity, unit) is not None:
+        raise RecordingError(
+            f"{name}={unit} does not fit column {column.name!r}, which the file says is in {written}",
+            where=where,
+            remedy=f"write the factor for one {written}",
+        )
     if scale is None:
         raise RecordingError(
             f"unit {unit!r} of column {column.name!r} ({name}) is not known",
@@ -279,3 +319,11 @@ def _with_unit(
             remedy=f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}",
         )
     return Assigned(name, column, unit, scale, True)
+
+
+def _further(unit: str) -> str:
+    """Return what the number is that turns `unit` into SI."""
+    below = unit.rpartition("/")[2].strip().lower()
+    if below in ("a", "ma"):
+        return "torque constant times gear ratio"
+    return "the body mass in kg" if below == "kg" else "the rated torque at the joint" if below in "%‰" else "the gain"

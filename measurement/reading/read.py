@@ -5,53 +5,121 @@ The file itself is only ever opened for reading.
 
 from __future__ import annotations
 
-import hashlib
-import importlib
-import pkgutil
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
+from typing import Any
 
 from ground.errors import RecordingError
 from ground.inputs import open_input
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
-from measurement.reading import formats
-from measurement.reading.columns import assign
+from measurement.reading.columns import assign, legs
+from measurement.reading.frames import table_from
+from measurement.reading.mapping import FILE, Told, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
+from measurement.reading.sources import digest, expand, find_formats, opened
 from measurement.reading.split_stamps import join_split
 from measurement.reading.unusable import mask_unusable
 from measurement.recording import Recording, Source
 
+__all__ = ["find_formats", "open_table", "read_recording", "read_recordings", "read_table"]
 
-@cache
-def find_formats() -> tuple[ModuleType, ...]:
-    """Return every module in `measurement/reading/formats/`."""
-    names = sorted(module.name for module in pkgutil.iter_modules(formats.__path__))
-    return tuple(importlib.import_module(f"{formats.__name__}.{name}") for name in names)
+LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
 def read_recording(
-    path: str | Path, columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
+    source: Any,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    *,
+    leg: str | None = None,
+    name: str = "",
 ) -> Recording:
-    """Return the recording in the file `path`, in SI units, audited.
+    """Return the recording `source`, in SI units, audited.
 
-    `columns` maps canonical names to columns of the file ({"q1": "HipEnc"}), `units` gives the unit of a
-    quantity or column ({"q": "deg", "tau1": "mNm"}). Rows with a cell that is not a number are masked in
-    `valid`, never dropped. Raises RecordingError for anything that cannot be used, with the place and the
-    remedy.
+    `source` is a path (also `archive.zip/run1.csv`) or a table in memory: a pandas or polars DataFrame, a structured
+    NumPy array, an xarray Dataset, a mapping {name: array}. `columns` maps canonical names to columns of the file
+    ({"q1": "HipEnc"}), `units` gives the unit of a quantity or column ({"q": "deg", "tau1": "Nm/A*0.1*50"}), `leg`
+    ("left" or "right") says which one where both are in it. What is not given is taken from `exoid.toml` beside the
+    file, if that knows its columns. Rows with a cell that is not a number are masked in `valid`, never dropped. Raises
+    RecordingError for anything that cannot be used, with the place and the remedy.
     """
-    path = Path(path)
-    digest = _digest(path)
-    table = join_split(read_table(path))
-    assigned = assign(table, columns, units, where=str(path))
-    recording = repaired(table, assigned, name=path.stem, source=Source(str(path), digest))
+    told = Told(dict(columns or {}), dict(units or {}), leg or "")
+    if told.leg not in ("", *LEGS):
+        raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
+    table, origin, name, told = _loaded(source, told, name)
+    if told.leg == "both":
+        raise RecordingError(
+            "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
+        )
+    return _finished(table, origin, name, told)
+
+
+def read_recordings(
+    sources: Sequence[str | Path],
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    *,
+    leg: str | None = None,
+) -> tuple[Recording, ...]:
+    """Return the recordings that files, folders, patterns ("runs/*.csv") and ZIP archives hold, in order.
+
+    `leg` "both" gives two recordings of every file with both legs. Otherwise as `read_recording`.
+    """
+    told = Told(dict(columns or {}), dict(units or {}), leg or "")
+    out: list[Recording] = []
+    for path in expand(sources):
+        table, origin, name, here = _loaded(path, told, "")
+        if here.leg != "both":
+            out.append(_finished(table, origin, name, here))
+            continue
+        if set(here.columns) - {"t"}:
+            raise RecordingError(
+                "--map names the columns of one leg", where=path, remedy="read --leg left and --leg right one by one"
+            )
+        sides = legs(table)
+        if not sides:
+            raise RecordingError(
+                "no leg has all its angles and torques in this file", where=path, remedy="read one leg, with --map"
+            )
+        out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side)) for side in sides]
+    return tuple(out)
+
+
+def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, Told]:
+    """Return the table of `source`, where it came from, its name, and all that is said of its columns."""
+    if not isinstance(source, (str, Path)):
+        return join_split(table_from(source, name or "table")), Source(), name or "table", told
+    path = Path(source)
+    with opened(path) as real:
+        origin = Source(str(path), digest(real))
+        table = join_split(read_table(real, str(path)))
+    kept = remembered(path.parent, table.names)
+    if kept:
+        note = Finding(
+            "mapping", "info", f"columns as kept in {path.parent / FILE}: {kept}", str(path),
+            remedy="--map, --units and --leg come before it",
+        )  # fmt: skip
+        table = replace(table, notes=(*table.notes, note))
+    return table, origin, name or path.stem, told.over(kept) if kept else told
+
+
+def _finished(table: RawTable, origin: Source, name: str, told: Told) -> Recording:
+    """Return the audited recording in `table`; RecordingError for what refuses it."""
+    assigned = assign(table, told.columns, told.units, where=origin.path or name, leg=told.leg or None)
+    recording = repaired(table, assigned, name=name, source=origin)
     recording = mask_unusable(recording)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)
     return recording
+
+
+def open_table(path: str | Path) -> RawTable:
+    """Return the columns of a file as they stand in it; RecordingError where it cannot be read."""
+    with opened(Path(path)) as real:
+        return join_split(read_table(real, str(path)))
 
 
 def refuse(findings: tuple[Finding, ...]) -> None:
@@ -66,11 +134,27 @@ def refuse(findings: tuple[Finding, ...]) -> None:
         raise RecordingError(refused[0].what + more, where=refused[0].where, remedy=refused[0].remedy)
 
 
-def read_table(path: Path) -> RawTable:
-    """Return the columns of the file: by its signature where it has one, else by its suffix."""
+def read_table(path: Path, where: str = "") -> RawTable:
+    """Return the columns of the file: by its signature where it has one, else by its suffix.
+
+    `where` is what messages call it, when it is only a copy.
+    """
     try:
-        with path.open("rb") as stream:
-            head = stream.read(1024)
+        return _read_table(path)
+    except RecordingError as error:
+        if not where or where == str(path):
+            raise
+        raise RecordingError(
+            error.what, where=error.where.replace(str(path), where), remedy=error.remedy.replace(str(path), where)
+        ) from error
+
+
+def _read_table(path: Path) -> RawTable:
+    try:
+        head = b""
+        if not path.is_dir():
+            with open_input(path, remember=False) as stream:
+                head = stream.read(1024)
         by_content = [m for m in find_formats() if any(head.startswith(s) for s in m.SIGNATURES)]
         by_suffix = [m for m in find_formats() if path.suffix.lower() in m.SUFFIXES]
         chosen = by_content or by_suffix
@@ -95,47 +179,3 @@ def read_table(path: Path) -> RawTable:
         raise RecordingError(
             "the file does not fit into memory", where=str(path), remedy="cut it into shorter recordings"
         ) from error
-
-
-def _digest(path: Path) -> str:
-    """Return the SHA-256 of the file in hex; raises RecordingError when it is not a readable file."""
-    try:
-        folder, there, ordinary = path.is_dir(), path.exists(), path.is_file()
-        if path.is_symlink() and not there:
-            raise RecordingError(
-                "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
-            )
-    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
-        raise RecordingError(
-            "this is not a path of a file", where=str(path)[:200], remedy="check the spelling"
-        ) from error
-    if folder:
-        raise RecordingError(
-            "this is a folder, not a recording", where=str(path), remedy=f"name the files: {path}/*.csv"
-        )
-    if not there:
-        raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
-    if not ordinary:
-        raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
-    digest = hashlib.sha256()
-    try:
-        with open_input(path) as stream:
-            while block := stream.read(1 << 20):
-                digest.update(block)
-    except OSError as error:
-        raise RecordingError(
-            f"the file cannot be read ({error.strerror or error})",
-            where=str(path),
-            remedy="check that you may read it",
-        ) from error
-    return digest.hexdigest()
-
-
-def _nearby(path: Path) -> str:
-    """Return advice that names a file of a similar name in the same folder, if there is one."""
-    import difflib
-
-    if not path.parent.is_dir():
-        return f"the folder {path.parent} does not exist either"
-    close = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75)
-    return f"did you mean {path.parent / close[0]}?" if close else "check the path"

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from ground.errors import RecordingError
 from measurement.finding import Finding, row_ranges
 from measurement.reading import angles, clock
-from measurement.reading.columns import Assigned
+from measurement.reading.columns import SI, Assigned
+from measurement.reading.names import quantity_of
 from measurement.reading.raw import RawTable
+from measurement.reading.units import is_product
 from measurement.recording import Recording, Source
 from symbolic.motion import Float
 
@@ -51,7 +53,7 @@ class Draft:
 
 def repaired(table: RawTable, assigned: Mapping[str, Assigned], *, name: str, source: Source) -> Recording:
     """Return the recording in `table`; raises RecordingError when too little of it can be used."""
-    draft = _start(table, assigned, source)
+    draft = _start(table, assigned, source, name)
     draft = _mask_cells(draft, assigned)
     draft = _order_time(draft)
     draft = _clock_unit(draft)
@@ -77,15 +79,21 @@ def repaired(table: RawTable, assigned: Mapping[str, Assigned], *, name: str, so
     )
 
 
-def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source) -> Draft:
+def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str) -> Draft:
     """Convert units, leave out half pairs, say what was taken for what."""
     columns = {name: item.column.values * item.factor for name, item in assigned.items()}
     told = frozenset(name for name, item in assigned.items() if item.told)
-    draft = Draft(columns, np.ones(table.row.shape[0], dtype=bool), table.row, told, source.path, table.notes)
+    draft = Draft(columns, np.ones(table.row.shape[0], dtype=bool), table.row, told, source.path or name, table.notes)
+    epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
+    if epoch:
+        first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
+        columns = {**columns, "t": (columns["t"] - first) * epoch[1]}
+        draft = replace(draft, told=told | {"t"})
+        draft = draft.noted("time", "info", f"the time counts {epoch[0]} since 1970; it is read from the first row on")
     renamed = [f"{item.column.name} as {name}" for name, item in assigned.items() if item.column.name != name]
     if renamed:
         draft = draft.noted("columns", "info", f"columns were read {', '.join(renamed)}")
-    converted = [f"{n} from {item.unit}" for n, item in assigned.items() if item.factor != 1.0]
+    converted = [_conversion(n, item) for n, item in assigned.items() if item.factor != 1.0]
     if converted:
         draft = draft.noted("units", "info", f"converted to SI: {', '.join(converted)}")
     for key in ("dq", "ddq", "f"):
@@ -96,6 +104,13 @@ def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source) ->
             draft = draft.noted("columns", "info", f"{' and '.join(pair)} left aside: {reason}")
             columns = {n: v for n, v in columns.items() if n not in pair}
     return replace(draft, columns=columns)
+
+
+def _conversion(name: str, item: Assigned) -> str:
+    """Return "tau1 from Nm/A*0.1*50 (5 N·m per unit)"; the number only where a product was given."""
+    if not is_product(item.unit):
+        return f"{name} from {item.unit}"
+    return f"{name} from {item.unit} ({item.factor:.4g} {SI[quantity_of(name)]} for 1)"
 
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:

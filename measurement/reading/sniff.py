@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ground.errors import RecordingError
 from measurement.finding import Finding
-from measurement.reading.columns import recognise
+from measurement.reading.names import recognise
 from measurement.reading.raw import split_unit, ungrouped
 from measurement.reading.units import is_unit
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tables import HEADER, leg, text
 
-from measurement.reading.columns import recognise
+from measurement.reading.names import recognise
 from measurement.reading.read import read_recording
 from measurement.reading.units import factor
 
@@ -36,9 +36,12 @@ STRANGERS = (
     "torque_error_1",
     "q12",
     "q3",
-    "current1",
     "hip",
-    "left_hip_angle",
+    "hip_adduction_r",
+    "shank_angle",
+    "hip_flexion_r_beta",
+    "run1/position",
+    "left_right_hip_angle",
     "",
     "1",
 )
@@ -46,7 +49,7 @@ STRANGERS = (
 
 @pytest.mark.parametrize("name", NAMES)
 def test_usual_names_are_recognised(name):
-    assert recognise(name)[0] == NAMES[name]
+    assert recognise(name).name == NAMES[name]
 
 
 @pytest.mark.parametrize("name", STRANGERS)
@@ -72,13 +75,25 @@ def test_set_points_and_strangers_are_not_measurements(name):
         ("t", "10 ms", 1e-2),
         ("tau", "-Nm", -1.0),
         ("f", "kN", 1e3),
+        ("tau", "Nm/A*0.123*6", 0.738),
+        ("tau", "-N·m/A * 0.1 × 50", -5.0),
+        ("tau", "A*0.123*6", 0.738),
+        ("tau", "mNm/mA*30.2*100/1000", 3.02e-3),
+        ("tau", "%*45", 0.45),
+        ("tau", "Nm/kg*75", 75.0),
+        ("tau", "Nm*6", 6.0),
+        ("q", "deg/6", np.pi / 1080),
+        ("q", "rev/4096", 2 * np.pi / 4096),
     ],
 )
 def test_units(quantity, unit, value):
     assert factor(quantity, unit) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("unit", ["furlong", "", "1e999 s", "0 s", "rad/s"])
+@pytest.mark.parametrize(
+    "unit",
+    ["furlong", "", "1e999 s", "0 s", "rad/s", "rad*0", "rad*1e999", "rad**2", "rad*(2)", "2*3", "/2", "rad*" * 50],
+)
 def test_unknown_units(unit):
     assert factor("q", unit) is None
 
@@ -114,3 +129,12 @@ def test_map_names_columns_and_half_pairs_are_left_aside(tmp_path):
     path.write_text(text(header=""))
     numbered = dict(zip(("t", "q1", "q2", "tau1", "tau2"), "12345", strict=True))
     assert len(read_recording(path, columns=numbered)) == 1500
+
+
+def test_a_product_needs_its_number_and_the_unit_of_the_column():
+    assert factor("tau", "Nm/A") is None and factor("tau", "%") is None
+    assert factor("tau", "Nm/A*0.1", "mA") == pytest.approx(1e-4)
+    assert factor("tau", "A*0.1", "mA") == pytest.approx(1e-4)
+    assert factor("tau", "%*45", "‰") == pytest.approx(0.045)
+    assert factor("tau", "Nm/A*0.1", "V") is None
+    assert factor("tau", "Nm/kg*75", "Nmm/kg") is None

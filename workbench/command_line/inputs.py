@@ -52,26 +52,33 @@ def load_model(path: str | None) -> Model:
 
 
 def load(args: argparse.Namespace) -> Inputs:
-    """Read what `args` name: --model, REC..., --verify, --map, --units, --cutoff, --derivative, --payload."""
+    """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
+    from measurement.reading.sources import expand
+
     model = load_model(getattr(args, "model", None))
-    columns, units = merged(args.map, "--map"), merged(args.units, "--units")
-    unseen = list(getattr(args, "verify", []))
-    refuse_repeats(args.recordings, unseen)
-    loads = payloads(getattr(args, "payload", []), [*args.recordings, *unseen])
-    recordings = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in args.recordings)
-    verify = tuple(_loaded(read(path, columns, units), loads.get(path, [])) for path in unseen)
+    refuse_repeats(args.recordings, getattr(args, "verify", []))
+    given, unseen = expand(args.recordings), expand(getattr(args, "verify", []))
+    refuse_repeats(given, unseen)
+    loads = payloads(getattr(args, "payload", []), [*given, *unseen])
+    told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
+    recordings = tuple(_loaded(one, loads.get(path, [])) for path in given for one in read(path, **told))
+    verify = tuple(_loaded(one, loads.get(path, [])) for path in unseen for one in read(path, **told))
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
 
 
-def read(path: str, columns: dict[str, str] | None, units: dict[str, str] | None) -> Recording:
-    """Read one recording and say on stderr what its audit warns of or has repaired."""
-    from measurement.reading.read import read_recording
+def read(path: str, **told: Any) -> tuple[Recording, ...]:
+    """Read one file, which holds a recording or one of each leg; say on stderr what its audit warns of or has repaired.
 
-    recording = read_recording(path, columns, units)
-    for finding in recording.findings:
-        if finding.severity != "info":
-            warn(str(finding))
-    return recording
+    `told` is what `read_recordings` takes. A mapping that was remembered is said too, every time.
+    """
+    from measurement.reading.read import read_recordings
+
+    recordings = read_recordings([path], **told)
+    for recording in recordings:
+        for finding in recording.findings:
+            if finding.severity != "info" or finding.check == "mapping":
+                warn(str(finding))
+    return recordings
 
 
 def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:

@@ -26,9 +26,12 @@ def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> Non
 
 
 def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:
-    """Add REC..., --verify and what is needed to read them: --map, --units, --cutoff."""
+    """Add REC..., --verify and what is needed to read them."""
     count = "+" if required else "*"
-    parser.add_argument("recordings", metavar="REC", nargs=count, help="recordings the model is fitted to")
+    parser.add_argument(
+        "recordings", metavar="REC", nargs=count,
+        help="recordings the model is fitted to: files, folders, patterns in quotes ('runs/*.csv'), ZIP archives",
+    )  # fmt: skip
     if verify:
         parser.add_argument(
             "--verify", metavar="REC", nargs="+", action="extend", default=[],
@@ -38,7 +41,7 @@ def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, requ
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add what is needed to read recordings: --map, --units, --cutoff."""
+    """Add what is needed to read recordings: --map, --units, --leg, --cutoff."""
     group = parser.add_argument_group("reading the recordings")
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
@@ -46,7 +49,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--units", metavar="NAME=UNIT", action="append", default=[], type=pairs,
-        help="units that are not SI, for example q=deg,tau=mNm",
+        help="units that are not SI, for example q=deg,tau=mNm; for a current, torque constant and gear: "
+        "tau1=Nm/A*0.123*6",
+    )  # fmt: skip
+    group.add_argument(
+        "--leg", choices=("left", "right", "both", "ipsi", "contra"),
+        help="which leg, where a file holds both; both: two recordings of every file",
     )  # fmt: skip
     group.add_argument(
         "--cutoff",

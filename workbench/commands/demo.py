@@ -37,8 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from workbench.report.material import Steps
     from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
 
-    recordings = [read(str(path), None, None) for path in sorted(DATA.glob("train*.csv"))]
-    verify = [read(str(path), None, None) for path in sorted(DATA.glob("verify*.csv"))]
+    recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
+    verify = [one for path in sorted(DATA.glob("verify*.csv")) for one in read(str(path))]
     given = Inputs(load_model(None), tuple(recordings), tuple(verify))
     found, comparison = answer(args, discover, given)
     show_comparison(screen, comparison)

@@ -74,7 +74,7 @@ def _given(args: argparse.Namespace) -> Inputs | None:
         from workbench.command_line.inputs import load
 
         return load(args)
-    for option in ("model", "map", "units", "cutoff"):
+    for option in ("model", "map", "units", "leg", "cutoff"):
         if getattr(args, option):
             raise UsageError(
                 f"--{option} is about recordings, and there are none",

@@ -1,0 +1,101 @@
+"""Tables that are in memory already: pandas, polars, PyArrow, NumPy structured arrays, xarray, mappings of arrays.
+
+None of these libraries is imported for it; an object is known by what it can do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ground.errors import RecordingError
+from measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit, table_from_arrays
+
+
+def table_from(source: Any, where: str) -> RawTable:
+    """Return the columns of a table in memory; RecordingError where `source` is none, or has no rows."""
+    kind = f"{type(source).__module__.partition('.')[0]}.{type(source).__name__}"
+    if kind == "pandas.DataFrame":
+        table = _from_pandas(source)
+    elif kind == "polars.LazyFrame":
+        return table_from(source.collect(), where)
+    elif kind in ("polars.DataFrame", "pyarrow.Table"):
+        names = list(source.columns if kind.startswith("polars") else source.column_names)
+        table = _table([(name, _cells(source[name]), "") for name in names])
+    elif kind.startswith("xarray."):
+        table = _from_xarray(source)
+    elif isinstance(source, np.ndarray) and source.dtype.names:
+        return table_from_arrays({name: source[name] for name in source.dtype.names}, where=where)
+    elif isinstance(source, Mapping):
+        return table_from_arrays({str(name): np.asarray(cells) for name, cells in source.items()}, where=where)
+    else:
+        raise RecordingError(
+            f"a {type(source).__name__} is not a recording",
+            where=where,
+            remedy="give a path, a DataFrame (pandas or polars), a structured NumPy array, an xarray Dataset, or a "
+            "mapping {name: array}",
+        )
+    if not table.columns or not table.row.size:
+        raise RecordingError("the table has no rows", where=where, remedy="give one row per sample")
+    return table
+
+
+def _from_pandas(frame: Any) -> RawTable:
+    """Return the columns of a DataFrame; an index that is no plain row number is a column too."""
+    import pandas as pd
+
+    columns = []
+    if isinstance(frame.index, (pd.DatetimeIndex, pd.TimedeltaIndex)):
+        columns.append((str(frame.index.name or "time"), pd.Series(frame.index), ""))
+    elif not isinstance(frame.index, pd.RangeIndex):
+        numeric = pd.api.types.is_float_dtype(frame.index)
+        if frame.index.name is not None or numeric:
+            columns.append((str(frame.index.name or "time"), pd.Series(frame.index.to_numpy()), ""))
+    for i, name in enumerate(frame.columns):
+        text = ".".join(str(part) for part in name if str(part)) if isinstance(name, tuple) else str(name)
+        units = frame.attrs.get("units", {})
+        unit = units.get(name, "") if isinstance(units, Mapping) else ""
+        columns.append((text, frame.iloc[:, i].reset_index(drop=True), str(unit)))
+    return _table(columns)
+
+
+def _cells(series: Any) -> Any:
+    """Return a polars or PyArrow column as a pandas Series or an array."""
+    import pandas as pd
+
+    try:
+        return pd.Series(series.to_numpy())
+    except (TypeError, ValueError, RuntimeError):
+        return pd.Series(series.to_list() if hasattr(series, "to_list") else series.to_pylist())
+
+
+def _from_xarray(source: Any) -> RawTable:
+    """Return the variables of a Dataset along its time; a second dimension becomes columns of their own."""
+    data = source.to_dataset(name=source.name or "value") if hasattr(source, "to_dataset") else source
+    arrays = {str(name): np.asarray(item.values) for name, item in {**data.coords, **data.data_vars}.items()}
+    units = {str(name): str(item.attrs.get("units", "")) for name, item in data.variables.items()}
+    length = max((array.shape[0] for array in arrays.values() if array.ndim), default=0)
+    columns: list[tuple[str, Any, str]] = []
+    for name, array in arrays.items():
+        if array.ndim == 1 and array.shape[0] == length:
+            columns.append((name, array, units.get(name, "")))
+        elif array.ndim == 2:
+            dims = data[name].dims
+            along = next((k for k in (0, 1) if array.shape[k] == length), 0)
+            other = dims[1 - along]
+            labels = [str(x) for x in data[other].values] if other in data.coords else None
+            tall = array if along == 0 else array.T
+            for k in range(tall.shape[1]):
+                columns.append((f"{name}.{labels[k] if labels else k + 1}", tall[:, k], units.get(name, "")))
+    return _table(columns)
+
+
+def _table(columns: list[tuple[str, Any, str]]) -> RawTable:
+    found: list[RawColumn] = []
+    for name, cells, unit in columns:
+        plain, written = split_unit(name)
+        found.append(column_from_cells(plain, cells, unit or written))
+    rows = found[0].values.shape[0] if found else 0
+    return RawTable(tuple(found), np.arange(1, rows + 1))

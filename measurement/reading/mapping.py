@@ -1,0 +1,133 @@
+"""A mapping given once: kept as `exoid.toml` beside the recordings, and used for every file with the same columns.
+
+    [[recordings]]
+    header = ["Zeit", "A1", "A2", "M1", "M2"]
+    columns = { t = "Zeit", q1 = "A1", q2 = "A2", tau1 = "M1", tau2 = "M2" }
+    units = { q = "deg" }
+    leg = "left"
+
+Whoever reads says so every time. What is given by hand comes before it; the file is only written when somebody asks.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ground.errors import ExoidError, RecordingError
+from ground.files import write_whole
+from ground.inputs import read_input
+from ground.toml_reader import Table
+
+FILE = "exoid.toml"
+MOST_BYTES = 1_000_000
+FIRST_LINE = "# Which column is what. Made by exoid map.\n"
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid)."""
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    leg: str = ""
+
+    def over(self, other: Told) -> Told:
+        """Return both, what `self` says coming first."""
+        return Told({**other.columns, **self.columns}, {**other.units, **self.units}, self.leg or other.leg)
+
+    def __str__(self) -> str:
+        parts = [f"{name}={value}" for name, value in (*self.columns.items(), *self.units.items())]
+        return ", ".join([*parts, *([f"leg {self.leg}"] if self.leg else [])])
+
+    def __bool__(self) -> bool:
+        return bool(self.columns or self.units or self.leg)
+
+
+def remembered(folder: Path, names: Sequence[str]) -> Told | None:
+    """Return what `exoid.toml` in `folder` says of files with exactly the columns `names`, None where it says nothing.
+
+    RecordingError when there is such a file and it cannot be understood.
+    """
+    found = [mapping for header, mapping in entries(folder / FILE) if header == list(names)]
+    return found[-1] if found else None
+
+
+def entries(path: Path) -> list[tuple[list[str], Told]]:
+    """Return (header, mapping) of every entry of the file `path`; empty where there is no such file."""
+    where = str(path)
+    try:
+        text = read_input(path, MOST_BYTES, remember=False).decode("utf-8-sig")
+        values = tomllib.loads(text)
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError, RecursionError) as error:
+        raise RecordingError(
+            f"this is not a mapping that exoid can read ({error})",
+            where=where,
+            remedy="mend it, or move it elsewhere; exoid map FILE makes one",
+        ) from error
+    try:
+        top = Table(values, (), where, text)
+        top.only("recordings")
+        return [_entry(one) for one in top.tables("recordings")]
+    except ExoidError as error:
+        raise RecordingError(error.what, where=error.where, remedy=error.remedy) from error
+
+
+def _entry(table: Table) -> tuple[list[str], Told]:
+    table.only("header", "columns", "units", "leg")
+    header = table.values.get("header")
+    if not isinstance(header, list) or not all(isinstance(name, str) for name in header) or len(header) > 10_000:
+        raise table.error("header", "header is not a list of texts", 'write header = ["t", "A1", ...]')
+    columns, units = (_texts(table, key) for key in ("columns", "units"))
+    leg = table.text("leg", "")
+    if leg not in ("", "left", "right", "ipsi", "contra", "both"):
+        raise table.error("leg", f"leg is {leg[:20]!r}", "write left, right or both")
+    return list(header), Told(columns, units, leg)
+
+
+def _texts(table: Table, key: str) -> dict[str, str]:
+    if key not in table.values:
+        return {}
+    inner = table.table(key)
+    return {name: inner.text_of(name) for name in inner.values}
+
+
+def remember(folder: Path, names: Sequence[str], mapping: Told, *, replacing: bool = False) -> Path:
+    """Add `mapping` for files with the columns `names` to `exoid.toml` in `folder` and return its path.
+
+    Another mapping for the same columns is only replaced with `replacing`; everything else in the file stays as it is,
+    comments included. RecordingError otherwise, or when the file cannot be written.
+    """
+    import tomli_w
+
+    path = folder / FILE
+    known = entries(path)
+    old = [one for header, one in known if header == list(names)]
+    if old and old[-1] == mapping:
+        return path
+    if old and not replacing:
+        raise RecordingError(
+            f"another mapping for the same columns is kept there ({old[-1]})",
+            where=str(path),
+            remedy="--replace puts the new one in its place",
+        )
+    content: dict[str, Any] = {"header": list(names)}
+    content |= {"columns": dict(mapping.columns)} if mapping.columns else {}
+    content |= {"units": dict(mapping.units)} if mapping.units else {}
+    content |= {"leg": mapping.leg} if mapping.leg else {}
+    try:
+        before = path.read_text(encoding="utf-8-sig") if path.exists() else FIRST_LINE
+        added = tomli_w.dumps({"recordings": [content]})
+        # The last entry for a header counts, so nothing that stands there is touched.
+        return write_whole(path, before.rstrip("\n") + "\n\n" + added)
+    except OSError as error:
+        raise RecordingError(
+            f"the mapping cannot be written ({error.strerror or error})",
+            where=str(path),
+            remedy="--out DIR keeps it elsewhere, beside a copy of the recordings",
+        ) from error

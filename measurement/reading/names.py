@@ -1,0 +1,222 @@
+"""What the name of a column says: quantity, joint, leg and unit.
+
+A name is cut into words. If the words that remain after fillers ("measured", "joint", ...) are a known quantity and a
+known joint, the column is recognised; groups around it (`/joint_states/hip_joint/position`, `left_leg.hip.angle`) may
+name what the last part leaves open. Anything else in the last part, and "desired", "ref" or "error" anywhere, forbids
+it: a set-point is never taken for a measurement, nor hip adduction for hip flexion.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+from measurement.reading.units import factor, is_scaled
+from symbolic.quantity import JOINTS
+
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
+          "stamp", "rowtimes", "datetime", "epoch", "timesec", "timesecs", "rostime", "rosbagtimestamp", "timestep",
+          "systemtime", "walltime", "date", "datetime", "uptime", "unixtime", "epochtime", "tick", "ticks",
+          "logtime", "publishtime"),
+    "q": ("q", "theta", "angle", "angles", "pos", "position", "positions", "phi", "winkel", "th", "qpos", "ang",
+          "angularposition", "flexion", "flex", "flexionextension", "flexext"),
+    "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
+           "velocities", "speed", "w", "angularvelocity", "angularvelocities", "angvel", "anglerate", "dth", "qvel",
+           "angularrate"),
+    "ddq": ("ddq", "qdd", "qddot", "qpp", "ddtheta", "thetaddot", "thetadd", "acc", "acceleration", "accelerations",
+            "angularacceleration", "angacc", "ddth", "qacc"),
+    "tau": ("tau", "torque", "torques", "trq", "moment", "moments", "drehmoment", "effort", "efforts", "u", "qfrc",
+            "jointtorque", "generalizedforce", "generalisedforce"),
+    "f": ("f", "force", "cuffforce", "interactionforce", "fint", "fdis", "fcuff", "kraft"),
+    "i": ("i", "iq", "current", "currents", "strom", "amps", "ampere", "motorcurrent"),
+}  # fmt: skip
+WEAK_TIME = ("name", "header", "epoch", "xvalue", "xaxis", "x")
+"""Used for the time only where nothing else is and the column runs forwards: what TwinCAT ("Name"), MATLAB tables of a
+gait data set ("Header") and LabVIEW ("X_Value") head theirs with."""
+SYNONYMS: Mapping[str, tuple[str, ...]] = {"hip": ("h", "hüfte", "huefte"), "knee": ("k", "kn", "knie")}
+"""Other words for a joint, by the name of the joint."""
+SIDES: Mapping[str, tuple[str, ...]] = {
+    "left": ("left", "l", "lft", "lt", "links"),
+    "right": ("right", "r", "rgt", "rt", "rechts"),
+    "ipsi": ("ipsi", "ipsilateral"),
+    "contra": ("contra", "contralateral"),
+}
+FILLERS = frozenset(
+    {
+        "joint", "joints", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder", "data",
+        "value", "values", "signal", "output", "link", "leg", "exo", "exoskeleton", "robot", "drive", "axis",
+        "actuator", "applied", "filtered", "filt", "estimate", "estimated", "est", "state", "states", "feedback", "fbk",
+        "node", "jnt", "channel", "sagittal", "raw",
+    }
+)  # fmt: skip
+PLANES = frozenset({"s"})
+"""Words that may stand beside a joint and mean the sagittal plane."""
+FOREIGN = frozenset(
+    {
+        "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "error", "err",
+        "model", "simulated", "predicted", "feedforward", "goal", "demand", "setpt", "std", "variance",
+    }
+)  # fmt: skip
+"""Anywhere in a name, also in that of its group, these say that it is not a measurement."""
+RATES = frozenset({"angle", "angles", "angular", "flexion", "ang"})
+"""Beside another quantity these only say which: OpenSim's `knee_angle_r_moment` is a moment."""
+COUNTED = frozenset({"joint", "axis", "motor", "drive", "actuator", "node", "jnt"})
+"""In the name of a group, a number counts joints only behind one of these: `joint1/position`, not `run1/position`."""
+PORT = re.compile(r"(out|outport|value|values)\d*", re.IGNORECASE)
+"""Last part of a path that names a port of a block, not a signal."""
+GREEK = {
+    "θ̈": " ddtheta ",
+    "θ̇": " dtheta ",
+    "θ": " theta ",
+    "ϑ": " theta ",
+    "φ": " phi ",
+    "τ": " tau ",
+    "ω": " omega ",
+}
+_QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
+_SIDE = {word: side for side, words in SIDES.items() for word in words}
+
+
+class Reading(NamedTuple):
+    """What a column can be: canonical `name`, the `unit` hidden in its own name, `rank` (the smaller is taken before
+    the larger: number of filler words), `side` of the body ("" if unsaid)."""
+
+    name: str
+    unit: str = ""
+    rank: int = 0
+    side: str = ""
+
+
+class _Part(NamedTuple):
+    """The words of one part of a path, sorted out."""
+
+    quantity: str
+    joints: frozenset[int]
+    sides: frozenset[str]
+    rank: int
+    rest: bool
+
+
+@lru_cache(maxsize=4096)
+def recognise(name: str, joints: Sequence[str] = JOINTS) -> Reading | None:
+    """Return what the column `name` of a machine with `joints` (a tuple) can be, None where it cannot be said.
+
+    "tau1_mNm" is Reading("tau1", "mNm"); "hip_flexion_r_moment" is Reading("tau1", side="right").
+    """
+    for sign, word in GREEK.items():
+        name = name.replace(sign, word)
+    name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
+    if len(name) > 300 or FOREIGN.intersection(re.split(r"[\W\d_]+", _spaced(name).lower())):
+        return None
+    path = [part for part in re.split(r"[./:|\\]|->", name) if re.search(r"\w", part)]
+    while len(path) > 1 and PORT.fullmatch(path[-1]):
+        path.pop()
+    if len(path) > 1 and path[-1].lower() == "stamp":
+        return Reading("t", rank=-1)  # the instant of the measurement, before that of its arrival
+    whole = _text(" ".join(path) if len(path) < 4 else path[-1], joints)
+    return whole or (_in_groups(path, joints) if len(path) > 1 else None)
+
+
+def weak_time(name: str) -> bool:
+    """Whether `name` heads the time in some logs though it says nothing of the kind."""
+    return re.sub(r"[\W_]+", "", name).lower() in WEAK_TIME
+
+
+def quantity_of(name: str) -> str:
+    """Return the quantity of a canonical column name: "dq1" -> "dq"."""
+    return name.rstrip("0123456789")
+
+
+def _text(text: str, joints: Sequence[str]) -> Reading | None:
+    """Return what a name without groups says, with its unit, which may stand at the end."""
+    parts = [part for part in re.split(r"[\W_]+", text) if part]
+    for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
+        tail = "/".join(parts[-used:])
+        found = _whole(parts[:-used], joints) if len(parts) > used and not tail.isdigit() else None
+        if found and tail.lower() not in _SIDE and _is_unit_of(quantity_of(found.name), tail):
+            return found._replace(unit=tail)
+    return _whole(parts, joints)
+
+
+def _is_unit_of(quantity: str, tail: str) -> bool:
+    return factor(quantity, tail) is not None or is_scaled(quantity, tail)
+
+
+def _whole(parts: Sequence[str], joints: Sequence[str]) -> Reading | None:
+    found = _sorted_out(parts, joints)
+    if found.rest or len(found.sides) > 1:
+        return None
+    if found.quantity == "t" and not found.joints and not found.sides:
+        return Reading("t", rank=found.rank)
+    if found.quantity in ("", "t") or len(found.joints) != 1:
+        return None
+    return Reading(f"{found.quantity}{min(found.joints)}", "", found.rank, "".join(found.sides))
+
+
+def _in_groups(path: Sequence[str], joints: Sequence[str]) -> Reading | None:
+    """Return what a path says: quantity, joint and side each from the innermost part that has it."""
+    unit = ""
+    last = [part for part in re.split(r"[\W_]+", path[-1]) if part]
+    inner = _sorted_out(last, joints)
+    if inner.rest and len(last) > 1 and _is_unit_of(_sorted_out(last[:-1], joints).quantity or "t", last[-1]):
+        inner, unit = _sorted_out(last[:-1], joints), last[-1]
+    if inner.rest:
+        return None
+    quantity, found, sides, rank = inner.quantity, inner.joints, inner.sides, inner.rank
+    if quantity == "t":
+        return None if found or sides else Reading("t", unit, rank)
+    for part in reversed(path[:-1]):
+        words = [word for word in re.split(r"[\W_]+", part) if word]
+        outer = _sorted_out(words, joints)
+        if not quantity and outer.quantity not in ("", "t") and not outer.rest:
+            quantity = outer.quantity
+        lower = _spaced(" ".join(words)).lower().split()
+        if not found and outer.quantity not in ("", "t") and not outer.rest:
+            found = outer.joints
+        if not found:
+            named = {_joint(word, joints) for word in lower if not word.isdigit() and len(word) > 1} - {0}
+            counted = {_joint(b, joints) for a, b in pairwise(lower) if a in COUNTED and b.isdigit()} - {0}
+            found = frozenset(named or counted)
+        if not sides:
+            sides = frozenset(_SIDE[word] for word in lower if word in _SIDE and (len(word) > 1 or not outer.rest))
+    if quantity in ("", "t") or len(found) != 1 or len(sides) > 1:
+        return None
+    return Reading(f"{quantity}{min(found)}", unit, rank, "".join(sides))
+
+
+def _sorted_out(parts: Sequence[str], joints: Sequence[str]) -> _Part:
+    """Return quantity, joints and sides among the words of `parts`, and whether any other word is left."""
+    lower = _spaced(" ".join(parts)).lower().split()
+    kept = [word for word in lower if word not in FILLERS]
+    found = frozenset(_joint(word, joints) for word in kept) - {0}
+    sides = frozenset(_SIDE[word] for word in kept if word in _SIDE)
+    plain = [word for word in kept if not _joint(word, joints) and word not in _SIDE]
+    if found and len(plain) > 1:
+        plain = [word for word in plain if word not in PLANES]
+    quantity = _QUANTITY.get("".join(plain), "")
+    if not quantity and plain:
+        bare = [word for word in plain if word not in RATES]
+        quantity = _QUANTITY.get("".join(bare), "") if bare else "q" if plain != ["angular"] else ""
+    # The side a drive pushes on and the side the joint turns on are not the same: the joint's own is taken first.
+    rank = len(lower) - len(kept) + 2 * lower.count("motor") - lower.count("output")
+    return _Part(quantity, found, sides, rank, bool(plain) and not quantity)
+
+
+def _joint(word: str, joints: Sequence[str]) -> int:
+    """Return which joint of `joints` the `word` names, counted from 1, or 0."""
+    if word.isascii() and word.isdigit() and len(word) < 3:
+        return int(word) if 1 <= int(word) <= len(joints) else 0
+    for number, joint in enumerate(joints, start=1):
+        if word == joint.lower() or word in SYNONYMS.get(joint.lower(), ()):
+            return number
+    return 0
+
+
+def _spaced(name: str) -> str:
+    """Return `name` with a blank between words and numbers written as one: "hipAngle", "RHipAngle", "q1"."""
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
+    return re.sub(r"(?<=[^\W\d_])(?=\d)|(?<=\d)(?=[^\W\d_])", " ", name)

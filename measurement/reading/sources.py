@@ -1,0 +1,237 @@
+"""Where recordings lie: files, folders, patterns, archives; what of them is read, and under which name.
+
+A folder means the recordings in it (not in folders below), a pattern what it matches, a ZIP archive its members, which
+are named `archive.zip/run1.csv`. A folder that ROS 2 wrote (with metadata.yaml) is one recording.
+"""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import importlib
+import pkgutil
+import shutil
+import stat
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path, PurePosixPath
+from types import ModuleType
+
+from ground.errors import RecordingError
+from ground.inputs import open_input
+from measurement.reading import formats
+
+MOST_FILES = 1000
+MOST_BYTES = 8_000_000_000
+"""A small archive can unpack to any size."""
+BAG = "metadata.yaml"
+OTHERS = frozenset({"readme.txt", "license.txt", "requirements.txt", "notes.txt", "log.txt"})
+"""Files of a folder that are texts about the recordings; one that is named is read all the same."""
+
+
+@cache
+def find_formats() -> tuple[ModuleType, ...]:
+    """Return every module in `measurement/reading/formats/`."""
+    names = sorted(module.name for module in pkgutil.iter_modules(formats.__path__))
+    return tuple(importlib.import_module(f"{formats.__name__}.{name}") for name in names)
+
+
+def suffixes() -> tuple[str, ...]:
+    """Return the suffixes of all formats."""
+    return tuple(suffix for module in find_formats() for suffix in module.SUFFIXES)
+
+
+def expand(paths: Sequence[str | Path]) -> list[str]:
+    """Return the path of every single recording that `paths` (files, folders, patterns, archives) mean, in order.
+
+    What is a file is returned as it is, whether it can be read or not. RecordingError for a folder, a pattern or an
+    archive without recordings, and, naming all of them, for files that are not there.
+    """
+    found: list[str] = []
+    missing: list[str] = []
+    for given in map(str, paths):
+        try:
+            path = Path(given)
+            if path.is_dir() and not is_bag(path):
+                found += _of_folder(path)
+            elif path.suffix.lower() == ".zip" and path.is_file():
+                found += [f"{given}/{member}" for member in members(path)]
+            elif not path.exists() and glob.has_magic(given):
+                found += _matching(given)
+            else:
+                found.append(given)
+                if not path.exists() and _in_archive(path) is None:
+                    missing.append(given)
+        except (OSError, ValueError, RuntimeError):
+            found.append(given)  # refused with its reason when it is read
+    if len(missing) > 1:
+        raise RecordingError(
+            f"{len(missing)} files do not exist: {', '.join(missing[:8])}" + (" and more" if len(missing) > 8 else ""),
+            where=missing[0],
+            remedy="check the paths",
+        )
+    return found
+
+
+def _of_folder(folder: Path) -> list[str]:
+    known = suffixes()
+    inside = sorted(
+        entry
+        for entry in folder.iterdir()
+        if not entry.name.startswith(".")
+        and ((entry.is_file() and entry.suffix.lower() in known and entry.name.lower() not in OTHERS) or is_bag(entry))
+    )
+    return _counted([str(entry) for entry in inside], str(folder), "the folder holds no recordings")
+
+
+def _matching(pattern: str) -> list[str]:
+    inside = sorted(path for path in glob.iglob(pattern, recursive=True) if Path(path).is_file() or is_bag(Path(path)))
+    return _counted(inside, pattern, "no file matches this pattern")
+
+
+def _counted(found: list[str], where: str, none: str) -> list[str]:
+    if not found:
+        raise RecordingError(none, where=where, remedy=f"recordings end in {', '.join(suffixes())}")
+    if len(found) > MOST_FILES:
+        raise RecordingError(
+            f"{len(found)} recordings at a time", where=where, remedy=f"name {MOST_FILES} of them or fewer"
+        )
+    return found
+
+
+def is_bag(path: Path) -> bool:
+    """Whether `path` is a folder that ROS 2 recorded into."""
+    return path.is_dir() and (path / BAG).is_file()
+
+
+def members(archive: Path) -> list[str]:
+    """Return the names of the recordings in a ZIP archive, sorted."""
+    known = suffixes()
+    try:
+        with zipfile.ZipFile(archive) as content:
+            names = sorted(
+                entry.filename
+                for entry in content.infolist()
+                if not entry.is_dir()
+                and PurePosixPath(entry.filename).suffix.lower() in known
+                and not PurePosixPath(entry.filename).name.startswith((".", "__MACOSX"))
+                and not entry.filename.startswith("__MACOSX")
+                and PurePosixPath(entry.filename).name.lower() not in OTHERS
+            )
+    except (zipfile.BadZipFile, NotImplementedError, ValueError, OSError, zlib.error) as error:
+        raise RecordingError(
+            f"the ZIP archive is damaged ({error})", where=str(archive), remedy="copy it again"
+        ) from error
+    return _counted(names, str(archive), "the archive holds no recordings")
+
+
+def _in_archive(path: Path) -> tuple[Path, str] | None:
+    """Return (archive, member) where `path` goes on behind a ZIP archive."""
+    for parent in path.parents:
+        if parent.suffix.lower() == ".zip" and parent.is_file():
+            return parent, path.relative_to(parent).as_posix()
+    return None
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Path]:
+    """Yield an ordinary file (or a ROS 2 folder) with the content of `path`, which may lie in an archive.
+
+    RecordingError when there is none, or when it may not be read.
+    """
+    try:
+        inside = None if path.exists() or path.is_symlink() else _in_archive(path)
+    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
+        raise RecordingError(
+            "this is not a path of a file", where=str(path)[:200], remedy="check the spelling"
+        ) from error
+    if inside is None:
+        _check(path)
+        yield path
+        return
+    archive, member = inside
+    with tempfile.TemporaryDirectory(prefix="exoid-") as folder:
+        target = Path(folder) / f"member{PurePosixPath(member).suffix.lower()}"
+        _unpack(archive, member, target, str(path))
+        yield target
+
+
+def _unpack(archive: Path, member: str, target: Path, where: str) -> None:
+    try:
+        with zipfile.ZipFile(archive) as content:
+            entry = content.getinfo(member)
+            if entry.file_size > min(MOST_BYTES, shutil.disk_usage(target.parent).free // 2):
+                raise RecordingError(
+                    f"the member unpacks to {entry.file_size / 1e9:.3g} GB", where=where, remedy="unpack it by hand"
+                )
+            if entry.flag_bits & 1:
+                raise RecordingError("the archive is encrypted", where=where, remedy="unpack it by hand")
+            with content.open(entry) as stream, target.open("wb") as out:
+                shutil.copyfileobj(stream, out, 1 << 20)
+    except KeyError as error:
+        raise RecordingError(
+            "the archive has no such member", where=where, remedy=f"it holds {', '.join(members(archive)[:10])}"
+        ) from error
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, ValueError, EOFError, zlib.error) as error:
+        raise RecordingError(f"the ZIP archive is damaged ({error})", where=where, remedy="copy it again") from error
+
+
+def _check(path: Path) -> None:
+    """Refuse what is not a readable file."""
+    try:
+        if path.is_symlink() and not path.exists():
+            raise RecordingError(
+                "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
+            )
+        kind = path.stat()
+    except FileNotFoundError as error:
+        raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path)) from error
+    except NotADirectoryError as error:
+        raise RecordingError("there is no such file", where=str(path), remedy="check the path") from error
+    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
+        raise RecordingError(
+            f"the file cannot be reached ({getattr(error, 'strerror', None) or error})",
+            where=str(path)[:200],
+            remedy="check the path",
+        ) from error
+    if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
+        raise RecordingError(
+            "this is a folder, not a recording", where=str(path), remedy=f"name one of its files: {path}/*.csv"
+        )
+    if not (stat.S_ISREG(kind.st_mode) or is_bag(path)):
+        raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of the file in hex, of a ROS 2 folder that of its files in order of their names."""
+    total = hashlib.sha256()
+    files = sorted(entry for entry in path.iterdir() if entry.is_file()) if path.is_dir() else [path]
+    try:
+        for file in files:
+            with open_input(file) as stream:
+                while block := stream.read(1 << 20):
+                    total.update(block)
+    except OSError as error:
+        raise RecordingError(
+            f"the file cannot be read ({error.strerror or error})",
+            where=str(path),
+            remedy="check that you may read it",
+        ) from error
+    return total.hexdigest()
+
+
+def _nearby(path: Path) -> str:
+    """Return advice that names a file of a similar name in the same folder, if there is one."""
+    import difflib
+
+    if not path.parent.is_dir():
+        return f"the folder {path.parent} does not exist either"
+    try:
+        close = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75)
+    except OSError:
+        close = []
+    return f"did you mean {path.parent / close[0]}?" if close else "check the path"

@@ -1,0 +1,131 @@
+"""`exoid map`: say once which column is what; kept beside the recording and used for the next of its kind."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from workbench.command_line.files import write_json
+from workbench.command_line.options import add_common, add_reading, merged
+from workbench.terminal.screen import Screen
+
+HELP = """say which column is what, once for all recordings with these columns
+
+exoid map run1.csv --map q1=HipEnc,q2=KneeEnc --units q=deg
+writes exoid.toml beside run1.csv; without --map it asks, on a terminal"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("file", metavar="FILE", help="a recording; nothing in it is changed")
+    add_reading(parser)
+    parser.add_argument(
+        "--replace", action="store_true", help="keep this mapping instead of another one for the same columns"
+    )
+    add_common(parser, out="keep the mapping in DIR instead of beside the recording")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show the columns, ask for what is not said, check the answer and keep it."""
+    from measurement.reading.mapping import FILE, Told, entries, remember
+    from measurement.reading.read import open_table
+    from workbench.command_line.files import check_json, make_folder
+
+    if args.json and args.json != "-":
+        check_json(args.json)
+    screen = Screen.of(args)
+    told = Told(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
+    table = open_table(args.file)
+    folder = Path(args.out) if args.out else Path(args.file).parent
+    kept = [mapping for header, mapping in entries(folder / FILE) if header == table.names]
+    if kept and not told:
+        told = kept[-1]
+        screen.say(f"{folder / FILE} says already: {told}")
+    asking = sys.stdin.isatty() and not args.quiet and args.json != "-"
+    if asking:
+        _show(screen, table)
+        told = _asked(table, told, args.file, screen)
+    found = _checked(table, told, args.file)
+    if args.out:
+        make_folder(args.out)
+    path = remember(folder, table.names, told, replacing=args.replace) if told else None
+    for name, item in found.items():
+        screen.say(f"  {name:<5} {item.column.name}" + (f"  [{item.unit}]" if item.told else ""))
+    screen.say(
+        f"kept in {path}; it is used for every recording there with these columns"
+        if path
+        else "every column is recognised as it is: nothing needs to be kept"
+    )
+    if args.json:
+        write_json(args.json, {
+            "schema": "exoid.mapping/1", "file": args.file, "kept": path, "header": table.names,
+            "columns": {name: item.column.name for name, item in found.items()},
+            "units": {name: item.unit for name, item in found.items()}, "leg": told.leg or None,
+        })  # fmt: skip
+    return 0
+
+
+def _checked(table: Any, told: Any, where: str) -> dict[str, Any]:
+    """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
+    from measurement.reading.columns import assign, legs
+
+    leg = told.leg or None
+    if leg == "both":
+        leg = next(iter(legs(table)), None)
+    return assign(table, told.columns, told.units, where=where, leg=leg)
+
+
+def _show(screen: Screen, table: Any) -> None:
+    """Write the columns of `table` with their first values."""
+    import numpy as np
+
+    rows = []
+    for number, column in enumerate(table.columns[:200], start=1):
+        values = column.values[np.isfinite(column.values)]
+        reach = f"{values.min():.4g} to {values.max():.4g}" if values.size else "no numbers"
+        rows.append((number, column.name[:40], column.unit, reach))
+    screen.table("columns", ("", "name", "unit", "range"), rows)
+
+
+def _asked(table: Any, told: Any, where: str, screen: Screen) -> Any:
+    """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
+    from dataclasses import replace
+
+    from ground.errors import RecordingError
+    from measurement.reading.columns import numbered, required
+
+    names = numbered(table.names)
+    for _ in range(50):
+        try:
+            _checked(table, told, where)
+            return told
+        except RecordingError as error:
+            screen.say(error.what, "warn")
+            if "more than one leg" in error.what:
+                answer = _answer("which leg, left or right (or both)? ")
+                if answer in ("left", "right", "both", "ipsi", "contra"):
+                    told = replace(told, leg=answer)
+                    continue
+                raise
+            open_names = [name for name in required() if name not in told.columns and f" {name}" in f" {error.what}"]
+            wanted = next((n for n in open_names if n in error.what.replace(",", " ").replace(":", " ").split()), None)
+            if wanted is None:
+                raise
+            answer = _answer(f"{wanted} is column (name or number)? ")
+            if not answer:
+                raise
+            column = names[int(answer) - 1] if answer.isdecimal() and 0 < int(answer) <= len(names) else answer
+            unit = _answer(f"{wanted} is in (empty: as the file says, else SI)? ")
+            units = {**told.units, wanted: unit} if unit else told.units
+            told = replace(told, columns={**told.columns, wanted: column}, units=units)
+    return told
+
+
+def _answer(question: str) -> str:
+    """Return one line from the terminal, without blanks around it."""
+    try:
+        return input(question).strip()
+    except EOFError:
+        return ""
