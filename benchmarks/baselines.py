@@ -1,6 +1,6 @@
 """What a plain regression would have said: the legs of the blind campaign, judged by textbook model selection.
 
-    python benchmarks/baselines.py FOLDER                      one leg per variant, as benchmarks/blind.py draws them
+    python benchmarks/baselines.py FOLDER                      one leg per variant, as diagnosis/trials draws them
     python benchmarks/baselines.py FOLDER --kinds none --seeds 5
 
 Both baselines get the very columns that `discover` weighs (same recordings, same filter, same catalogue, same trial
@@ -29,14 +29,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # must be set before NumPy i
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
-
-from blind import KINDS, Case, cases, read_lines, simulated  # noqa: E402
+sys.path.insert(0, str(ROOT))
 
 from diagnosis.evidence.candidates import build_library  # noqa: E402
 from diagnosis.evidence.columns import Columns  # noqa: E402
 from diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
+from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
@@ -47,6 +46,17 @@ THRESHOLDS = np.geomspace(0.01, 0.5, 12)
 """Of a column's share in the torque, as standard deviations."""
 SAME = {"com_offset_shank": "encoder_offset_knee", "drive_gain:hip": "drive_gain:knee"}
 """Exact look-alikes on every motion, either way round."""
+
+
+def read_lines(path: Path) -> list[dict[str, Any]]:
+    """Return the results so far; a line cut short by an interruption is left out."""
+    out = []
+    for text in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        try:
+            out.append(json.loads(text))
+        except json.JSONDecodeError:
+            continue
+    return out
 
 
 def stacked(prepared: Prepared, columns: list[Columns], count: int, node: int) -> np.ndarray:

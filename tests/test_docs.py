@@ -25,15 +25,23 @@ def commands(page: Path) -> list[str]:
     return [line for block in blocks for line in block.splitlines() if line.startswith("exoid ")]
 
 
+def write_files(page: Path, folder: Path) -> None:
+    """Write the TOML files that a page shows: those that start with their name, `# plan.toml`."""
+    for name, text in re.findall(r"^```toml\n# (\S+\.toml)\n(.*?)^```", page.read_text("utf-8"), flags=re.S | re.M):
+        (folder / name).write_text(text, encoding="utf-8")
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
 def test_commands_of_a_page_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copytree(ROOT / "generated", tmp_path / "generated")
+    write_files(page, tmp_path)
     found = commands(page)
     assert found
     for line in found:
         status = main(shlex.split(line)[1:])
-        assert status == 0, f"{line}: {capsys.readouterr().err}"
+        said = capsys.readouterr()
+        assert status == 0, f"{line}: {said.err} {said.out}"
 
 
 def test_links_between_pages_lead_somewhere():
@@ -70,7 +78,8 @@ def test_the_loop_of_the_readme_runs(four_runs, capsys):
     assert len(lines) == 4
     for line in lines:
         status = main(shlex.split(line, comments=True)[1:])
-        assert status == 0, f"{line}: {capsys.readouterr().err}"
+        said = capsys.readouterr()
+        assert status == 0, f"{line}: {said.err} {said.out}"
 
 
 def test_the_python_of_the_readme_runs(four_runs):

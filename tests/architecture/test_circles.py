@@ -12,7 +12,8 @@ from tests.architecture.test_imports import LAYERS, ROOT, SOURCES, imported, nam
 SLOW_TO_IMPORT = {
     "casadi", "cma", "cycler", "h5py", "iohinspector", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
     "numpy", "pandas", "platformdirs", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
-    "atexit", "dataclasses", "difflib", "importlib", "shutil", "traceback",
+    "atexit", "dataclasses", "difflib", "distributed", "fcntl", "importlib", "shutil", "statsmodels",
+    "submitit", "traceback",
 }  # fmt: skip
 """What may be imported where it is used, so that a command that does not need it does not wait for it."""
 

@@ -1,0 +1,1 @@
+"""Blind trials of the diagnosis on the virtual bench: drawn, run, counted."""

@@ -1,0 +1,226 @@
+"""Blind trials: legs of the virtual bench with effects hidden in them, drawn at random, sized so that they can be seen.
+
+Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, the bench's usual instruments. Kinds:
+
+    single    one effect of the catalogue at one joint. Its size is set by what a refitted base model cannot imitate:
+              0.25-1.2 N·m RMS at the joint that shows it most, where the torque sensor leaves 0.15-0.25 N·m of noise
+    small     the same case at 0.4 times its size
+    pair      two different effects, each as in `single`
+    none      nothing
+    outside   an effect that the catalogue does not have
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from measurement.bench.blind import draw, relative_size
+from measurement.bench.hidden import Hidden, true_model
+from measurement.bench.leg import Leg
+from measurement.bench.simulation import BenchError, Run, simulate_runs
+from measurement.signals.conditioning import low_pass
+from measurement.trajectories.trajectory import random_trajectory
+from symbolic.catalogue import catalogue
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.model import Model
+from symbolic.motion import Motion
+from symbolic.quantity import JOINTS
+
+KINDS = ("single", "small", "pair", "none", "outside")
+VISIBLE = (0.25, 1.2)
+"""RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
+RATE, BAND = 200.0, 5.0
+"""Sampling and band in Hz in which that is judged."""
+USUAL = {"torque_ripple": ("n", 8.0, 120.0), "stribeck": ("v_s", 0.05, 0.3)}
+"""Ranges a shape is drawn from where the catalogue's is wider than what can be seen at all: a faster ripple is outside
+the band but at creeping speed, a narrower Stribeck peak is inside the speeds at which a joint may stick."""
+MOST_SHARE = 0.6
+"""Largest effect against the torque of the leg, as standard deviations: an effect that the base model nearly contains
+(a spring at the hip) would have to be absurd to be visible."""
+SMALL = 0.4
+LEGS_WITH_NOTHING = 6
+"""Legs of kind `none` per seed, so that false alarms are counted on enough of them."""
+PAIRS = 12
+"""Pairs per seed, drawn from all there are."""
+SHOWN_SUSPECTS = 6
+
+
+def _outside(identifier: str, torque: str, joint: str, **shape: tuple[float, float, float]) -> Effect:
+    own, unit = ("rad/s", "N·m") if "exp(-((dtheta" in torque else ("rad", "N·m")
+    if torque.endswith(("dtheta", "dtheta2")):
+        unit = "N·m·s/rad"
+    numbers = {key: Shape(own, low, high, typical=usual) for key, (low, high, usual) in shape.items()}
+    text = f"an effect that the catalogue does not have: {torque}"
+    return Effect(identifier, text, torque, None, (joint,), {"c": Coefficient(unit)}, numbers, custom=True)
+
+
+OUTSIDE: dict[str, tuple[Effect, tuple[str, ...]]] = {
+    f"{effect.id}:{effect.joints[0]}": (effect, variables)
+    for effect, variables in (
+        (
+            _outside("angle_bump", "c * exp(-((theta - m)/w)**2)", "hip", m=(0.4, 0.8, 0.6), w=(0.12, 0.25, 0.2)),
+            ("q1",),
+        ),
+        (
+            _outside("angle_bump", "c * exp(-((theta - m)/w)**2)", "knee", m=(-1.2, -0.6, -0.9), w=(0.12, 0.25, 0.2)),
+            ("q2",),
+        ),
+        (
+            _outside("speed_bump", "c * exp(-((dtheta - m)/w)**2)", "knee", m=(0.3, 0.7, 0.5), w=(0.1, 0.3, 0.2)),
+            ("dq2",),
+        ),
+        (
+            _outside("speed_bump", "c * exp(-((dtheta - m)/w)**2)", "hip", m=(0.3, 0.7, 0.5), w=(0.1, 0.3, 0.2)),
+            ("dq1",),
+        ),
+        (_outside("angle_times_speed", "c * theta1 * dtheta2", "hip"), ("q1", "dq2")),
+        (_outside("angle_wave", "c * sin(3*theta + 0.5) * dtheta", "knee"), ("q2", "dq2")),
+    )
+}
+"""Effects beyond the catalogue, and the variables of which one must be named."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One leg of the campaign: `variants` are the names of the hidden terms (`stribeck:knee`)."""
+
+    kind: str
+    variants: tuple[str, ...]
+    seed: int
+
+    @classmethod
+    def named(cls, name: str) -> Case:
+        """Return the case with this `name`."""
+        kind, variants, seed = name.split("/")
+        return cls(kind, () if variants == "nothing" else tuple(variants.split("+")), int(seed))
+
+    @property
+    def name(self) -> str:
+        """Name of the case, e.g. "single/stribeck:knee/3"."""
+        return f"{self.kind}/{'+'.join(self.variants) or 'nothing'}/{self.seed}"
+
+    @property
+    def number(self) -> int:
+        """Seed of every random number; the same for `single` and `small`, so that only the size differs."""
+        kind = "single" if self.kind == "small" else self.kind
+        return zlib.crc32(f"{kind}/{self.variants}/{self.seed}".encode())
+
+
+def singles() -> list[str]:
+    """Return the name of every term that the base model does not contain already."""
+    names = []
+    for effect in catalogue().values():
+        joints = [j for j in effect.joints if j not in effect.absorbed_on]
+        names += [effect.id] if effect.on_both else [f"{effect.id}:{j}" for j in joints]
+    return names
+
+
+def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
+    """Return the campaign, seed by seed, so that an interrupted one has seen every kind."""
+    out = []
+    for seed in range(first, first + seeds):
+        rng = np.random.default_rng([seed, 7])
+        names = singles()
+        by_kind = {
+            "single": [Case("single", (n,), seed) for n in names],
+            "small": [Case("small", (n,), seed) for n in names],
+            "pair": [Case("pair", _pair(rng, names), seed) for _ in range(PAIRS)],
+            "none": [Case("none", (), LEGS_WITH_NOTHING * seed + k) for k in range(LEGS_WITH_NOTHING)],
+            "outside": [Case("outside", (n,), seed) for n in OUTSIDE],
+        }
+        out += [case for kind in kinds for case in by_kind[kind]]
+    return out
+
+
+def _pair(rng: np.random.Generator, names: list[str]) -> tuple[str, str]:
+    """Return two terms of different effects."""
+    while True:
+        one, two = (names[int(k)] for k in rng.choice(len(names), 2, replace=False))
+        if one.partition(":")[0] != two.partition(":")[0]:
+            return one, two
+
+
+def hide(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[Hidden, ...]:
+    """Return what is hidden in the leg of `case`, with its numbers drawn."""
+    out = []
+    for name in case.variants:
+        identifier, _, joint = name.partition(":")
+        effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue()[identifier]
+        alone = effect if effect.on_both else replace(effect, joints=(joint,))
+        (drawn,) = draw(rng, [alone], leg=leg, nothing=0.0)
+        hidden = _placed(Hidden(effect, joint or None, drawn.values), rng)
+        wanted = math.exp(float(rng.uniform(*np.log(VISIBLE))))
+        hidden = _scaled(hidden, min(wanted / visible(hidden, leg), MOST_SHARE / relative_size(hidden, leg)))
+        out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), leg))
+    return tuple(out)
+
+
+def motions() -> list[Motion]:
+    """Return three usual motions, 10 s each, on which sizes are judged."""
+    limits = Model.standard().limits
+    return [random_trajectory(np.random.default_rng(k), limits).at(np.arange(0.0, 10.0, 1.0 / RATE)) for k in range(3)]
+
+
+def visible(hidden: Hidden, leg: Leg) -> float:
+    """Return the RMS in N·m (of the joint that shows it most) of what a refitted base model cannot imitate.
+
+    Only below the band in which accelerations are usually clean: faster torque is beyond any model fitted to these.
+    """
+    model = Model.standard(thigh_length=leg.thigh_length)
+    plain, full = true_model(model, leg.base, ()), true_model(model, leg.base, (hidden,))
+    columns = [low_pass(np.moveaxis(model.columns(m), 1, 0), BAND, RATE) for m in motions()]
+    added = [low_pass(full.torque(m) - plain.torque(m), BAND, RATE) for m in motions()]
+    x, y = np.concatenate(columns).reshape(-1, 8), np.concatenate(added).ravel()
+    left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
+    return float(np.sqrt(np.mean(left.reshape(-1, 2) ** 2, axis=0)).max()) + 1e-12
+
+
+def _placed(hidden: Hidden, rng: np.random.Generator) -> Hidden:
+    """Put what sits at an angle (an end stop) where the joint gets to, near its end; give others a usual shape."""
+    assert isinstance(hidden.effect, Effect)
+    if hidden.effect.id in USUAL:
+        key, low, high = USUAL[hidden.effect.id]
+        return replace(hidden, values={**hidden.values, key: math.exp(float(rng.uniform(*np.log((low, high)))))})
+    places = [key for key, shape in hidden.effect.shape.items() if shape.spacing == "position"]
+    if not places or hidden.joint is None:
+        return hidden
+    angle = np.concatenate([m.q[:, JOINTS.index(hidden.joint)] for m in motions()])
+    part = float(rng.uniform(0.75, 0.92))
+    part = 1.0 - part if hidden.values.get("side", 1.0) < 0.0 else part
+    return replace(hidden, values={**hidden.values, **dict.fromkeys(places, float(np.quantile(angle, part)))})
+
+
+def _scaled(hidden: Hidden, factor: float) -> Hidden:
+    """Return the effect `factor` times as large: its coefficients, or its only number where it has none."""
+    assert isinstance(hidden.effect, Effect)
+    size = hidden.effect.coefficients or hidden.effect.shape
+    return replace(hidden, values={k: v * (factor if k in size else 1.0) for k, v in hidden.values.items()})
+
+
+def _possible(hidden: Hidden, leg: Leg) -> Hidden:
+    """Keep numbers within their bounds, and presliding friction within the dry friction that it takes the place of."""
+    assert isinstance(hidden.effect, Effect)
+    bounds = hidden.effect.shape
+    values = {k: min(max(v, bounds[k].min), bounds[k].max) if k in bounds else v for k, v in hidden.values.items()}
+    if hidden.effect.id in ("friction_drift", "viscous_drift", "joint_elasticity"):
+        values["c"] = abs(values["c"])  # more friction while cold, or it would drive the joint; a spring that yields
+    if hidden.effect.id == "hysteresis":
+        dry = leg.base[4 if hidden.joint == "hip" else 6]
+        values["c"] = min(values["c"], dry)
+    return replace(hidden, values=values)
+
+
+def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[Run, ...]]:
+    """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
+    hidden = hide(case, leg, rng)
+    for _ in range(8):
+        try:
+            return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+        except BenchError:
+            hidden = tuple(_scaled(one, 0.7) for one in hidden)
+    return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)

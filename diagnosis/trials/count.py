@@ -1,0 +1,86 @@
+"""How often blind trials went right, by kind, and which went wrong.
+
+A case is *right* when exactly as much is accepted as was hidden, and each hidden effect is an accepted one or among its
+look-alikes; `outside` is right when nothing is accepted and what is left is reported at the right joint in the right
+variable.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from diagnosis.grading import match
+from diagnosis.trials.cases import KINDS, OUTSIDE
+
+
+def matched(line: Mapping[str, Any]) -> tuple[int, int]:
+    """Return how many hidden effects were found (each by another accepted one), and how many accepted are extra."""
+    answers = match(list(line["hidden"]), [(a["name"], a["look_alikes"]) for a in line["accepted"]])
+    found = sum(by is not None for by in answers.values())
+    return found, len(line["accepted"]) - found
+
+
+def right(line: Mapping[str, Any]) -> bool:
+    """Whether the answer is what a user should have been told."""
+    if "error" in line:
+        return False
+    if line["kind"] == "outside":
+        (name,) = line["hidden"]
+        effect, variables = OUTSIDE[name]
+        rest = line["unexplained"]
+        placed = rest["joint"] == effect.joints[0] and bool({*rest["variables"]} & {*variables})
+        return line["verdict"] == "unexplained" and placed
+    found, extra = matched(line)
+    return found == len(line["hidden"]) and extra == 0 and (bool(line["hidden"]) or line["verdict"] == "adequate")
+
+
+def excess(line: Mapping[str, Any]) -> float:
+    """Return the unseen error after `discover` over that of the true structure, the worse joint."""
+    return float(np.max(np.array(line["rms"]["found"]) / np.array(line["rms"]["true"])))
+
+
+HEADS = ("kind", "cases", "right", "extra", "missed", "look-alikes", "error/true (median, worst)", "covered")
+
+
+def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
+    """Return one row per kind, in the order of `HEADS`."""
+    rows: list[tuple[str, ...]] = []
+    for kind in KINDS:
+        some = [line for line in lines if line["kind"] == kind]
+        good = [line for line in some if "error" not in line]
+        if not some:
+            continue
+        pairs = [matched(line) for line in good]
+        extra = sum(e > 0 for _, e in pairs)
+        missed = sum(f < len(line["hidden"]) for (f, _), line in zip(pairs, good, strict=True))
+        alike = [len(a["look_alikes"]) for line in good for a in line["accepted"]]
+        ratios = [excess(line) for line in good] or [math.nan]
+        covered = [ok for line in good for ok in line["covered_true"]]
+        rows.append(
+            (
+                kind,
+                str(len(some)),
+                f"{100 * sum(map(right, some)) / len(some):.1f} %",
+                str(extra),
+                str(missed) if kind not in ("none", "outside") else "",
+                f"{np.mean(alike):.2f}" if alike else "",
+                f"{np.median(ratios):.3f}, {max(ratios):.3f}",
+                f"{100 * np.mean(covered):.1f} %" if covered else "",
+            )
+        )
+    return rows
+
+
+def describe(line: Mapping[str, Any]) -> str:
+    """Return one wrong case in a line."""
+    if "error" in line:
+        return f"{line['case']}: {line['error']}"
+    named = [a["name"] + (f" ~ {', '.join(a['look_alikes'])}" if a["look_alikes"] else "") for a in line["accepted"]]
+    rest = line["unexplained"]
+    left = f"; left: {rest['joint']} {rest['variables']}" if rest["significant"] else ""
+    error = f"error/true {excess(line):.2f}"
+    return f"{line['case']}: {line['verdict']} [{'; '.join(named) or 'nothing accepted'}]{left}; {error}"

@@ -1,0 +1,90 @@
+"""One blind trial: draw and record the leg, let `discover` look for what is hidden, and note what it said."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import numpy as np
+
+from diagnosis.discover import discover
+from diagnosis.evidence.fitted import fitted_model
+from diagnosis.results import Diagnosis
+from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, visible
+from measurement.bench.blind import relative_size
+from measurement.bench.hidden import Hidden
+from measurement.bench.leg import random_leg
+from measurement.bench.simulation import Run
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.model import Model
+
+
+def run_case(name: str) -> dict[str, Any]:
+    """Return what became of the case called `name`, as plain data."""
+    case = Case.named(name)
+    rng = np.random.default_rng(case.number)
+    leg = random_leg(rng)
+    hidden, runs = simulated(case, leg, rng)
+    recordings = [run.recording for run in runs]
+    model = Model.standard(thigh_length=leg.thigh_length)
+    began = time.perf_counter()
+    found = discover(model, recordings[:3], recordings[3:])
+    seconds = time.perf_counter() - began
+    best, covered = _true_structure(model, runs)
+    first, last = found.steps[0].verify_rms, found.steps[-1].verify_rms
+    assert first is not None and last is not None  # a recording is held out
+    return {
+        "case": case.name,
+        "kind": case.kind,
+        "hidden": {h.name: {k: float(v) for k, v in h.values.items()} for h in hidden},
+        "size": [relative_size(h, leg) for h in hidden],
+        "visible": [visible(h, leg) for h in hidden],
+        "verdict": found.verdict,
+        "accepted": [_accepted(a) for a in found.accepted],
+        "unexplained": found.to_json()["unexplained"],
+        "suspects": [
+            [s.name, s.explained_share, s.p_value, s.caution]
+            for s in found.suspects
+            if _worth_showing(s.name, case, found)
+        ],
+        "rms": {"base": first.tolist(), "found": last.tolist(), "true": best},
+        "floor": found.noise_floor.tolist(),
+        "covered_true": covered,
+        "covered_found": _covered(found.fit.estimates, runs[0]) if _exactly(found, hidden) else None,
+        "saturated": max(run.saturated for run in runs),
+        "seconds": seconds,
+    }
+
+
+def _worth_showing(name: str, case: Case, found: Diagnosis) -> bool:
+    return name in case.variants or name in [s.name for s in found.suspects[:SHOWN_SUSPECTS]]
+
+
+def _accepted(one: Any) -> dict[str, Any]:
+    alike = sorted({*one.look_alikes, *one.never_separable})
+    numbers = {name: e.value for name, e in one.parameters.items()}
+    return {"name": one.name, "look_alikes": alike, "p": one.p_value, "numbers": numbers}
+
+
+def _exactly(found: Diagnosis, hidden: tuple[Hidden, ...]) -> bool:
+    return {a.name for a in found.accepted} == {h.name for h in hidden}
+
+
+def _true_structure(model: Model, runs: tuple[Run, ...]) -> tuple[list[float], list[bool]]:
+    """Return the error on unseen motion when the structure is known, and which intervals then cover the truth."""
+    recordings = [run.recording for run in runs]
+    prepared = prepare(model, recordings[:3], recordings[3:])
+    true = runs[0].true
+    fit = identify(true.model, prepared.train, optimisers=(), start=true.shape if true.shape.size else None)
+    rms = fitted_model(fit, prepared).verify_rms
+    assert rms is not None
+    return rms.tolist(), _covered(fit.estimates, runs[0])
+
+
+def _covered(estimates: Any, run: Run) -> list[bool]:
+    """Return for every number that has an interval whether it contains the truth."""
+    truth = run.true.numbers()
+    known = [e for e in estimates if e.name in truth and math.isfinite(e.low) and math.isfinite(e.high)]
+    return [bool(e.low <= truth[e.name] <= e.high) for e in known]

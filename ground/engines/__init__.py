@@ -1,0 +1,1 @@
+"""Where many jobs run: this machine, a Dask cluster, or Slurm; all as a `concurrent.futures.Executor`."""

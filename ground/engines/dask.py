@@ -1,0 +1,69 @@
+"""A Dask cluster: one that runs already, by its address, or one of processes on this machine ("local")."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ground.engines.engine import Engine, EngineError, not_installed
+
+PATIENCE = 30.0
+"""Seconds to wait for a scheduler, and for its first worker."""
+
+
+def dask(address: str, jobs: int = 0) -> Engine:
+    """Return the Dask cluster at `address` ("tcp://host:8786", a scheduler file, or "local" with `jobs` processes).
+
+    Raises EngineError where Dask is missing or nobody answers.
+    """
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise not_installed("Dask", "dask") from error
+    owned: list[Any] = []
+    try:
+        if address == "local":
+            from joblib import cpu_count
+
+            cluster = LocalCluster(
+                n_workers=jobs or cpu_count(), threads_per_worker=1, processes=True, dashboard_address=None,
+                silence_logs=50,
+            )  # fmt: skip
+            owned.append(cluster)
+            client = Client(cluster, timeout=PATIENCE)
+        elif address.endswith(".json"):
+            client = Client(scheduler_file=address, timeout=PATIENCE)
+        else:
+            client = Client(address, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except (OSError, ValueError, TimeoutError) as error:
+        for cluster in owned:
+            cluster.close()
+        raise EngineError(
+            f"no Dask cluster with a worker answers within {PATIENCE:g} s ({error})",
+            where=f"--dask {address}",
+            remedy="give the address that dask scheduler prints, for example tcp://host:8786, or local",
+        ) from error
+    known: set[str] = set(_workers(client))
+
+    def lost() -> list[str]:
+        now = set(_workers(client))
+        gone = [f"Dask worker {name} is gone; what it was doing is done again" for name in sorted(known - now)]
+        known.clear()
+        known.update(now)
+        return gone
+
+    def close(wait: bool) -> None:
+        client.close()
+        for cluster in owned:
+            cluster.close()
+
+    where = "on this machine" if address == "local" else f"at {address}"
+    return Engine(
+        f"Dask {where}, {len(known)} workers", client.get_executor(retries=2, pure=False),
+        lambda: sum(w["nthreads"] for w in _workers(client).values()), lost, close, ships=address != "local",
+    )  # fmt: skip
+
+
+def _workers(client: Any) -> dict[str, Any]:
+    found: dict[str, Any] = client.scheduler_info(n_workers=-1)["workers"]
+    return found

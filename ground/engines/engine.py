@@ -1,0 +1,61 @@
+"""One interface to every engine: an executor, how many jobs it takes at a time, and jobs that come back as they end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from ground.errors import ExoidError
+
+Job = TypeVar("Job")
+AHEAD = 2
+"""Jobs handed to an engine for each of its workers: one that runs, one that waits, so that no worker is idle."""
+
+
+class EngineError(ExoidError):
+    """An engine that is not installed, cannot be reached, or lost its workers."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An open engine.
+
+    `workers()` is how many jobs run at a time now, `lost()` what happened to workers since it was last asked, in
+    words, and `close(wait)` gives back what the engine holds; without `wait` it ends what still runs.
+    """
+
+    name: str
+    executor: Executor
+    workers: Callable[[], int]
+    lost: Callable[[], list[str]]
+    close: Callable[[bool], None]
+    ships: bool = False
+    """Whether workers may not see this machine's files, so that recordings travel as bytes."""
+
+
+def completed(
+    engine: Engine, function: Callable[..., Any], jobs: Iterable[Job], arguments: Callable[[Job], tuple[Any, ...]]
+) -> Iterator[tuple[Job, Future[Any]]]:
+    """Yield every job with its finished future, in the order in which they end.
+
+    Only a few jobs per worker are handed over at a time: memory stays flat, and an interrupted campaign stops soon.
+    """
+    waiting = iter(jobs)
+    running: dict[Future[Any], Job] = {}
+    while True:
+        for job in waiting:
+            running[engine.executor.submit(function, *arguments(job))] = job
+            if len(running) >= AHEAD * max(1, engine.workers()):
+                break
+        if not running:
+            return
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield running.pop(future), future
+
+
+def not_installed(what: str, extra: str) -> EngineError:
+    """Return the error for a library that an extra brings."""
+    return EngineError(f"{what} is not installed", remedy=f"install it with: pip install 'exoid[{extra}]'")

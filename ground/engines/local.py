@@ -1,0 +1,24 @@
+"""This machine: as many workers as it has cores, each with a process of its own (`ground.engines.cell`)."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+from ground.engines.cell import close_cells
+from ground.engines.engine import Engine
+
+
+def local(jobs: int = 0) -> Engine:
+    """Return an engine of `jobs` workers; 0 means one per core that this process may use (as joblib counts them)."""
+    from joblib import cpu_count
+
+    count = jobs or cpu_count()
+    executor = ThreadPoolExecutor(count, thread_name_prefix="exoid-worker")
+
+    def close(wait: bool) -> None:
+        if not wait:
+            close_cells()
+        executor.shutdown(wait=wait, cancel_futures=True)
+        close_cells()
+
+    return Engine(f"{count} workers on this machine", executor, lambda: count, list, close)

@@ -1,0 +1,87 @@
+"""Slurm through submitit: every job is a task of a partition; the partition "local" runs them on this machine."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+from ground.engines.engine import Engine, EngineError, not_installed
+
+POLL = 0.5
+"""Seconds between two looks at whether tasks have ended."""
+MINUTES = 24 * 60
+"""Time limit of a Slurm task unless --timeout makes it shorter."""
+
+
+class _Submitted(Executor):
+    """submitit's executor with the interface of `concurrent.futures`: one thread asks which tasks have ended."""
+
+    def __init__(self, inner: Any) -> None:
+        self._inner = inner
+        self._waiting: dict[Future[Any], Any] = {}
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand over one call; its future ends when its task has."""
+        future: Future[Any] = Future()
+        with self._lock:
+            self._waiting[future] = self._inner.submit(fn, *args, **kwargs)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Stop watching; with `cancel_futures`, end the tasks that have not."""
+        self._closed.set()
+        with self._lock:
+            if cancel_futures:
+                for task in self._waiting.values():
+                    task.cancel(check=False)
+
+    def _watch(self) -> None:
+        while not self._closed.wait(POLL):
+            with self._lock:
+                ended = {future: task for future, task in self._waiting.items() if task.done()}
+                for future in ended:
+                    del self._waiting[future]
+            for future, task in ended.items():
+                try:
+                    future.set_result(task.result())
+                except Exception as error:  # noqa: BLE001 - whoever asks the future gets it
+                    future.set_exception(error)
+
+
+def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = None) -> Engine:
+    """Return Slurm's `partition`, at most `jobs` tasks at a time (0: 64; on this machine, its cores).
+
+    `folder` holds what submitit writes and must be seen by all nodes. Raises EngineError where submitit or Slurm is
+    missing.
+    """
+    try:
+        import submitit
+    except ImportError as error:
+        raise not_installed("submitit", "slurm") from error
+    here = partition == "local"
+    if not here and submitit.AutoExecutor.which() != "slurm":
+        raise EngineError(
+            "there is no Slurm on this machine (sbatch was not found)",
+            where=f"--slurm {partition}",
+            remedy="run this on a login node; --slurm local runs the tasks on this machine",
+        )
+    from joblib import cpu_count
+
+    count = jobs or (cpu_count() if here else 64)
+    inner = submitit.AutoExecutor(folder=folder / "%j", cluster="local" if here else None)
+    minutes = MINUTES if seconds is None else max(1, int(2 * seconds / 60) + 5)
+    inner.update_parameters(timeout_min=minutes, cpus_per_task=1, name="exoid")
+    if not here:
+        inner.update_parameters(slurm_partition=partition)
+    executor = _Submitted(inner)
+
+    def close(wait: bool) -> None:
+        executor.shutdown(cancel_futures=not wait)
+
+    return Engine(f"Slurm, partition {partition}, {count} tasks at a time", executor, lambda: count, list, close)

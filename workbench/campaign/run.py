@@ -1,0 +1,174 @@
+"""Run a plan on an engine: what is there already is kept, every answer is written as it comes, the page follows."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ground.engines.cell import in_cell
+from ground.engines.engine import Engine, completed
+from ground.files import write_whole
+from workbench.campaign.plan import Job, Plan
+from workbench.campaign.store import FINAL, CampaignError, Store, slug, task_of
+from workbench.campaign.work import FUNCTION
+
+Progress = Callable[[float, str], None]
+REFRESH = 5.0
+"""Seconds between two versions of the page while a campaign runs, at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """A campaign that has ended: its plan, a row per job in the order of the plan, and what happened on the way.
+
+    `kept` jobs were there already, `retried` were run again after their worker was lost, `seconds` it took.
+    """
+
+    plan: Plan
+    rows: tuple[dict[str, Any], ...]
+    kept: int
+    retried: int
+    seconds: float
+    events: tuple[str, ...] = ()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many jobs ended how."""
+        found: dict[str, int] = {}
+        for row in self.rows:
+            found[row["status"]] = found.get(row["status"], 0) + 1
+        return found
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what a script wants to know: counts, pooled parameters, and a flat row per job."""
+        from workbench.campaign.pooled import pool
+        from workbench.campaign.table import flat
+
+        pooled = pool(self.plan, self.rows)
+        return {
+            "schema": "exoid.campaign/1", "name": self.plan.name, "verb": self.plan.verb, "jobs": len(self.rows),
+            "status": self.counts, "kept": self.kept, "retried": self.retried, "events": list(self.events),
+            "rows": [flat(self.plan, row) for row in self.rows], "pooled": [one.to_json() for one in pooled],
+            "seconds": self.seconds,
+        }  # fmt: skip
+
+    def to_frame(self) -> Any:
+        """Return the table of jobs as a pandas DataFrame."""
+        import pandas as pd
+
+        from workbench.campaign.table import flat
+
+        return pd.DataFrame([flat(self.plan, row) for row in self.rows])
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{count} {status}" for status, count in sorted(self.counts.items()))
+        return f"{self.plan.name}: {len(self.rows)} jobs ({parts}), {self.kept} kept from before"
+
+
+def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progress | None = None) -> Campaign:
+    """Run what is missing of `plan`, with its answers, tables and page in `folder`.
+
+    Raises CampaignError where another campaign works in `folder`, and for workers with other versions. Interrupted at
+    any moment, it goes on where it was when it is called again.
+    """
+    from workbench.campaign.page import write_page
+    from workbench.campaign.table import write_tables
+    from workbench.command import versions
+
+    began, report = time.perf_counter(), progress or _silent
+    folder = Path(folder)
+    here = dict(versions())
+    with _alone(folder):
+        store = Store(folder, here)
+        report(0.0, "looking at what is there already")
+        keys = [store.key(job) for job in plan.jobs]
+        rows: list[dict[str, Any] | None] = [store.read(job, key) for job, key in zip(plan.jobs, keys, strict=True)]
+        missing = [k for k, row in enumerate(rows) if row is None or row["status"] not in FINAL]
+        kept, retried, events = len(rows) - len(missing), 0, list[str]()
+        drawn = 0.0  # when the page is due
+
+        def call(k: int) -> tuple[Any, ...]:
+            task = task_of(plan.jobs[k], ships=engine.ships, report=plan.reports, versions=here)
+            return FUNCTION, task, plan.timeout
+
+        for number, (k, future) in enumerate(completed(engine, in_cell, missing, call), start=1):
+            job = plan.jobs[k]
+            row, page, note = _row(job, keys[k], future)
+            if page is not None:
+                write_whole(folder / "reports" / f"{slug(job.name)}-{keys[k][:16]}.html", page, at_once=True)
+            store.write(job, keys[k], row)
+            rows[k] = row
+            retried += note != ""
+            for event in (note, *engine.lost()):
+                if event:
+                    events.append(event)
+                    report(number / len(missing), event)
+            report(number / len(missing), f"{job.name}: {row['status']}")
+            if time.perf_counter() > drawn:
+                start = time.perf_counter()
+                write_page(folder, plan, rows, events, running=True)
+                took = time.perf_counter() - start
+                drawn = start + max(REFRESH, 20 * took)  # a large page costs at most a twentieth of the time
+        done = tuple(row for row in rows if row is not None)
+        write_tables(folder, plan, done)
+        write_page(folder, plan, rows, events, running=False)
+    return Campaign(plan, done, kept, retried, time.perf_counter() - began, tuple(events))
+
+
+def _row(job: Job, key: str, future: Any) -> tuple[dict[str, Any], str | None, str]:
+    """Return the row of a job that ended, its report, and what is to be said of how it went."""
+    base = {
+        "name": job.name, "key": key[:16], "fields": dict(job.fields), "seed": job.seed,
+        "recordings": [Path(p).name for p in job.recordings], "verify": [Path(p).name for p in job.verify],
+    }  # fmt: skip
+    try:
+        answer = future.result()
+    except Exception as error:  # noqa: BLE001 - a worker was lost too often: that is a row, not an end
+        return base | {"status": "crashed", "reason": f"{type(error).__name__}: {error}"}, None, ""
+    note = "" if answer["attempts"] == 1 else f"{job.name}: its worker was lost, so it was run again"
+    if answer["status"] != "done":
+        status = "crashed" if answer["status"] == "failed" else answer["status"]
+        return base | {"status": status, "reason": answer["reason"]}, None, note
+    value = dict(answer["value"])
+    if value["status"] == "versions":
+        raise CampaignError(
+            f"the worker {answer['worker']} has other versions: {value['reason']}",
+            remedy="install the same versions there (constraints.txt), then give the same command again",
+        )
+    page = value.pop("report", None)
+    return base | value | {"report": page is not None}, page, note
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Hold `folder` for one campaign at a time."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise CampaignError(
+            f"cannot be written ({error.strerror})", where=str(folder), remedy="name a folder you may write to"
+        ) from error
+    try:
+        with contextlib.suppress(ImportError):  # a system without flock: two campaigns would do the same work twice
+            import fcntl
+
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                raise CampaignError(
+                    "another campaign is running in this folder", where=str(folder),
+                    remedy="wait for it, or give another --out",
+                ) from error  # fmt: skip
+        yield
+    finally:
+        os.close(handle)
+
+
+def _silent(fraction: float, text: str) -> None:
+    """Say nothing."""

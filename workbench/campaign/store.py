@@ -1,0 +1,102 @@
+"""The jobs of a campaign on disk: one small file each, written whole, so that what was stopped goes on.
+
+A file is named by a key of everything its answer depends on (recordings by their bytes, model, command, options, seed,
+versions) and carries a hash of its content: a file that was cut or edited counts as not there.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from ground.errors import ExoidError
+from ground.files import sha256, sha256_file, write_whole
+from workbench.campaign.plan import Job
+
+SCHEMA = "exoid.campaign_job/1"
+FINAL = ("done", "refused")
+"""Answers that would be the same again; a job that crashed or was late is tried again when the campaign goes on."""
+
+
+class CampaignError(ExoidError):
+    """A campaign that cannot start or go on."""
+
+
+class Store:
+    """The answers in `folder`/jobs."""
+
+    def __init__(self, folder: Path, versions: Mapping[str, str]) -> None:
+        self._folder = folder / "jobs"
+        self._versions = dict(versions)
+
+    def key(self, job: Job) -> str:
+        """Return the hash of everything the answer to `job` depends on."""
+        model = None if job.model is None else _model_text(job.model)
+        files = {role: [[Path(p).name, _hash(p)] for p in getattr(job, role)] for role in ("recordings", "verify")}
+        parts = [job.verb, job.options, job.seed, job.case, model, files, self._versions]
+        return sha256(json.dumps(parts, sort_keys=True))
+
+    def path(self, job: Job, key: str) -> Path:
+        """Return where the answer to `job` is kept."""
+        return self._folder / f"{slug(job.name)}-{key[:16]}.json"
+
+    def read(self, job: Job, key: str) -> dict[str, Any] | None:
+        """Return the row of `job` if it is there, whole and unchanged."""
+        try:
+            found = json.loads(self.path(job, key).read_text("utf-8"))
+            row = found["row"]
+            if found["schema"] == SCHEMA and found["key"] == key and found["sha256"] == _checksum(key, row):
+                return dict(row)
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return None
+        return None
+
+    def write(self, job: Job, key: str, row: Mapping[str, Any]) -> Path:
+        """Keep the row of `job`, whole or not at all."""
+        content = {"schema": SCHEMA, "key": key, "row": row, "sha256": _checksum(key, row)}
+        return write_whole(self.path(job, key), json.dumps(content, indent=1) + "\n", at_once=True)
+
+
+def task_of(job: Job, *, ships: bool, report: bool, versions: Mapping[str, str]) -> dict[str, Any]:
+    """Return `job` as a worker gets it: plain data, with the recordings' bytes where it `ships` them."""
+
+    def sent(path: str) -> dict[str, Any]:
+        if not ships:
+            return {"path": str(Path(path).resolve()), "data": None}
+        return {"path": Path(path).name, "data": base64.b64encode(Path(path).read_bytes()).decode("ascii")}
+
+    return {
+        "verb": job.verb, "options": list(job.options), "seed": job.seed, "case": job.case,
+        "recordings": [sent(path) for path in job.recordings], "verify": [sent(path) for path in job.verify],
+        "model": None if job.model is None else _model_text(job.model), "report": report, "versions": dict(versions),
+    }  # fmt: skip
+
+
+def slug(name: str) -> str:
+    """Return a name as a file name: letters, digits, dot, dash and underscore only."""
+    kept = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "-" for c in name)
+    return kept.strip("-.")[:80] or "job"
+
+
+def _checksum(key: str, row: Mapping[str, Any]) -> str:
+    return sha256(key + json.dumps(row, sort_keys=True))
+
+
+@lru_cache(maxsize=256)
+def _model_text(path: str) -> str:
+    try:
+        return Path(path).read_text("utf-8")
+    except (OSError, ValueError) as error:
+        raise CampaignError("the model file cannot be read", where=path, remedy="check model in the plan") from error
+
+
+@lru_cache(maxsize=100_000)
+def _hash(path: str) -> str:
+    try:
+        return sha256_file(path)
+    except OSError as error:
+        raise CampaignError(f"cannot be read: {error.strerror}", where=path, remedy="check the file") from error

@@ -1,0 +1,132 @@
+"""What a worker does with one job: the command itself, in this process, on files it sees or on bytes it was sent."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+FUNCTION = f"{__name__}:work"
+"""How an engine calls `work`."""
+
+
+class WorkError(RuntimeError):
+    """A command that broke down: its traceback, for the row of the job."""
+
+
+def work(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what became of `task` as plain data: `status` "done", "refused" or "versions", and `result` or `reason`.
+
+    `task` has the fields of a Job; its recordings as {"path", "data"} where `data` (base64) is None for a file that
+    the worker sees; the text of its model file; `report` (whether one is wanted) and the sender's `versions`.
+    """
+    from workbench.command import versions
+
+    here = dict(versions())
+    if here != task["versions"]:
+        return {"status": "versions", "reason": _differing(task["versions"], here)}
+    if task["case"] is not None:
+        from diagnosis.trials.trial import run_case
+
+        return {"status": "done", "result": _steady(run_case(task["case"])), "notes": []}
+    with tempfile.TemporaryDirectory(prefix="exoid-job-") as folder:
+        return _asked(task, Path(folder))
+
+
+def _asked(task: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Ask the command; where it refuses, find the recordings it cannot read and ask again without them."""
+    given = {
+        role: [_placed(one, folder, k, role) for k, one in enumerate(task[role])] for role in ("recordings", "verify")
+    }
+    status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
+    unreadable: list[dict[str, str]] = []
+    if status == 2:
+        unreadable = _unreadable(task, folder, [*given["recordings"], *given["verify"]])
+        bad = {one["path"] for one in unreadable}
+        left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
+        if bad and left["recordings"] and bool(left["verify"]) == bool(given["verify"]):
+            status, result, said, report = _command(task, folder, left["recordings"], left["verify"])
+    row: dict[str, Any] = {"unreadable": [{**one, "path": _shown(one["path"], folder)} for one in unreadable]}
+    lines = [_shown(line, folder) for line in said]
+    if status == 2:
+        return row | {"status": "refused", "reason": " ".join(line.strip() for line in lines)}
+    if status not in (0, 1):
+        raise WorkError("\n".join(lines))
+    found = json.loads(_shown(json.dumps(result), folder))
+    return row | {"status": "done", "result": _steady(found), "notes": lines, "report": report}
+
+
+def _command(
+    task: Mapping[str, Any], folder: Path, recordings: Sequence[str], verify: Sequence[str]
+) -> tuple[int, Any, list[str], str | None]:
+    """Return the exit status of the command, its JSON, what it said on stderr, and its report."""
+    from workbench.command import main
+
+    answer, out = folder / "answer.json", folder / "out"
+    words = [task["verb"], *task["options"], *recordings, "--json", str(answer), "--quiet", "--seed", str(task["seed"])]
+    if verify:
+        words += ["--verify", *verify]
+    if task["model"] is not None:
+        model = folder / "model.toml"
+        model.write_text(task["model"], encoding="utf-8")
+        words += ["--model", str(model)]
+    if task["report"]:
+        words += ["--out", str(out)]
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+        status = main(words)
+    lines = [line.removeprefix("exoid: ") for line in said.getvalue().splitlines()]
+    if status not in (0, 1):
+        return status, None, lines, None
+    page = out / "report.html"
+    return status, json.loads(answer.read_text("utf-8")), lines, page.read_text("utf-8") if page.is_file() else None
+
+
+def _unreadable(task: Mapping[str, Any], folder: Path, paths: Sequence[str]) -> list[dict[str, str]]:
+    """Return the recordings that cannot be read, each with the reason."""
+    from ground.errors import ExoidError
+    from workbench.command import verb_parser
+    from workbench.command_line.inputs import load
+
+    out = []
+    for path in paths:
+        words = [*task["options"], path]
+        try:
+            with contextlib.redirect_stderr(io.StringIO()):
+                load(verb_parser(task["verb"]).parse(words))
+        except ExoidError as error:
+            out.append({"path": path, "reason": _shown(str(error), folder).replace("\n", " ")})
+    return out
+
+
+def _placed(one: Mapping[str, Any], folder: Path, number: int, role: str) -> str:
+    if one["data"] is None:
+        return str(one["path"])
+    place = folder / f"{role}_{number}"
+    place.mkdir(exist_ok=True)
+    path = place / Path(one["path"]).name
+    path.write_bytes(base64.b64decode(one["data"]))
+    return str(path)
+
+
+def _shown(text: str, folder: Path) -> str:
+    """Return `text` without the worker's temporary folder, which differs from run to run."""
+    return text.replace(f"{folder}/", "")
+
+
+def _steady(value: Any) -> Any:
+    """Return `value` without times of computing: the same job gives the same bytes."""
+    if isinstance(value, dict):
+        return {key: _steady(item) for key, item in value.items() if key != "seconds"}
+    return [_steady(item) for item in value] if isinstance(value, list) else value
+
+
+def _differing(wanted: Mapping[str, str], here: Mapping[str, str]) -> str:
+    names = sorted({*wanted, *here})
+    pairs = [(n, wanted.get(n, "nothing"), here.get(n, "nothing")) for n in names if wanted.get(n) != here.get(n)]
+    return ", ".join(f"{name} {there} here and {on} on the worker" for name, there, on in pairs)
