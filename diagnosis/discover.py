@@ -47,8 +47,9 @@ def discover(
     """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
     `rules`, the thresholds that decide, say).
 
-    `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue. Every
-    random number comes from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
+    `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue and
+    the model's own (`[[custom_effects]]` of its file), which are suspected anyway. Every random number comes
+    from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
     """
     began = time.perf_counter()
     model = cast("Model", model.model) if isinstance(model, Fit) else model
@@ -57,7 +58,7 @@ def discover(
     tick(0.02, "preparing the recordings")
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
     part = stretches(prepared, rules)
-    library = build_library(model, part.all, (*extra, *_own_effects(model)))
+    library = build_library(model, part.all, own_effects(model, extra))
     context = SearchContext(part, library, seed, tick, most, rules)
     found = run(context, context.fit(model))
     extensions = found.state.extensions
@@ -88,9 +89,10 @@ def diagnose(
     )  # fmt: skip
 
 
-def _own_effects(model: Model) -> tuple[Effect, ...]:
-    """Return the user's own effects that the model file declares, as suspects for the other joint too."""
-    return tuple({t.effect.id: t.effect for t in model.terms if t.effect.custom}.values())
+def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Return `extra` and the user's own effects, each once: those the model declares and those it has already."""
+    own = (*extra, *model.custom, *(term.effect for term in model.terms if term.effect.custom))
+    return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
 
 
 def _write_up(

@@ -41,7 +41,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple
     with progress("fitting the model", quiet=args.quiet) as report:
         found = question(
             given.model, given.recordings, verify=given.verify, seed=args.seed, **given.filter,
-            extra=unused_effects(given.model), progress=part(report, 0.0, 0.95),
+            progress=part(report, 0.0, 0.95),
         )  # fmt: skip
         comparison = None
         if args.out:
@@ -50,12 +50,6 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple
             report(0.95, "looking where the model fails")
             comparison = compare(given.model, given.recordings, verify=given.verify, **given.filter)
     return found, comparison
-
-
-def unused_effects(model: Any) -> tuple[Any, ...]:
-    """Return the effects of the user's own that the model file declares but no term uses: suspects too."""
-    used = {term.effect.id for term in model.terms}
-    return tuple(effect for effect in model.custom if effect.id not in used)
 
 
 def material_of(
