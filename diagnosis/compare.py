@@ -81,6 +81,11 @@ class Comparison:
     now: FittedModel = field(repr=False)
     curves: tuple[Remainder, ...] = field(repr=False)
 
+    @property
+    def misread(self) -> tuple[Finding, ...]:
+        """What says that the recordings keep another convention."""
+        return self.now.prepared.misread
+
     def to_json(self) -> dict[str, Any]:
         """Return the comparison in plain types."""
         return {
@@ -130,7 +135,8 @@ class Comparison:
             f"{joint} {e:.3g} of {s:.3g} N·m (noise floor {n:.2g})"
             for joint, e, s, n in zip(JOINTS, shown, self.signal_rms, self.noise_floor, strict=True)
         )
-        return "\n".join([f"error on {kind} motion: {numbers}", *(f"  {w.sentence}" for w in self.where[:6])])
+        doubts = [f"  {finding}" for finding in self.misread]
+        return "\n".join([f"error on {kind} motion: {numbers}", *doubts, *(f"  {w.sentence}" for w in self.where[:6])])
 
     def _repr_html_(self) -> str:
         unseen = [None, None] if self.verify_rms is None else self.verify_rms.tolist()

@@ -21,7 +21,7 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress, SearchContext, silent
 from diagnosis.search.engine import run
 from diagnosis.search.state import Extension
-from diagnosis.verdict import biased_parameters, conclude, sentence_of
+from diagnosis.verdict import biased_parameters, check_channels, conclude, sentence_of
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -60,7 +60,10 @@ def discover(
     part = stretches(prepared, rules)
     library = build_library(model, part.all, own_effects(model, extra))
     context = SearchContext(part, library, seed, tick, most, rules)
-    found = run(context, context.fit(model))
+    started = context.fit(model)
+    if prepared.misread:
+        return _write_up(prepared, part, [started], (), None, recordings, verify, began, most)
+    found = run(context, started)
     extensions = found.state.extensions
     if part is not prepared:
         tick(0.95, "fitting what was found to the whole of the recordings")
@@ -136,9 +139,12 @@ def _write_up(
         )
         for i, s in enumerate(extensions)
     )
-    conclusion = conclude(accepted, left, extensions[0].fitted, last.fitted, bool(verify), len(recordings), most)
+    if prepared.misread:
+        conclusion = check_channels(prepared.misread)
+    else:
+        conclusion = conclude(accepted, left, extensions[0].fitted, last.fitted, bool(verify), len(recordings), most)
     alike = {a.name: a.look_alikes for a in accepted}
-    told_apart = differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
+    told_apart = () if prepared.misread else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,

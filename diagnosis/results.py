@@ -120,9 +120,9 @@ class Step:
 class Diagnosis:
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
-    `verdict` is "adequate", "missing", "ambiguous" or "unexplained"; `rule` says which rule led to it, `sentence`
-    says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m. `differing`
-    names what a single recording wants different from all the others.
+    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
+    to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
+    N·m. `differing` names what a single recording wants different from all the others.
     """
 
     verdict: str

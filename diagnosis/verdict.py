@@ -10,6 +10,7 @@ import numpy as np
 
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.results import Accepted
+from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import catalogue
 from symbolic.quantity import Estimate
@@ -81,6 +82,17 @@ def conclude(
             _deciding(alike) or advice,
         )
     return Conclusion("missing", rule, text, stopped, advice)
+
+
+def check_channels(misread: Sequence[Finding]) -> Conclusion:
+    """Return the conclusion where physics says that the recordings keep another convention than exoid's."""
+    return Conclusion(
+        "check_channels",
+        "another reading of the channels explains the torques far better than the one they were given in",
+        "The channels cannot be what they say. " + " ".join(f"{f.where}: {f.what}." for f in misread),
+        "no effect is looked for in recordings whose channels are in doubt",
+        "nothing yet; first " + "; ".join(dict.fromkeys(f.remedy.removeprefix("if so, ") for f in misread)),
+    )
 
 
 def _advice(verified: bool, recordings: int) -> str:

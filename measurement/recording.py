@@ -39,7 +39,8 @@ class Recording:
     `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
     (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
     `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
-    text files), for messages. `payloads` are known masses that hung on the leg meanwhile.
+    text files), for messages. `payloads` are known masses that hung on the leg meanwhile, `conventions` the
+    names of those it was converted from.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Recording:
     findings: tuple[Finding, ...] = ()
     row: NDArray[np.int64] = None  # type: ignore[assignment]
     payloads: tuple[Payload, ...] = ()
+    conventions: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]

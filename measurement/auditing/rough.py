@@ -71,10 +71,10 @@ def unexplained(motion: Smooth, delay: float = 0.0) -> Float:
     q, dq, ddq = motion.q[rows], motion.dq[rows], motion.ddq[rows]
     late = rows + delay / motion.step
     tau = np.column_stack([np.interp(late, np.arange(motion.tau.shape[0]), motion.tau[:, j]) for j in (0, 1)])
-    columns = _columns(q, dq, ddq)
+    parts = columns(q, dq, ddq)
     scale = np.maximum(tau.std(axis=0), 1e-12)
     # Each joint counts alike, whatever its torque; constant offsets are nobody's sign, so they may have both.
-    matrix = np.vstack([columns[joint] / scale[joint] for joint in (0, 1)])
+    matrix = np.vstack([parts[joint] / scale[joint] for joint in (0, 1)])
     target = np.concatenate([tau[:, joint] / scale[joint] for joint in (0, 1)])
     size = np.linalg.norm(matrix, axis=0)
     matrix = matrix / np.where(size > 0, size, 1.0)
@@ -82,7 +82,7 @@ def unexplained(motion: Smooth, delay: float = 0.0) -> Float:
     return left.reshape(2, -1).var(axis=1)
 
 
-def _columns(q: Float, dq: Float, ddq: Float) -> Float:
+def columns(q: Float, dq: Float, ddq: Float) -> Float:
     """Return the columns (J, K, 13) of the pendulum with friction and offsets of either sign."""
     s1, s12 = np.sin(q[:, 0]), np.sin(q[:, 0] + q[:, 1])
     s2, c2 = np.sin(q[:, 1]), np.cos(q[:, 1])

@@ -5,7 +5,7 @@ The file itself is only ever opened for reading.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from ground.inputs import open_input
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
 from measurement.reading.columns import assign, legs
+from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
 from measurement.reading.mapping import FILE, Told, remembered
 from measurement.reading.raw import RawTable
@@ -36,15 +37,17 @@ def read_recording(
     *,
     leg: str | None = None,
     name: str = "",
+    convention: str | Iterable[str] = (),
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
 
     `source` is a path (also `archive.zip/run1.csv`) or a table in memory: a pandas or polars DataFrame, a structured
     NumPy array, an xarray Dataset, a mapping {name: array}. `columns` maps canonical names to columns of the file
     ({"q1": "HipEnc"}), `units` gives the unit of a quantity or column ({"q": "deg", "tau1": "Nm/A*0.1*50"}), `leg`
-    ("left" or "right") says which one where both are in it. What is not given is taken from `exoid.toml` beside the
-    file, if that knows its columns. Rows with a cell that is not a number are masked in `valid`, never dropped. Raises
-    RecordingError for anything that cannot be used, with the place and the remedy.
+    ("left" or "right") says which one where both are in it, `convention` how angles and torques are counted
+    ("flexion-positive", "absolute-shank,hip-from-upright"; `measurement.reading.conventions`). What is not given is
+    taken from `exoid.toml` beside the file, if that knows its columns. Rows with a cell that is not a number are masked
+    in `valid`, never dropped. Raises RecordingError for anything that cannot be used, with the place and the remedy.
     """
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
     if told.leg not in ("", *LEGS):
@@ -54,7 +57,7 @@ def read_recording(
         raise RecordingError(
             "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
         )
-    return _finished(table, origin, name, told)
+    return _finished(table, origin, name, told, convention)
 
 
 def read_recordings(
@@ -63,6 +66,7 @@ def read_recordings(
     units: Mapping[str, str] | None = None,
     *,
     leg: str | None = None,
+    convention: str | Iterable[str] = (),
 ) -> tuple[Recording, ...]:
     """Return the recordings that files, folders, patterns ("runs/*.csv") and ZIP archives hold, in order.
 
@@ -73,7 +77,7 @@ def read_recordings(
     for path in expand(sources):
         table, origin, name, here = _loaded(path, told, "")
         if here.leg != "both":
-            out.append(_finished(table, origin, name, here))
+            out.append(_finished(table, origin, name, here, convention))
             continue
         if set(here.columns) - {"t"}:
             raise RecordingError(
@@ -84,7 +88,7 @@ def read_recordings(
             raise RecordingError(
                 "no leg has all its angles and torques in this file", where=path, remedy="read one leg, with --map"
             )
-        out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side)) for side in sides]
+        out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention) for side in sides]
     return tuple(out)
 
 
@@ -106,11 +110,11 @@ def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, 
     return table, origin, name or path.stem, told.over(kept) if kept else told
 
 
-def _finished(table: RawTable, origin: Source, name: str, told: Told) -> Recording:
+def _finished(table: RawTable, origin: Source, name: str, told: Told, convention: str | Iterable[str]) -> Recording:
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     assigned = assign(table, told.columns, told.units, where=origin.path or name, leg=told.leg or None)
     recording = repaired(table, assigned, name=name, source=origin)
-    recording = mask_unusable(recording)
+    recording = read_as(mask_unusable(recording), convention)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)
     return recording

@@ -17,6 +17,7 @@ from scipy.sparse import csr_array
 
 from ground.errors import RecordingError
 from ground.html import bullets, lines, table
+from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.conditioning import (
@@ -161,7 +162,10 @@ class CutoffChoice:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted."""
+    """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted.
+
+    `misread` are those of the `findings` that say in which convention the recordings seem to be (`--convention`).
+    """
 
     train: tuple[PreparedRecording, ...]
     verify: tuple[PreparedRecording, ...]
@@ -169,6 +173,7 @@ class Prepared:
     noise_floor: Float
     findings: tuple[Finding, ...] = ()
     derivative: str = BUTTERWORTH
+    misread: tuple[Finding, ...] = ()
 
     @property
     def all(self) -> tuple[PreparedRecording, ...]:
@@ -224,13 +229,16 @@ def prepare(
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
     done = [_prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
+    misread = (*check_conventions(recordings), *check_conventions(verify))
+    known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     return Prepared(
         train=tuple(done[:count]),
         verify=tuple(done[count:]),
         choice=choice,
         noise_floor=_noise_floor(done, choice.cutoff),
-        findings=tuple(f for r in (*recordings, *verify) for f in r.findings) + _outlier_findings(done),
+        findings=(*known, *(f for f in misread if f not in known), *_outlier_findings(done)),
         derivative=derivative,
+        misread=misread,
     )
 
 

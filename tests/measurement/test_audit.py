@@ -176,7 +176,7 @@ def test_shared_recordings_are_judged_calmly(shared_data):
 
 
 def test_checks_are_files_and_never_raise_on_little_data():
-    assert {"sign", "gaps", "units", "frozen", "saturated", "motion"} <= set(find_checks())
+    assert {"convention", "gaps", "units", "frozen", "saturated", "motion"} <= set(find_checks())
     for count in (0, 1, 2, 12, 60):
         t = np.arange(count) * 0.01
         for value in (np.zeros((count, 2)), np.column_stack([np.sin(40 * t), np.cos(50 * t)])):

@@ -18,7 +18,7 @@ Question = Callable[..., Any]
 
 
 def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None) -> int:
-    """Read what `args` name, put the `question`, show and write the answer; return the exit status 0."""
+    """Read what `args` name, put the `question`, show and write the answer; return 1 if channels are in doubt."""
     check_places(args)
     if write:
         check_new_model(write, args.model)
@@ -33,7 +33,7 @@ def ask(args: argparse.Namespace, question: Question, title: str, *, write: str 
         write_model(found.model, write, found.fit)
         screen.say(f"model: {write}")
     deliver(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
-    return 0
+    return 1 if found.verdict == "check_channels" else 0
 
 
 def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple[Any, Any]:

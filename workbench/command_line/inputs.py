@@ -61,8 +61,14 @@ def load(args: argparse.Namespace) -> Inputs:
     refuse_repeats(given, unseen)
     loads = payloads(getattr(args, "payload", []), [*given, *unseen])
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
-    recordings = tuple(_loaded(one, loads.get(path, [])) for path in given for one in read(path, **told))
-    verify = tuple(_loaded(one, loads.get(path, [])) for path in unseen for one in read(path, **told))
+    kept = conventions_of(args.convention, [*given, *unseen])
+
+    def all_of(paths: Sequence[str]) -> tuple[Recording, ...]:
+        return tuple(
+            _loaded(one, loads.get(path, [])) for path in paths for one in read(path, **told, convention=kept[path])
+        )
+
+    recordings, verify = all_of(given), all_of(unseen)
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
 
 
@@ -79,6 +85,17 @@ def read(path: str, **told: Any) -> tuple[Recording, ...]:
             if finding.severity != "info" or finding.check == "mapping":
                 warn(str(finding))
     return recordings
+
+
+def conventions_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[str]]:
+    """Return {path: the names of its conventions} from texts such as flexion-positive or run4.csv=absolute-shank."""
+    found: dict[str, list[str]] = {path: [] for path in paths}
+    for text in given:
+        name, _, names = text.partition("=")
+        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        for path in meant or paths:
+            found[path].append(names if meant else text)
+    return found
 
 
 def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:

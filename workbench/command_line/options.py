@@ -41,7 +41,7 @@ def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, requ
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add what is needed to read recordings: --map, --units, --leg, --cutoff."""
+    """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff."""
     group = parser.add_argument_group("reading the recordings")
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
@@ -55,6 +55,11 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--leg", choices=("left", "right", "both", "ipsi", "contra"),
         help="which leg, where a file holds both; both: two recordings of every file",
+    )  # fmt: skip
+    group.add_argument(
+        "--convention", metavar="NAME", action="append", default=[],
+        help="how angles and torques are counted, where not as exoid does: flexion-positive, absolute-shank, "
+        "hip-from-upright, hip-from-horizontal, ... (docs/file_formats.md); several as A,B",
     )  # fmt: skip
     group.add_argument(
         "--cutoff",

@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
         unseen = verification(fit, prepared)
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
-        fit = replace(fit, plausibility=(*fit.plausibility, *near.findings()))
+        fit = replace(fit, plausibility=(*prepared.misread, *fit.plausibility, *near.findings()))
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import above, show_fit

@@ -53,6 +53,8 @@ def show_comparison(screen: Screen, found: Any) -> None:
         for row in rows:
             row.pop(3)
     screen.table("How large the error is (RMS)", head, rows)
+    for finding in found.misread:
+        screen.say(f"careful: {finding}", "bad")
     if not found.where:
         screen.say("The error depends on nothing that was looked at.")
         return

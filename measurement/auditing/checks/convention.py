@@ -1,0 +1,12 @@
+"""Signs, zeros, absolute angles, swapped channels and degrees, judged by physics."""
+
+from __future__ import annotations
+
+from measurement.auditing.convention import check_conventions
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Warn when the torques contradict the motion and another reading of the columns explains them far better."""
+    return list(check_conventions([recording]))

@@ -1,0 +1,357 @@
+"""Which convention do recordings keep? Judged by physics: a leg fits a pendulum one way round only.
+
+Angles and torques are read in every usual way and combination; for each reading a rough pendulum (`rough.py`) with
+inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole leg mirrored (all
+angles and torques negated) is the same leg, so such pairs of readings count as one. A reading is only named where the
+recordings as they stand contradict the pendulum and the other reading fits far better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from measurement.auditing.channels import place
+from measurement.auditing.rough import Smooth, columns, smooth
+from measurement.finding import Finding
+from measurement.reading.conventions import Convention, Map, combined, conventions, gear
+from measurement.recording import Recording
+from symbolic.motion import Float
+
+CHECK = "convention"
+GOOD = 0.25
+"""Share of the torques' power left, summed over the joints: a reading that fits leaves less."""
+DOUBTS = ((0.08, 4.0), (0.03, 15.0))
+"""Another reading is only named when the recordings as they stand leave so much, and so many times more than it."""
+LEAST = min(least for least, _ in DOUBTS)
+QUIET = 0.1
+"""A joint whose torque varies less than this times the other's counts as if it varied so much: a passive joint's
+current is noise, which no reading explains."""
+AS_GOOD = 1.5
+"""Among readings that leave at most so many times what the best leaves, the one with the fewest names is named."""
+FEW, MOST, WRONG = 2, 4, 0.4
+"""Readings of few names are tried first; those of more only where the recordings as they stand leave so much."""
+TURNING = 2.5
+"""rad that a joint moves at least where its angle is looked at as that of a motor."""
+ROWS = 600
+"""Samples of all recordings together."""
+RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
+"""Gear ratios tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A way to read recordings: the `names` of the conventions that they would then keep, and their `map`."""
+
+    names: tuple[Convention, ...]
+    map: Map
+
+    @property
+    def what(self) -> str:
+        """The reading in words."""
+        return " and ".join(one.what for one in self.names) or "angles and torques need no --convention"
+
+    @property
+    def sides(self) -> bool:
+        """Whether it only changes signs and exchanges channels."""
+        return all(one.order in (0, 2) for one in self.names)
+
+
+@dataclass(frozen=True, eq=False)
+class Better:
+    """A reading that fits far better: shares of the torques' power (of 2.0) left `now` and `then`; what fits alike."""
+
+    reading: Reading
+    now: float
+    then: float
+    rivals: tuple[Reading, ...]
+
+
+def check_conventions(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
+    """Return a warning that names the option to give where another reading of `recordings` fits far better.
+
+    All are looked at together; where no reading fits them all, each alone: they may keep different conventions.
+    """
+    sets = _groups(recordings)
+    if not sets or _stands(sets) < LEAST:
+        return ()
+    found = better_reading(recordings)
+    if found is None and len(recordings) > 1:
+        alone = ((one, better_reading([one])) for one in recordings)
+        return tuple(_finding([one], better, f"{_file(one)}=") for one, better in alone if better is not None)
+    return () if found is None else (_finding(recordings, found),)
+
+
+def _file(recording: Recording) -> str:
+    return Path(recording.source.path).name if recording.source.path else recording.name
+
+
+def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
+    option = ",".join(one.name for one in found.reading.names)
+    text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
+    return Finding(
+        "sign" if found.reading.sides and len(recordings) == 1 else CHECK,
+        "warning",
+        f"{text}: a leg so read leaves {found.then:.1%} of the torques unexplained, as it stands "
+        f"{found.now:.0%} (of 200%)",
+        place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together",
+        found.now,
+        LEAST,
+        f"if so, give --convention {file}{option}" if option else "if so, leave --convention away",
+        consequence="every parameter is wrong",
+        confidence="possible" if found.rivals else "likely",
+    )
+
+
+def better_reading(recordings: Sequence[Recording]) -> Better | None:
+    """Return the reading that explains all `recordings` far better than they stand; None where none does."""
+    sets = _groups(recordings)
+    if not sets:
+        return None
+    now = _stands(sets)
+    if now < LEAST:
+        return None
+    kept = {one.conventions for one in recordings}
+    if len(kept) == 1:  # the option to give is looked for from what the files hold
+        sets = [[_undone(motion, *kept) for motion in group] for group in sets]
+    enough = min(GOOD, now / min(times for least, times in DOUBTS if now >= least))
+    kinds: list[Reading] = []
+    left = np.zeros(0)
+    for more in _stages(now, _turning(sets)):
+        kinds = [*kinds, *more]
+        left = np.concatenate([left, _left(sets, more, AS_GOOD * enough)])
+        if left.min(initial=np.inf) <= enough:
+            break
+    best = float(left.min())
+    if best > enough:
+        return None
+    as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
+    few = min(_cost(kinds[k]) for k in as_good)
+    chosen = sorted((k for k in as_good if _cost(kinds[k]) == few), key=lambda k: float(left[k]))
+    others = tuple(kinds[k] for k in chosen[1:4])
+    if any(one.name.count("-motor") for one in kinds[chosen[0]].names):
+        return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
+    return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others)
+
+
+def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
+    """Return the share that is left of the torques' power as the recordings stand."""
+    return float(_left(sets, [Reading((), combined(()))])[0])
+
+
+def _stages(now: float, turning: Sequence[int]) -> Iterator[Sequence[Reading]]:
+    """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
+    they stand leave very much (`now`), degrees and all combinations too.
+    """
+    yield readings(FEW)
+    yield [*(_in_degrees() if now > WRONG else ()), *_geared_readings(turning)]
+    if now > WRONG:
+        yield [one for one in readings(MOST) if len(one.names) > FEW]
+
+
+def _turning(sets: Sequence[Sequence[Smooth]]) -> list[int]:
+    """Return the joints that move so far that their angles may be those of motors."""
+    reach = np.max([np.ptp(motion.q, axis=0) for group in sets for motion in group], axis=0)
+    return [joint for joint in (0, 1) if reach[joint] > TURNING]
+
+
+@cache
+def readings(most: int = MOST) -> tuple[Reading, ...]:
+    """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once, the
+    simplest name of each.
+    """
+    none: tuple[str, ...] = ()
+    choices: list[list[tuple[str, ...]]] = [
+        [none, ("swapped-joints",), ("swapped-torques",), ("swapped-angles",)],
+        [none, ("flexion-positive",), ("hip-extension-positive",)],
+        [none, ("hip-angle-negated",), ("knee-angle-negated",)],
+        [none, ("knee-torque-negated",), ("hip-torque-negated",), ("load-torque",)],
+        [none, ("hip-from-upright",), ("hip-from-horizontal",), ("hip-from-horizontal-backwards",)],
+        [none, ("included-knee-angle",), ("shank-from-horizontal",), ("shank-from-horizontal-backwards",)],
+        [none, ("absolute-shank",)],
+        [none, ("base-driven-shank",)],
+    ]
+    every = (tuple(name for part in parts for name in part) for parts in product(*choices))
+    possible = (_reading(names) for names in every if len(names) <= most and _makes_sense(names))
+    found: dict[tuple[float, ...], Reading] = {}
+    for one in sorted(possible, key=_cost):
+        found.setdefault(_key(one.map), one)
+    return tuple(found.values())
+
+
+def _makes_sense(names: tuple[str, ...]) -> bool:
+    """Whether a shank angle that counts from the horizontal is an absolute one."""
+    return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
+
+
+def _reading(names: Iterable[str]) -> Reading:
+    chosen = conventions(tuple(names))
+    return Reading(chosen, combined(chosen))
+
+
+def _cost(one: Reading) -> float:
+    """Return how many changes a reading needs; among equals the usual ones cost a little less."""
+    unusual = {"hip-extension-positive": 0.2, "base-driven-shank": 0.1, "hip-from-horizontal-backwards": 0.1}
+    return round(len(one.names) + sum(unusual.get(c.name, 0.0) for c in one.names), 6)
+
+
+def _key(to: Map) -> tuple[float, ...]:
+    """Return what is the same for two maps of which one is the other's mirror image."""
+    keys = []
+    for sign in (1.0, -1.0):
+        zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
+        parts = np.concatenate([np.round(sign * to.angle, 6).ravel(), zero, np.round(sign * to.torque, 6).ravel()])
+        keys.append(tuple(float(x) for x in parts + 0.0))
+    return max(keys)
+
+
+@cache
+def _in_degrees() -> tuple[Reading, ...]:
+    return tuple(_reading(("degrees", *(c.name for c in one.names))) for one in readings(FEW))
+
+
+def _geared_readings(turning: Sequence[int]) -> list[Reading]:
+    """Return readings on the motor's side of a gear, with the usual signs."""
+    out = []
+    for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), ((), ("flexion-positive",))):
+        names = (gear(joint, part, float(ratio)), *conventions(sign))
+        out.append(Reading(names, combined(names)))
+    if len(turning) == 2:
+        for ratio, part in product(RATIOS, ("", "angle")):
+            names = (gear(0, part, float(ratio)), gear(1, part, float(ratio)))
+            out.append(Reading(names, combined(names)))
+    return out
+
+
+def _refined(sets: Sequence[Sequence[Smooth]], one: Reading) -> Reading:
+    """Return a reading with gears whose ratio is searched between its neighbours on the grid."""
+    from scipy.optimize import minimize_scalar
+
+    def at(change: float) -> Reading:
+        names = []
+        for old in one.names:
+            stem, equals, ratio = old.name.partition("=")
+            names.append(_geared(stem, float(ratio) * change) if equals else old)
+        return Reading(tuple(names), combined(names))
+
+    step = float(np.log(RATIOS[-1] / RATIOS[-2]))
+    grid = np.linspace(-step, step, 41)
+    left = [float(_left(sets, [at(float(np.exp(x)))])[0]) for x in grid]
+    near, wide = float(grid[int(np.argmin(left))]), float(grid[1] - grid[0])
+    found = minimize_scalar(
+        lambda x: float(_left(sets, [at(float(np.exp(x)))])[0]), bounds=(near - wide, near + wide), method="bounded"
+    )
+    best = at(float(np.exp(found.x)))
+    rounded = _rounded(best)
+    return rounded if _left(sets, [rounded])[0] <= AS_GOOD * float(found.fun) else best
+
+
+def _rounded(one: Reading) -> Reading:
+    """Return a reading whose gear ratios are whole numbers, of two digits at most."""
+    names = []
+    for old in one.names:
+        stem, equals, ratio = old.name.partition("=")
+        names.append(
+            _geared(stem, float(f"{float(ratio):.2g}") if float(ratio) > 10 else round(float(ratio))) if equals else old
+        )
+    return Reading(tuple(names), combined(names))
+
+
+def _geared(stem: str, ratio: float) -> Convention:
+    return conventions(f"{stem}={ratio:.4f}".rstrip("0").rstrip("."))[0]
+
+
+def _groups(recordings: Sequence[Recording]) -> list[list[Smooth]]:
+    """Return the smoothed recordings that move and carry torque, those with the same known masses together."""
+    groups: dict[object, list[Smooth]] = {}
+    for one in recordings:
+        motion = smooth(one)
+        if motion is not None and np.any(motion.q.std(axis=0) > 0.02) and np.any(motion.tau.std(axis=0) > 0.0):
+            groups.setdefault(one.payloads, []).append(motion)
+    return list(groups.values())
+
+
+def _undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
+    """Return `motion` as it was before the conventions `names` were taken into account."""
+    to = combined(conventions(names))
+    back = np.linalg.inv(to.angle).T
+    q, tau = (motion.q - to.zero) @ back, motion.tau @ np.linalg.inv(to.torque).T
+    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
+
+
+def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[Reading], most: float = np.inf) -> Float:
+    """Return for each reading the share of the torques' power, summed over the joints, that the pendulum leaves.
+
+    Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.
+    """
+    samples = sum(len(range(m.q.shape[0])[m.keep]) for group in sets for m in group)
+    thin = max(1, samples // ROWS)
+    thinned = [[_rows(m, thin) for m in group] for group in sets]
+    alike: dict[bytes, list[int]] = {}
+    for k, kind in enumerate(kinds):
+        alike.setdefault(np.concatenate([kind.map.angle.ravel(), kind.map.zero]).tobytes(), []).append(k)
+    out = np.zeros(len(kinds))
+    for places in alike.values():
+        sums = [_sums(group, kinds[places[0]].map) for group in thinned]
+        out[places] = _shares(sums, np.stack([kinds[k].map.torque for k in places]), most)
+    return out
+
+
+def _rows(motion: Smooth, thin: int) -> tuple[Float, Float, Float, Float]:
+    keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
+    return motion.q[keep], motion.dq[keep], motion.ddq[keep], motion.tau[keep]
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums over samples: `gram` (J, J, P, P) of two joints' columns, `slope` (J, J, P) of joint j's columns with
+    torque k, `power` (J,) of the torques around their means.
+    """
+
+    gram: Float
+    slope: Float
+    power: Float
+
+
+def _sums(group: Sequence[tuple[Float, Float, Float, Float]], to: Map) -> _Sums:
+    q, dq, ddq, tau = (np.concatenate(parts) for parts in zip(*group, strict=True))
+    tau = tau - tau.mean(axis=0)  # constant offsets are nobody's sign
+    y = columns(q @ to.angle.T + to.zero, dq @ to.angle.T, ddq @ to.angle.T)
+    flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
+    size = y.shape[2]
+    gram = (flat.T @ flat).reshape(2, size, 2, size).transpose(0, 2, 1, 3)
+    return _Sums(gram, (flat.T @ tau).reshape(2, size, 2).transpose(0, 2, 1), np.sum(tau**2, axis=0))
+
+
+def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
+    """Return for each torque map (M, J, J) the share of the power left, each group fitted on its own.
+
+    What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
+    """
+    from scipy.optimize import nnls
+
+    power = np.sum([s.power for s in groups], axis=0)
+    weight = 1.0 / np.maximum(np.maximum(power, QUIET**2 * power.max()), 1e-24)
+    back = np.linalg.inv(torques)
+    squares = np.einsum("k,mkj,mkl->mjl", weight, back, back)
+    ready = []
+    bound = np.zeros(len(torques))
+    for s in groups:
+        gram = np.tensordot(squares, s.gram, 2)
+        slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
+        size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
+        scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
+        lower = np.linalg.cholesky(scaled)
+        side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
+        total = float(weight @ s.power)
+        ready.append((total, lower, side))
+        bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
+    for m in np.flatnonzero(bound <= most):
+        # |lowerᵀx - side|² falls short of the loss by what no x explains.
+        bound[m] += sum(nnls(lower[m].T, side[m])[1] ** 2 for _, lower, side in ready)
+    return bound

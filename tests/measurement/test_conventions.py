@@ -1,0 +1,147 @@
+"""Recordings in other conventions than exoid's are recognised by physics, and read rightly once somebody says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ground.errors import RecordingError
+from measurement.auditing.convention import better_reading, check_conventions, readings
+from measurement.reading.conventions import combined, conventions, read_as
+from measurement.recording import Recording
+from tests.newton_euler import Leg, torque
+
+LEG = Leg(m=(7.0, 4.5), inertia=(0.14, 0.07), along=(0.18, 0.2))
+
+
+@cache
+def moved(seed, count=1200):
+    """Time, motion and torque of a leg without friction."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(count) * 0.01
+    q, dq, ddq = np.zeros((3, count, 2))
+    for joint, (middle, size) in enumerate(((0.4, 0.9), (-0.9, 0.8))):
+        q[:, joint] += middle
+        for w, a, phase in zip((1.3, 3.1, 4.7), rng.uniform(0.3, 0.5, 3), rng.uniform(0, 6, 3), strict=True):
+            q[:, joint] += size * a * np.sin(w * t + phase)
+            dq[:, joint] += size * a * w * np.cos(w * t + phase)
+            ddq[:, joint] -= size * a * w * w * np.sin(w * t + phase)
+    return t, q, dq, np.array([torque(LEG, *state) for state in zip(q, dq, ddq, strict=True)])
+
+
+def motion(seed=0, noise=0.05, friction=True):
+    """A recording of a leg by the Newton-Euler recursion, with friction and noise."""
+    t, q, dq, tau = moved(seed)
+    rng = np.random.default_rng(seed)
+    if friction:
+        tau = tau + np.array([2.0, 1.0]) * np.tanh(dq / 0.02) + np.array([1.0, 0.5]) * dq
+    return Recording(f"run{seed}", t, q, tau + noise * rng.standard_normal(tau.shape))
+
+
+def kept(recording, names):
+    """`recording` as a lab would write it that keeps the conventions `names`."""
+    to = combined(conventions(names))
+    q = (recording.q - to.zero) @ np.linalg.inv(to.angle).T
+    return replace(recording, q=q, tau=recording.tau @ np.linalg.inv(to.torque).T)
+
+
+SEEN = (
+    "flexion-positive",
+    "absolute-shank",
+    "absolute-shank,base-driven-shank",
+    "hip-from-upright",
+    "hip-from-horizontal",
+    "hip-from-horizontal-backwards",
+    "included-knee-angle",
+    "load-torque",
+    "knee-torque-negated",
+    "hip-torque-negated",
+    "hip-angle-negated",
+    "knee-angle-negated",
+    "swapped-joints",
+    "swapped-angles",
+    "swapped-torques",
+    "degrees",
+    "flexion-positive,hip-from-upright",
+    "hip-from-horizontal,absolute-shank",
+    "degrees,flexion-positive",
+    "hip-motor=50",
+)
+
+
+@pytest.mark.parametrize("names", SEEN)
+def test_a_convention_is_recognised_and_the_option_named_puts_it_right(names):
+    run = motion()
+    (finding,) = check_conventions([kept(run, names)])
+    assert finding.severity == "warning" and finding.remedy == f"if so, give --convention {names}"
+    option = finding.remedy.rsplit(" ", 1)[1]
+    right = read_as(kept(run, names), option)
+    np.testing.assert_allclose(right.q, run.q, atol=1e-9)
+    np.testing.assert_allclose(right.tau, run.tau, atol=1e-9)
+    assert not check_conventions([right])
+
+
+def test_honest_recordings_give_no_finding():
+    for seed in range(4):
+        assert not check_conventions([motion(seed)])
+    assert not check_conventions([motion(0), motion(1)])
+    assert not check_conventions([motion(0, noise=2.0)])
+    assert not check_conventions([motion(0, friction=False)])
+
+
+def test_the_leg_mirrored_is_the_same_leg():
+    run = motion()
+    assert not check_conventions([replace(run, q=-run.q, tau=-run.tau)])
+    keys = [tuple(np.concatenate([r.map.angle.ravel(), r.map.torque.ravel(), r.map.zero])) for r in readings()]
+    assert len(set(keys)) == len(keys)
+
+
+def test_noise_for_torque_is_no_convention():
+    run = motion()
+    noise = np.random.default_rng(1).standard_normal(run.tau.shape)
+    assert better_reading([replace(run, tau=noise)]) is None
+
+
+def test_one_file_of_another_convention_is_named():
+    runs = [motion(0), motion(1), kept(motion(2), "flexion-positive")]
+    (finding,) = check_conventions(runs)
+    assert finding.where == "run2" and finding.remedy == "if so, give --convention run2=flexion-positive"
+
+
+def test_a_convention_given_wrongly_is_told():
+    (finding,) = check_conventions([read_as(motion(), "flexion-positive")])
+    assert finding.remedy == "if so, leave --convention away"
+    (finding,) = check_conventions([read_as(kept(motion(), "absolute-shank"), "flexion-positive")])
+    assert finding.remedy == "if so, give --convention absolute-shank"
+
+
+@pytest.mark.parametrize("name", ["flexion-positive", "hip-extension-positive", "knee-motor=6"])
+def test_angle_and_torque_of_a_pair_keep_power(name):
+    run = motion()
+    rate = np.gradient(run.q, 0.01, axis=0)
+    other = kept(replace(run, dq=rate), name)
+    turned = read_as(replace(other, dq=rate @ np.linalg.inv(combined(conventions(name)).angle).T), name)
+    np.testing.assert_allclose(np.sum(turned.dq * turned.tau, axis=1), np.sum(rate * run.tau, axis=1))
+
+
+def test_absolute_angles_with_their_own_torques_keep_power():
+    to = combined(conventions("absolute-shank,base-driven-shank"))
+    np.testing.assert_allclose(to.torque.T @ to.angle, np.eye(2))
+
+
+def test_names_are_checked():
+    with pytest.raises(RecordingError, match="no convention called 'flexion-postive'") as error:
+        read_as(motion(), "flexion-postive")
+    assert "flexion-positive" in error.value.remedy
+    with pytest.raises(RecordingError, match="given twice"):
+        conventions("degrees,degrees")
+    with pytest.raises(RecordingError, match="no convention"):
+        conventions("hip-motor=0")
+    assert [c.name for c in conventions(["absolute-shank", "swapped-joints,degrees"])] == [
+        "swapped-joints",
+        "degrees",
+        "absolute-shank",
+    ]
