@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from ground.delivery import Delivery
@@ -21,13 +22,18 @@ def protect_inputs(args: argparse.Namespace, delivery: Delivery) -> None:
             continue
         for text in _texts(value):
             # FILE, FILE=KG@M, NAME=FILE
-            for path in {text, text.rpartition("=")[0], text.partition("=")[2]}:
+            for path in {text, text.rpartition("=")[0], text.partition("=")[2], *_archives(text)}:
                 try:
                     status = os.stat(path) if path else None
                 except (OSError, ValueError):
                     continue
                 if status is not None:
                     delivery.note(status, path)
+
+
+def _archives(text: str) -> list[str]:
+    """Return what `archive.zip/run1.csv` may lie in."""
+    return [str(parent) for parent in Path(text).parents if parent.suffix.lower() == ".zip"]
 
 
 def _texts(value: Any) -> Iterator[str]:

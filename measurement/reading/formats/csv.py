@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ground.errors import RecordingError
 from measurement.finding import Finding, row_ranges
+from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, column_from_cells
 from measurement.reading.sniff import COMMENTS, Layout, decode, sniff, split_line
 
@@ -30,6 +31,9 @@ UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS
 
 def read(path: Path) -> RawTable:
     """Return the columns of the text table at `path`; raises RecordingError for an empty or a binary file."""
+    budget = Budget(str(path))
+    # The bytes, their text, and the numbers in it, which are there at the same time.
+    budget.take(2 * path.stat().st_size, "the text")
     text, notes = decode(path.read_bytes(), where=str(path))
     layout = sniff(text, where=str(path))
     notes += layout.notes
@@ -38,6 +42,8 @@ def read(path: Path) -> RawTable:
     lines = body.count("\n")
     row = np.arange(layout.first_line, layout.first_line + lines)
     commas = layout.delimiter == "," == layout.decimal
+    budget.count(len(layout.names))
+    budget.take(8 * lines * len(layout.names), "the table")
     expected = lines * (len(layout.names) - 1)
     ragged = layout.delimiter != " " and body.count(layout.delimiter) != expected
     frame = None

@@ -1,6 +1,7 @@
 """HDF5: datasets in any depth of groups, compound tables, unit attributes; also MATLAB 7.3, which is HDF5.
 
-Links to other files are not followed.
+Nothing is read that does not lie in the file itself: links to other files, virtual datasets and external storage are
+not followed.
 """
 
 from __future__ import annotations
@@ -11,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from ground.errors import RecordingError
+from measurement.reading.limits import TEXT, Budget
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 
 SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5")
 SIGNATURES = (b"\x89HDF\r\n\x1a\n",)
-MOST_CELLS = 200_000_000
-"""A dataset can claim any size without storing a byte; more cells than this do not fit into memory anyway."""
+LONGEST_TEXT = 100_000
+"""Characters of a text that is looked at."""
 
 
 def read(path: Path) -> RawTable:
@@ -28,6 +30,15 @@ def read(path: Path) -> RawTable:
     labels: dict[str, list[str]] = {}
     units: dict[str, str] = {}
     objects = False
+    budget = Budget(str(path))
+
+    def ask(name: str, item: Any) -> None:
+        budget.count()
+        if name.startswith("#") or not isinstance(item, h5py.Dataset):
+            return
+        _refuse_elsewhere(item, path)
+        if item.dtype.kind in "iufbVOSU":
+            budget.take(_size(item) + (TEXT * item.size if item.dtype.kind in "OSU" else 0), f"dataset {name}")
 
     def visit(name: str, item: Any) -> None:
         nonlocal objects
@@ -43,17 +54,13 @@ def read(path: Path) -> RawTable:
         elif item.dtype.kind in "OSU" and h5py.check_string_dtype(item.dtype) and item.ndim == 1:
             labels[key] = [str(text) for text in item.asstr(errors="replace")[()]]
         elif item.dtype.kind in "iufbV" and item.shape and "MATLAB_empty" not in item.attrs:
-            if item.size > MOST_CELLS:
-                raise RecordingError(
-                    f"dataset {name} has {item.size} cells, too many to read",
-                    where=str(path),
-                    remedy="cut it into shorter recordings",
-                )
             arrays[key] = item[()]
             units[key] = _text(item.attrs.get("units", item.attrs.get("unit", "")))
 
     try:
-        with h5py.File(path, "r") as file:
+        # No lock: the file may lie on a read-only medium, or be open elsewhere.
+        with h5py.File(path, "r", locking=False) as file:
+            file.visititems(ask)
             file.visititems(visit)
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
         raise RecordingError(
@@ -78,6 +85,23 @@ def refuse_matlab_objects(path: Path, arrays: dict[str, Any]) -> None:
         )
 
 
+def _refuse_elsewhere(item: Any, path: Path) -> None:
+    """Refuse a dataset whose numbers lie in other files: a recording must not make anything else be read."""
+    if item.is_virtual or item.external:
+        kind = "virtual" if item.is_virtual else "stored outside"
+        raise RecordingError(
+            f"dataset {item.name} is {kind}: its numbers lie in other files, which are not read",
+            where=str(path),
+            remedy="save the numbers themselves, for example with h5repack or h5py: new['q1'] = old['q1'][()]",
+        )
+
+
+def _size(item: Any) -> int:
+    """Return the bytes that reading a dataset takes: its cells, twice where they are converted, and a chunk."""
+    chunk = int(np.prod(item.chunks, dtype=float)) if item.chunks else 0
+    return max(item.size * max(item.dtype.itemsize, 8), chunk * item.dtype.itemsize)
+
+
 def _text(value: Any) -> str:
     value = np.ravel(value)[0] if np.size(value) else ""
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
@@ -85,6 +109,8 @@ def _text(value: Any) -> str:
 
 def _characters(item: Any) -> str:
     """Return the text of a MATLAB char dataset (codes in 16 bits), "" for anything else."""
-    if getattr(item, "dtype", None) is None or item.dtype.kind not in "iu":
+    if getattr(item, "dtype", None) is None or item.dtype.kind not in "iu" or item.size > LONGEST_TEXT:
+        return ""
+    if item.is_virtual or item.external:
         return ""
     return "".join(chr(int(code)) for code in np.ravel(item[()])[:200] if 0 < int(code) < 0x110000)

@@ -12,10 +12,13 @@ import numpy as np
 
 from ground.errors import RecordingError
 from measurement.reading.formats import hdf5
+from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 
 SUFFIXES = (".mat",)
 SIGNATURES = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
+COMPRESSED = 15
+"""The type of an element that is packed."""
 LABELS = ("label", "Name", "name", "blockName")
 """Fields of a struct array that say which signal an element holds."""
 DAMAGE = (
@@ -43,6 +46,7 @@ def read(path: Path) -> RawTable:
     import scipy.io
 
     try:
+        _refuse_bombs(path)
         content = scipy.io.loadmat(str(path), struct_as_record=True, squeeze_me=True, appendmat=False)
     except (*DAMAGE, scipy.io.matlab.MatReadError) as error:
         raise RecordingError(
@@ -63,6 +67,30 @@ def read(path: Path) -> RawTable:
     if objects:
         hdf5.refuse_matlab_objects(path, arrays)
     return table_from_arrays(label_matrices(arrays, labels), where=str(path))
+
+
+def _refuse_bombs(path: Path) -> None:
+    """Refuse a file of version 5 to 7 whose variables unpack to too much; they are unpacked piece by piece to see."""
+    budget = Budget(str(path))
+    with path.open("rb") as stream:
+        head = stream.read(128)
+        if not head.startswith(SIGNATURES[0][:6]) or head[126:128] not in (b"IM", b"MI"):
+            budget.take(path.stat().st_size)  # version 4 is not packed
+            return
+        order = "<" if head[126:128] == b"IM" else ">"
+        while len(tag := stream.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}II", tag)
+            budget.count()
+            if kind != COMPRESSED:
+                budget.take(size)
+                stream.seek(size, 1)
+                continue
+            unpack = zlib.decompressobj()
+            while size > 0 and (piece := stream.read(min(size, 1 << 16))):
+                size -= len(piece)
+                while piece and not unpack.eof:
+                    budget.take(len(unpack.decompress(piece, 1 << 22)), "a packed variable")
+                    piece = unpack.unconsumed_tail
 
 
 def _flatten(name: str, value: Any, arrays: dict[str, Any], labels: dict[str, list[str]], depth: int) -> None:

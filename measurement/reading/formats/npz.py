@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 import zlib
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 
 from ground.errors import RecordingError
+from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, table_from_arrays
 
 SUFFIXES = (".npz",)
-MOST_BYTES = 2_000_000_000
-"""A small archive can unpack to any size."""
 SIGNATURES = (b"PK\x03\x04",)
 
 
@@ -30,14 +31,15 @@ def read(path: Path) -> RawTable:
         if not zipfile.is_zipfile(path):
             raise zipfile.BadZipFile("it is not a ZIP archive")
         with zipfile.ZipFile(path) as archive:
-            size = sum(entry.file_size for entry in archive.infolist())
-        if size > MOST_BYTES:
-            raise RecordingError(
-                f"the archive unpacks to {size / 1e9:.3g} GB", where=str(path), remedy="cut it into shorter recordings"
-            )
+            budget = Budget(str(path))
+            budget.count(len(archive.infolist()))
+            for entry in archive.infolist():
+                budget.take(max(entry.file_size, _claimed(archive, entry)), f"the array {entry.filename}")
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}
-    except (ValueError, KeyError, EOFError, TypeError, SyntaxError, NotImplementedError) as error:
+    except (
+        ValueError, KeyError, EOFError, TypeError, SyntaxError, NotImplementedError, RecursionError, TokenError,
+    ) as error:  # fmt: skip
         if "pickle" in str(error):
             what = "it holds Python objects, which are never loaded because they can run code"
             remedy = "save plain number arrays: np.savez(path, t=t, q=q, tau=tau)"
@@ -49,3 +51,15 @@ def read(path: Path) -> RawTable:
             f"the NPZ archive is damaged ({error})", where=str(path), remedy="copy or save it again"
         ) from error
     return table_from_arrays(arrays, where=str(path))
+
+
+def _claimed(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> int:
+    """Return the bytes that the array of an entry says it has; NumPy makes room for them before it reads any."""
+    with archive.open(entry) as stream:
+        try:
+            version = np.lib.format.read_magic(stream)
+            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            shape, _, kind = read(stream)
+        except (ValueError, SyntaxError, RecursionError, MemoryError, TokenError):
+            return 0  # refused with its reason when it is loaded
+        return math.prod(shape) * kind.itemsize

@@ -1,0 +1,45 @@
+"""How much a recording may take: one bound for every format, held to before anything is allocated.
+
+What a file claims costs nothing: a few kilobytes can stand for any number of cells. So every reader adds up what it is
+going to unpack, and asks first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ground.errors import RecordingError
+
+MOST_BYTES = 2_000_000_000
+"""Of one recording, as its numbers lie in memory: five columns of fifty million samples."""
+MOST_ENTRIES = 100_000
+"""Variables, datasets or columns of one file."""
+TEXT = 64
+"""Bytes that a cell of text takes at least."""
+
+
+@dataclass(eq=False)
+class Budget:
+    """What is left of `MOST_BYTES` while the file `where` is read."""
+
+    where: str
+    used: int = 0
+    entries: int = 0
+
+    def take(self, size: float, what: str = "the recording") -> None:
+        """Ask for `size` bytes more; RecordingError where that is too many, and nothing has been allocated yet."""
+        self.used += int(min(max(size, 0), 10**18))
+        if self.used > MOST_BYTES:
+            raise RecordingError(
+                f"{what} would take {self.used / 1e9:.3g} GB of memory; {MOST_BYTES / 1e9:g} GB is the most",
+                where=self.where,
+                remedy="cut it into shorter recordings, or record at a lower rate",
+            )
+
+    def count(self, number: int = 1) -> None:
+        """Count entries; RecordingError where there are too many."""
+        self.entries += number
+        if self.entries > MOST_ENTRIES:
+            raise RecordingError(
+                f"the file holds more than {MOST_ENTRIES} entries", where=self.where, remedy="export the channels alone"
+            )
