@@ -57,7 +57,7 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]
     lines = [f"### {effect.id}", "", f"**{effect.title or effect.id}** ({joints(effect)}). {effect.explains}", ""]
     for joint, text in formula(effect).items():
         where = f" on the {joint}" if joint else ""
-        lines.append(f"* Torque added{where}: " + (text if effect.derive else f"`{text}`"))
+        lines.append(f"* Torque added{where}: " + (f"`{text}`" if effect.torque else text))
     lines += [f"* Not on the {joint}: {reason}" for joint, reason in effect.absorbed_on.items()]
     lines += [f"* No motion at all tells `{name}` from {', '.join(f'`{o}`' for o in others)}" for name, others in never]
     if effect.coefficients or effect.shape:

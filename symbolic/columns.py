@@ -7,7 +7,7 @@ the others at zero.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -17,6 +17,7 @@ import numpy as np
 from symbolic.codegen.kernel import compiled
 from symbolic.evaluation import (
     BASE,
+    RIGID,
     apply_transforms,
     base_places,
     carrying,
@@ -28,7 +29,8 @@ from symbolic.evaluation import (
     torque_values,
     vector,
 )
-from symbolic.language.torque import is_transform, torques, uses_feedback
+from symbolic.language.deflection import JOINT_NUMBERS, STATES
+from symbolic.language.torque import is_transform, torques, uses_feedback, uses_slopes
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
@@ -37,9 +39,7 @@ if TYPE_CHECKING:
     from symbolic.term import Term
 
 
-def model_columns(
-    model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None
-) -> Float:
+def model_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
     """Return the regressor (J, N, P).
 
     `shape` (S,) are values of the shapes (default: typical), `reference` (P,) the linear parameters
@@ -54,7 +54,7 @@ def model_columns(
     _fill_base(model, motion, out, linear, at)
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
-        env |= feedback(model, out, linear)
+        env |= feedback(model, out, linear) | slopes_of(model, model.terms, motion, linear, shapes)
     plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
     for term in plain:
         _add(term, {**env, **shaped(term, at)}, motion, out, place)
@@ -82,6 +82,58 @@ def rigid_model(model: Model) -> Model:
     if len(model.derived) == len(model.terms):
         return model
     return replace(model, terms=model.derived)
+
+
+def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
+    """Return {word: values (N,)} of the derivatives of the rigid-body torque that the texts of `terms` speak of.
+
+    `linear` (P,) and `shapes` (S,) are numbers of `model`, known payloads included.
+    """
+    used = {name for term in terms if uses_slopes(term) for torque in torques(term) for name in torque.names}
+    if not used:
+        return {}
+    bare, at = rigid_model(model), shape_values(model, shapes)
+    own = np.array([at[entry.name] for entry in bare.shapes])
+    rigid = linear[base_places(model)].copy()
+    rigid[RIGID:BASE] = 0.0
+    found: dict[str, Float] = {}
+    for number in JOINT_NUMBERS:
+        for field, state in zip(_FIELDS, STATES, strict=True):
+            words = [f"tau{i}_by_{state}{number}" for i in JOINT_NUMBERS]
+            if used & {*words}:
+                slope = sum(
+                    weight * (model_torque(bare, up, rigid, own) - model_torque(bare, down, rigid, own))
+                    for weight, up, down in _moved(motion, field, number - 1)
+                )
+                found |= dict(zip(words, np.asarray(slope).T, strict=True))
+    return found
+
+
+_FIELDS = ("q", "dq", "ddq")
+STENCIL = {
+    "q": ((0.01, 75.0), (0.02, -15.0), (0.03, 5.0 / 3.0)),
+    "dq": ((1.0, 0.5),),
+    "ddq": ((1.0, 0.5),),
+}
+"""(step, weight) of the differences f(x + step) - f(x - step) that make a derivative: of sixth order by an angle; exact
+by a velocity and an acceleration, in which the torque is quadratic and linear."""
+_MOVED: WeakKeyDictionary[Motion, dict[tuple[str, int], list[tuple[float, Motion, Motion]]]] = WeakKeyDictionary()
+"""Moved motions of those that are still in use, so that their base columns are kept as well."""
+
+
+def _moved(motion: Motion, field: str, joint: int) -> list[tuple[float, Motion, Motion]]:
+    kept = _MOVED.setdefault(motion, {})
+    if (field, joint) not in kept:
+        own, values = np.eye(len(JOINTS))[joint], getattr(motion, field)
+        kept[field, joint] = [
+            (
+                weight,
+                replace(motion, payload=None, **{field: values + step * own}),
+                replace(motion, payload=None, **{field: values - step * own}),
+            )
+            for step, weight in STENCIL[field]
+        ]
+    return kept[field, joint]
 
 
 def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float) -> Float:

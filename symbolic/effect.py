@@ -60,12 +60,15 @@ class Effect:
     itself.
 
     `joints` is ("hip", "knee") or a part of it for an effect that belongs to one joint at a time, and ("both",)
-    for an effect that acts on both joints at once. Exactly one of `torque` and `derive` is given:
+    for an effect that acts on both joints at once. Exactly one of `torque`, `derive` and `deflection` is
+    given:
 
     * `torque`: one text for a single-joint effect (`theta`, `dtheta`, `ddtheta`, `tau_rigid`, `tau_model` mean its
       own joint), or {"hip": text, "knee": text} for an effect on both joints.
     * `derive(mechanism, symbols)`: returns the changed Mechanism, or a pair of SymPy torques (hip, knee);
       `symbols` maps each coefficient, shape and state name to its SymPy symbol.
+    * `deflection`: {coefficient: text} of the angle in rad by which the link of its joint stays behind what the encoder
+      reads, for one unit of the coefficient; the torques of both joints change (`language/deflection.py`).
     """
 
     id: str
@@ -82,6 +85,7 @@ class Effect:
     tells_apart: str = ""
     reference: str = "no reference given"
     custom: bool = False
+    deflection: Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:
         check_effect(self)
@@ -94,10 +98,18 @@ class Effect:
         numbers += [(n, s.unit, s.min, s.max, s.explains) for n, s in self.shape.items()]
         return (
             lines(self.explains, strong=f"{self.id}: {self.title or self.family}")
-            + (code(torque) if torque else lines("derived by Lagrange from the changed leg"))
+            + (code(torque) if torque else lines(self.made_by))
             + table(("number", "unit", "at least", "at most", "meaning"), numbers)
             + lines(self.tells_apart and f"What tells it apart: {self.tells_apart}", f"Reference: {self.reference}")
         )
+
+    @property
+    def made_by(self) -> str:
+        """How the torque of an effect without a text comes about, in words."""
+        if self.deflection is None:
+            return "derived by Lagrange from the changed leg"
+        angle = " + ".join(f"{key} · {text}" for key, text in self.deflection.items())
+        return f"first-order change of both torques where the link stays behind its encoder by {angle} (rad)"
 
     @property
     def on_both(self) -> bool:

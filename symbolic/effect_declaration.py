@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Protocol
 
 from ground.errors import EffectError
+from symbolic.language.deflection import deflected
 from symbolic.language.dimensions import check_dimensions
 from symbolic.language.linearity import check_proportional
 from symbolic.language.tokens import refusal
@@ -32,6 +33,8 @@ class Declared(Protocol):
     def torque(self) -> str | Mapping[str, str] | None: ...  # noqa: D102
     @property
     def derive(self) -> Callable[..., Any] | None: ...  # noqa: D102
+    @property
+    def deflection(self) -> Mapping[str, str] | None: ...  # noqa: D102
     @property
     def joints(self) -> tuple[str, ...]: ...  # noqa: D102
     @property
@@ -58,7 +61,8 @@ def check_effect(effect: Declared) -> None:
     if not (effect.coefficients or effect.shape):
         raise EffectError("no coefficient and no shape: nothing to identify", where=effect.id, remedy="declare one")
     numbers = (*effect.coefficients, *effect.shape)
-    trees = [(text, read_text(text, not effect.on_both, numbers)) for text in texts(effect)]
+    written = texts(effect) or tuple(text for _, text in deflected(effect.deflection or {}, 0))
+    trees = [(text, read_text(text, not effect.on_both, numbers)) for text in written if text]
     used = frozenset().union(*(node.names() for _, node in trees))
     if trees and effect.coefficients and not used & effect.coefficients.keys():
         missing, (text, node) = " and ".join(effect.coefficients), trees[0]
@@ -68,7 +72,7 @@ def check_effect(effect: Declared) -> None:
         if trees and key not in used:
             raise EffectError(
                 f"{key} is declared but does not appear in the torque",
-                where=f"{effect.id}: {'; '.join(texts(effect))}",
+                where=f"{effect.id}: {'; '.join(written)}",
                 remedy=f"use {key} in the text or drop its declaration",
             )
     for text, node in trees:
@@ -125,8 +129,17 @@ def _check_place(effect: Declared) -> None:
         raise EffectError(
             f"joints are {joints!r}", where=effect.id, remedy='use "hip", "knee", both of these, or "both"'
         )
-    if (effect.torque is None) == (effect.derive is None):
-        raise EffectError("an effect has either a torque text or derive()", where=effect.id, remedy="give exactly one")
+    if [effect.torque, effect.derive, effect.deflection].count(None) != 2:
+        remedy = "give exactly one"
+        raise EffectError(
+            "an effect has either a torque text or derive() or a deflection", where=effect.id, remedy=remedy
+        )
+    if effect.deflection is not None and (effect.on_both or {*effect.deflection} != {*effect.coefficients}):
+        raise EffectError(
+            "a deflection belongs to one joint, with a text for each coefficient",
+            where=effect.id,
+            remedy='name the joints "hip", "knee" or both of these, and give {coefficient: angle}',
+        )
     if effect.torque is None:
         return
     if effect.on_both == isinstance(effect.torque, str):

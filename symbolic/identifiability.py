@@ -20,6 +20,7 @@ from ground.cache import cache_folder, read_trusted
 from ground.errors import EffectError
 from ground.files import sha256, write_whole
 from symbolic.codegen.fingerprint import canonical, equations, generator_key, library_versions, term_content
+from symbolic.language.lower import to_text
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -216,11 +217,16 @@ def random_states(count: int) -> tuple[Float, ...]:
 def memory_values(model: Model) -> Float:
     """Return values (K, N) of the operators with memory: what they hold depends on a past that the state leaves open.
 
-    Each operator of each term has its own, whichever model it stands in.
+    Each signal of each term has its own, whichever model it stands in; a signal of two joints' texts has one.
     """
     rows = []
-    for term, joint, operation in memory_operations(model):
-        seed = int(sha256(f"{term.name} {joint} {operation.operator}")[:8], 16)
+    written: dict[str, str] = {}
+    for term, _, operation in memory_operations(model):
+        text = f"{operation.operator}({to_text(operation.argument)}, {operation.parameter!r})"
+        for name in sorted(operation.argument.names() & written.keys(), key=len, reverse=True):
+            text = text.replace(name, written[name])
+        written[operation.name] = text
+        seed = int(sha256(f"{term.name} {text}")[:8], 16)
         rows.append(np.random.default_rng((SEED, seed)).normal(size=STATES))
     return np.array(rows).reshape(len(rows), STATES)
 

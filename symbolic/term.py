@@ -10,6 +10,7 @@ from functools import cached_property
 
 from ground.errors import EffectError
 from symbolic.effect import Effect, Shape
+from symbolic.language.deflection import deflected
 from symbolic.quantity import JOINTS
 
 
@@ -110,6 +111,15 @@ class Term:
             yield JOINTS.index(str(self.joint)), torque
         elif torque is not None:
             yield from ((JOINTS.index(joint), text) for joint, text in torque.items())
+        elif self.effect.deflection is not None:
+            yield from deflected(self.effect.deflection, JOINTS.index(str(self.joint)))
+
+    @property
+    def reaches(self) -> tuple[int, ...]:
+        """Indices of the joints whose torque the effect changes."""
+        if self.joint is None or self.effect.deflection is not None:
+            return tuple(range(len(JOINTS)))
+        return (JOINTS.index(self.joint),)
 
 
 def _latex(key: str, effect: str, joint: str | None) -> str:

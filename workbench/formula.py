@@ -23,7 +23,7 @@ def pretty(text: str) -> str:
 def formula(effect: Effect) -> dict[str, str]:
     """Return the torque of `effect` per joint: {"": text} for its own joint, or {"hip": ..., "knee": ...}."""
     if effect.torque is None:
-        return {"": "derived by Lagrange from the changed leg"}
+        return {"": pretty(effect.made_by) if effect.deflection else effect.made_by}
     if isinstance(effect.torque, str):
         return {"": pretty(effect.torque)}
     return {joint: pretty(text) for joint, text in effect.torque.items()}

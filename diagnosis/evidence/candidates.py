@@ -19,7 +19,7 @@ from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.prepare import PreparedRecording
 from symbolic.catalogue import catalogue
-from symbolic.columns import derived_columns
+from symbolic.columns import derived_columns, slopes_of
 from symbolic.effect import Effect, Shape
 from symbolic.evaluation import carrying, motion_words, torque_values
 from symbolic.language.instant import split_memory
@@ -59,7 +59,7 @@ class Candidate:
     @property
     def joints(self) -> tuple[int, ...]:
         """Indices of the joints whose torque it changes."""
-        return (0, 1) if self.term.joint is None else (JOINTS.index(self.term.joint),)
+        return self.term.reaches
 
     @property
     def numbers(self) -> int:
@@ -174,6 +174,7 @@ def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: F
     words = motion_words(motion)
     if _feeds_back(term):
         words |= own_torques(fitted, one)
+        words |= slopes_of(fitted.model, (term,), motion, carrying(motion, fitted.linear), fitted.shape)
     out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
     for torque in torques(term):
         place = candidate.joints.index(torque.joint)

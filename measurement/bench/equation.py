@@ -8,6 +8,7 @@ simulation.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,29 +33,38 @@ def belongs_to_channel(term: Term) -> bool:
     It does when it speaks of `tau_model`, or has an operator that works on a finished signal (delay, ddt, or
     one operator inside another).
     """
+
     def finished(node: Any) -> bool:
         if not (isinstance(node, Call) and node.function in OPERATORS):
             return False
         nested = frozenset().union(*(argument.calls() for argument in node.arguments)) & OPERATORS.keys()
         return node.function not in REMEMBERED or bool(nested)
 
-    return any(
+    return term.effect.deflection is None and any(
         torque.names & MODEL_TORQUE or any(finished(node) for node in torque.node.walk()) for torque in torques(term)
     )
 
 
-def split_channel(true: TrueModel) -> tuple[TrueModel, bool]:
-    """Return the model the leg obeys, without the terms of the torque channel, and whether there were any."""
-    kept = [term for term in true.model.terms if not belongs_to_channel(term)]
-    if len(kept) == len(true.model.terms):
-        return true, False
+def split_channel(true: TrueModel) -> tuple[TrueModel, TrueModel]:
+    """Return the model the leg obeys, and the same with the terms of the torque channel.
+
+    Without what stands between link and encoder, which is told in `deflection.py`.
+    """
+    heard = _kept(true, lambda term: term.effect.deflection is None)
+    return _kept(heard, lambda term: not belongs_to_channel(term)), heard
+
+
+def _kept(true: TrueModel, wanted: Callable[[Term], bool]) -> TrueModel:
+    """Return the model with those terms that are `wanted`; itself where these are all."""
     model = true.model
     for term in true.model.terms:
-        if term not in kept:
+        if not wanted(term):
             model = model.without(term.name)
+    if model is true.model:
+        return true
     numbers = true.numbers()
     linear = np.array([numbers[entry.name] for entry in model.parameters])
-    return TrueModel(model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float)), True
+    return TrueModel(model, linear, np.array([numbers[entry.name] for entry in model.shapes], dtype=float))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ it.
 The leg obeys the torque of the given model plus the hidden effects, so the same equation that is later
 identified produces the data; how it is integrated is told in `plant.py`. Effects that are not in the leg but
 in the torque channel (a drive's gain, a delay, anything written with `tau_model`) are applied to the measured
-torque.
+torque, and what gives way between link and encoder to the measured angle.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ground.errors import ExoidError
 from measurement.bench.controller import Controller
+from measurement.bench.deflection import at_encoders, rigid_torque
 from measurement.bench.equation import split_channel, stepper
 from measurement.bench.hidden import Hidden, TrueModel, true_model
 from measurement.bench.leg import Leg, standard_leg
@@ -158,12 +159,14 @@ def run(
     motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
     path = random_trajectory(motion_rng, model.limits) if excitation is None else excitation
     true = true_model(model, leg.base, hidden)
-    mechanical, channel = split_channel(true)
-    trace = _drive(mechanical, leg, path, bench, control_rng)
-    motion = Motion(np.asarray(trace.t, dtype=float), trace.q, trace.dq, trace.ddq, trace.sign)
-    torque = trace.motor
-    if channel:
-        torque = torque + true.torque(motion) - mechanical.torque(motion)
+    mechanical, heard = split_channel(true)
+    trace = _drive(mechanical, true, leg, path, bench, control_rng)
+    link, motion, torque = trace.link, trace.read, trace.motor
+    if heard is not mechanical:
+        torque = torque + heard.torque(link) - mechanical.torque(link)
+    if motion is not link:
+        sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (motion, link))
+        torque = torque + next(sides) - next(sides)
     return Run(
         recording=_measure(motion, torque, trace.force, bench, sensor_rng, name),
         motion=motion,
@@ -176,13 +179,11 @@ def run(
 
 @dataclass(frozen=True, eq=False)
 class _Trace:
-    """What the integration leaves behind at the sample times: arrays (N, J), and `t` (N,)."""
+    """What the integration leaves behind at the sample times; `motor` and `force` (N, J)."""
 
-    t: NDArray[np.floating[Any]]
-    q: Array
-    dq: Array
-    ddq: Array
-    sign: Array
+    link: Motion
+    read: Motion
+    """The motion at the encoders: that of the links, unless a drive gives way."""
     motor: Array
     force: Array | None
     saturated: float
@@ -194,7 +195,9 @@ def _settings(bench: Bench | None, duration: float | None, rate: float | None) -
     return bench if rate is None else replace(bench, rate=rate)
 
 
-def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.random.Generator) -> _Trace:
+def _drive(
+    mechanical: TrueModel, true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.random.Generator
+) -> _Trace:
     """Integrate the closed loop through lead-in and recording."""
     per_sample = bench.steps_per_sample
     dt = 1.0 / (bench.rate * per_sample)
@@ -209,20 +212,27 @@ def _drive(true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.rando
         force = bench.wearer.force(t, rng)
         pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
     given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed]).T
-    numbers = _numbers(true, leg, bench, dt)
-    plant = stepper(true.model, dt)
+    numbers = _numbers(mechanical, leg, bench, dt)
+    plant = stepper(mechanical.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
-    record = integrate(plant.step, plant.start(*begin, true.linear, true.shape), given, numbers)
-    _check_sane(record, ", ".join(term.name for term in true.model.terms) or leg.name)
-    kept = record[:, before::per_sample]
-    at_limit = np.abs(record[8:10]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
-    q, dq, ddq, sign, motor = (kept[2 * k : 2 * k + 2].T for k in range(5))
+    record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape), given, numbers)
+    _check_sane(record, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
+    kept = slice(before, None, per_sample)
+    at_limit = np.abs(record[8:10, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
+    whole = Motion(np.asarray(t, dtype=float), *(record[2 * k : 2 * k + 2].T for k in range(4)))
+    seen = at_encoders(true, mechanical, whole)
+    link = _sampled(whole, kept)
     felt: Array | None = None
     if bench.wearer is not None:
         # The push was planned along the wanted path; the sensors feel the force that makes it on the true
         # one.
-        felt = cuff_force(pushed[before::per_sample], q, bench.wearer.reach, leg.thigh_length)
-    return _Trace(t[before::per_sample], q, dq, ddq, sign, motor, felt, float(at_limit.any(axis=0).mean()))
+        felt = cuff_force(pushed[kept], link.q, bench.wearer.reach, leg.thigh_length)
+    read = link if seen is whole else _sampled(seen, kept)
+    return _Trace(link, read, record[8:10, kept].T, felt, float(at_limit.any(axis=0).mean()))
+
+
+def _sampled(motion: Motion, kept: slice) -> Motion:
+    return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept])
 
 
 def _check_sane(record: Array, where: str) -> None:

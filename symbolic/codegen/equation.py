@@ -13,8 +13,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
+from symbolic.language.deflection import JOINT_NUMBERS, STATES
 from symbolic.language.instant import split_memory
-from symbolic.language.torque import is_transform, torques
+from symbolic.language.torque import is_transform, torques, uses_slopes
 from symbolic.mechanics.friction import FRICTION
 from symbolic.mechanics.lagrange import mechanics
 from symbolic.mechanics.rigid import rigid, symbols_of
@@ -107,6 +108,11 @@ class _Builder:
         base = self._sum(self.columns)
         for j in range(len(JOINTS)):
             self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
+        if any(uses_slopes(term) for term in self.model.terms):
+            for n in JOINT_NUMBERS:
+                for state in STATES:
+                    slope = ca.jacobian(rigid_torque, self.state[f"{state}{n}"])
+                    self.words |= {f"tau{i}_by_{state}{n}": slope[i - 1] for i in JOINT_NUMBERS}
         terms = {}
         for term in self.model.terms:
             if term.effect.derive is not None:

@@ -53,6 +53,7 @@ def term_content(term: Term) -> dict[str, Any]:
     return {
         "name": term.name,
         "torque": torque,
+        "deflection": None if effect.deflection is None else dict(effect.deflection),
         "derive": None if effect.derive is None else code_content(effect.derive),
         "coefficients": list(effect.coefficients),
         "shape": list(effect.shape),

@@ -11,7 +11,7 @@ from typing import Any
 from ground.errors import ExpressionError
 from symbolic.language.tree import Binary, Call, Name, Unary
 
-LINEAR_OPERATORS = frozenset(("delay", "ddt"))
+LINEAR_OPERATORS = frozenset(("delay", "slow", "ddt"))
 """Operators with memory that may act on what is proportional to a coefficient; play and dahl may not."""
 
 
@@ -57,7 +57,9 @@ def _binary(node: Binary, text: str, of: Any, what: str) -> int:
 
 def _remedy(what: str) -> str:
     return (
-        "declare it as a shape with bounds instead" if what == "coefficient" else "only delay() and ddt() may act on it"
+        "declare it as a shape with bounds instead"
+        if what == "coefficient"
+        else "only delay(), slow() and ddt() may act on it"
     )
 
 

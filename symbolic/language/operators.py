@@ -3,6 +3,7 @@
 play(x, h)      what follows x through a gap of half-width h (backlash)
 dahl(x, σ)      friction state z with dz/dx = σ (1 - z sgn dx), between -1 and 1 (Dahl, 1968)
 delay(x, d)     x(t - d); before the first and after the last sample the edge value is held
+slow(x, f)      x without what is faster than f (Hz), without delay: a Gaussian, half the power at f
 ddt(x)          derivative with respect to time, of second order on an uneven clock too
 """
 
@@ -67,7 +68,26 @@ def ddt(t: Float, x: Float) -> Float:
     return np.asarray(np.gradient(x, t, edge_order=2 if len(t) > 2 else 1))
 
 
-MEMORY: Mapping[str, Callable[..., Float]] = {"play": play, "dahl": dahl, "delay": delay, "ddt": ddt}
+def slow(t: Float, x: Float, f: float) -> Float:
+    """Return x (N,) smoothed by a Gaussian that halves the power at `f` Hz, on an uneven clock too.
+
+    Beyond the ends x is continued by its odd reflection. EffectError where f is not positive.
+    """
+    if not f > 0.0:
+        raise EffectError(f"the frequency f is {f!r}", where="slow", remedy="give a positive number of Hz")
+    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
+    if step <= 0.0:
+        return np.array(x, dtype=float)
+    even = t[0] + step * np.arange(len(t))
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * f) / step
+    reach = min(int(np.ceil(4.0 * width)), len(t) - 1)
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    y = np.interp(even, t, x)
+    y = np.concatenate([2.0 * y[0] - y[reach:0:-1], y, 2.0 * y[-1] - y[-2 : -reach - 2 : -1]])
+    return np.interp(t, even, np.convolve(y, weight / weight.sum(), mode="valid"))
+
+
+MEMORY: Mapping[str, Callable[..., Float]] = {"play": play, "dahl": dahl, "delay": delay, "slow": slow, "ddt": ddt}
 """Word of the language -> function of (t, x, parameter)."""
 
 

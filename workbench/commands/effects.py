@@ -150,6 +150,7 @@ def to_json(effect: Effect) -> dict[str, Any]:
         "joints": list(effect.joints),
         "torque": effect.torque if effect.torque is None or isinstance(effect.torque, str) else dict(effect.torque),
         "derived": effect.derive is not None,
+        "deflection": None if effect.deflection is None else dict(effect.deflection),
         "coefficients": _fields(effect.coefficients),
         "shape": _fields(effect.shape),
         "absorbed_on": dict(effect.absorbed_on),

@@ -3,8 +3,8 @@
 Nothing but math.h is needed, nothing is allocated, and there is no static state: effects with memory keep theirs in a
 struct that the caller owns. A sample that is not finite gives a torque that is not finite and is not remembered: every
 operator is held at its last finite argument, so that the next sample is good again. Operators with memory run on the
-controller's own clock: play and dahl step by step, delay through a ring of samples, and ddt, which in the model looks
-both ways, as a backward difference, half a sample late.
+controller's own clock: play and dahl step by step, delay through a ring of samples. What looks both ways in the model
+is late: ddt, a backward difference, by half a sample, and slow, a low-pass of first order, by 1 / (2 π f).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from workbench.identified import ExportError, Memory, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 
-NEEDS_CLOCK = frozenset(("delay", "ddt"))
+NEEDS_CLOCK = frozenset(("delay", "slow", "ddt"))
 _WORDS = {"t": "", "q": "angle", "dq": "velocity", "ddq": "acceleration"}
 
 
@@ -199,7 +199,7 @@ def _memory_steps(ready: Ready, options: Options) -> str:
         # x - x is 0 for every finite number, and NaN for every other.
         lines += [f"  const double gap{k} = x{k} - x{k};", f"  if (!(gap{k} == 0.0)) {{", f"    x{k} = state->last{k};"]
         lines += ["    whole = 0;", "  }", *_step(k, memory, options), f"  state->last{k} = x{k};"]
-        lines += [f"  memory{k} += gap{k};"]
+        lines += [f"  memory{k} += gap{k};", f"  (void)memory{k};"]  # its factor may be zero at every state
     if not lines:
         return ""
     return "\n".join(["  int whole = 1;", *lines, "  if (whole) state->started = 1;", ""])
@@ -230,6 +230,12 @@ def _step(k: int, memory: Memory, options: Options) -> list[str]:
             f"  memory{k} = {own};",
         ]
     assert p is not None
+    if memory.operator == "slow":
+        share = -math.expm1(-2.0 * math.pi * p * options.sample_time)
+        return [
+            f"  {own} = state->started ? {own} + {share!r} * (x{k} - {own}) : x{k};",
+            f"  memory{k} = {own};",
+        ]
     ring, back = _ring(memory, options), p / options.sample_time
     whole = min(math.floor(back), ring - 2)
     return [

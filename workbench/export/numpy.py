@@ -62,6 +62,18 @@ def delay(t, x, d):
     """Return x (N,) as it was d seconds before; the values at the edges are held."""
     return np.interp(t - d, t, x)
 ''',
+    "slow": '''
+def slow(t, x, f):
+    """Return x (N,) smoothed by a Gaussian that halves the power at f Hz."""
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    even = t[0] + step * np.arange(len(t))
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * f) / step
+    reach = min(int(np.ceil(4.0 * width)), len(t) - 1)
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    y = np.interp(even, t, x)
+    y = np.concatenate([2.0 * y[0] - y[reach:0:-1], y, 2.0 * y[-1] - y[-2 : -reach - 2 : -1]])
+    return np.interp(t, even, np.convolve(y, weight / weight.sum(), mode="valid"))
+''',
     "ddt": '''
 def ddt(t, x):
     """Return dx/dt (N,)."""
