@@ -23,7 +23,8 @@ class Engine:
     """An open engine.
 
     `workers()` is how many jobs run at a time now, `lost()` what happened to workers since it was last asked, in
-    words, and `close(wait)` gives back what the engine holds; without `wait` it ends what still runs.
+    words, `ahead` how many jobs it is handed for each worker, and `close(wait)` gives back what the engine holds;
+    without `wait` it ends what still runs.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Engine:
     workers: Callable[[], int]
     lost: Callable[[], list[str]]
     close: Callable[[bool], None]
+    ahead: int = AHEAD
     ships: bool = False
     """Whether workers may not see this machine's files, so that recordings travel as bytes."""
 
@@ -47,7 +49,7 @@ def completed(
     while True:
         for job in waiting:
             running[engine.executor.submit(function, *arguments(job))] = job
-            if len(running) >= AHEAD * max(1, engine.workers()):
+            if len(running) >= engine.ahead * max(1, engine.workers()):
                 break
         if not running:
             return

@@ -3,19 +3,20 @@
     rivals()                         the paper's leg on the virtual bench, 51 seeds
     rivals(fit)                      the problem of a fit (or: a model and its recordings, as for `identify`)
 
-Runs are spread over processes by joblib. On a Dask cluster, with a `distributed.Client` open, it takes one line:
+Runs are spread over processes of this machine, or over any other of `ground.engines`:
 
-    with joblib.parallel_config("dask"): rivals(backend=None)
+    rivals(engine=dask("tcp://scheduler:8786"))
 """
 
 from __future__ import annotations
 
-import contextlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ground.engines.engine import Engine, completed
+from ground.engines.processes import processes
 from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, paper_contest, race
 from optimisation.contest.standings import Rivals
 from optimisation.contest.store import Store
@@ -57,15 +58,15 @@ def rivals(
     competing: Mapping[str, Search] | None = None,
     whitened: bool = False,
     folder: str | Path | None = None,
-    jobs: int = -1,
-    backend: str | None = "loky",
+    jobs: int = 0,
+    engine: Engine | None = None,
     progress: Progress | None = None,
 ) -> Rivals:
     """Let all optimisers run from `seeds` first populations and return who came how near, how fast.
 
     `competing` {name: Search} names others than `entrants(whitened)`. `folder` keeps every run in a file of its own:
-    what is there is not run again, so a comparison that was stopped goes on where it was. `jobs` processes (-1: one
-    per core) with one thread each; `backend` None leaves both to `joblib.parallel_config`.
+    what is there is not run again, so a comparison that was stopped goes on where it was. `jobs` processes of this
+    machine (0: one per core) run them, or an open `engine` that the caller closes.
     Refuses fewer than two seeds, and a problem without a proven optimum.
     """
     began = time.perf_counter()
@@ -79,7 +80,7 @@ def rivals(
     missing = [task for task in tasks if task not in done]
     resumed = len(done)
     report = progress or _silent
-    for outcome in _run(contest, searches, missing, jobs, backend):
+    for outcome in _run(contest, searches, missing, jobs, engine):
         store.write(outcome, searches[outcome.name])
         done[outcome.name, outcome.seed] = outcome
         report(len(done) / len(tasks), f"{outcome.name}, seed {outcome.seed}: gap {outcome.gap:.0e}")
@@ -100,19 +101,20 @@ def _contest(subject: Any, recordings: Any, seed: int, individuals: int, generat
 
 
 def _run(
-    contest: Contest, searches: Mapping[str, Search], tasks: Sequence[tuple[str, int]], jobs: int, backend: str | None
-) -> Any:
+    contest: Contest, searches: Mapping[str, Search], tasks: Sequence[tuple[str, int]], jobs: int, engine: Engine | None
+) -> Iterator[Outcome]:
     """Yield outcomes as they come."""
-    from joblib import Parallel, delayed, parallel_config
-
     if not tasks:
         return
-    # One thread of BLAS per process: the matrices are tiny and the processes share the cores.
-    threads = {"inner_max_num_threads": 1} if backend == "loky" else {}
-    chosen = contextlib.nullcontext() if backend is None else parallel_config(backend, n_jobs=jobs, **threads)
-    with chosen:
-        calls = (delayed(race)(contest, name, searches[name], seed) for name, seed in tasks)
-        yield from Parallel(return_as="generator_unordered")(calls)
+    chosen = processes(jobs) if engine is None else engine
+    ended = False
+    try:
+        for _, future in completed(chosen, race, tasks, lambda task: (contest, task[0], searches[task[0]], task[1])):
+            yield future.result()
+        ended = True
+    finally:
+        if engine is None:
+            chosen.close(ended)
 
 
 def _silent(fraction: float, text: str) -> None:

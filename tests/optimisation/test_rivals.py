@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from paper_leg import Leg, record
 
 import optimisation.contest.problem as contest_module
+from ground.engines.local import local
 from optimisation.contest import store as contest_store
 from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, race
 from optimisation.contest.rivals import entrants, rivals
@@ -106,11 +107,10 @@ def test_processes_find_what_one_process_finds(fit, found):
             assert np.array_equal(one.gaps, other.gaps)
 
 
-def test_another_backend_of_joblib_can_be_chosen_from_outside(fit, found):
-    import joblib
-
-    with joblib.parallel_config("threading", n_jobs=2):
-        two = rivals(fit, **{**SMALL, "backend": None})
+def test_another_engine_can_be_chosen_from_outside(fit, found):
+    engine = local(2)
+    two = rivals(fit, **{**SMALL, "engine": engine})
+    engine.close(True)
     assert all(np.array_equal(two.gaps(name), found.gaps(name)) for name in found.outcomes)
 
 

@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
         competing = _chosen(entrants(args.whitened or bool(args.only)), args)
         found = rivals(
             _fitted(given, args.seed), seeds=args.seeds, seed=args.seed, individuals=args.individuals,
-            generations=args.generations, competing=competing, jobs=args.jobs or -1, progress=report,
+            generations=args.generations, competing=competing, jobs=args.jobs, progress=report,
             folder=Path(args.out) / "runs" if args.out else None,
         )  # fmt: skip
     screen = Screen.of(args)

@@ -1,0 +1,46 @@
+"""Processes of this machine for functions and their arguments as they are: joblib's loky, which starts them clean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any
+
+from ground.engines.cell import ONE_THREAD
+from ground.engines.engine import Engine
+
+IDLE = 10.0
+"""Seconds after which a process without work ends, also when nobody is left to end it."""
+
+
+class _Here(Executor):
+    """One job at a time in this process: one worker is worth no start of a process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Run the call and return its finished future."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:  # noqa: BLE001 - whoever asks the future gets it
+            future.set_exception(error)
+        return future
+
+
+def processes(jobs: int = 0) -> Engine:
+    """Return an engine of `jobs` processes with one thread of linear algebra each; 0 means one per
+    core, 1 this process itself.
+
+    The matrices are small and the processes share the cores: more threads would be slower.
+    """
+    from joblib import cpu_count
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    count = jobs or cpu_count()
+    if count == 1:
+        return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
+    executor = ProcessPoolExecutor(count, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"))
+
+    def close(wait: bool) -> None:
+        executor.shutdown(wait=wait, kill_workers=not wait)
+
+    return Engine(f"{count} processes on this machine", executor, lambda: count, list, close)
