@@ -175,7 +175,7 @@ def add(
     elif inside:
         text += f" But {inside}: it is not this effect that is missing."
     if not verify:
-        text += " No recording was kept aside, so nothing says that it holds on other motion (--verify)."
+        text += " No recording was held out (--verify), so nothing shows that it holds on other motion."
     return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
 
 

@@ -1,4 +1,4 @@
-"""What a diagnosis hands back. The JSON of `exoid diagnose` and `discover` is these fields written out."""
+"""What a diagnosis returns. The JSON of `exoid diagnose` and `discover` is these fields written out."""
 
 from __future__ import annotations
 

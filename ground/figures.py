@@ -1,4 +1,4 @@
-"""One look for all figures: colours told apart by everyone, units on every axis, no global state.
+"""One look for all figures: colours that everyone can distinguish, units on every axis, no global state.
 
     with figure_style():
         figure = new_figure(width=7, height=4)

@@ -17,7 +17,7 @@ class Finding:
     """One observation about one recording.
 
     `what` is a sentence, `where` names file, column and rows, `value` the number seen and `limit` the number
-    it was held against (None where there is none), `consequence` says what it would do to the result,
+    it was compared with (None where there is none), `consequence` says what it would do to the result,
     `confidence` is "certain", "likely" or "possible", `remedy` says what to do.
     """
 

@@ -1,6 +1,6 @@
 """The contract every optimiser keeps, and the one loop that runs them all.
 
-An optimiser is a frozen recipe with three verbs; everything that changes lives in the state it hands back:
+An optimiser is a frozen recipe with three verbs; everything that changes lives in the state it returns:
 
     start(x, f, box, rng) -> state   x (I, n) the first population with its fitness f (I,), inside `box`
     ask(state, rng)  -> candidates   (I, n), anywhere

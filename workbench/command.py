@@ -1,7 +1,7 @@
 """The command `exoid`: finds the verb, runs it, and turns whatever goes wrong into a message and a status.
 
-Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 a mistake of exoid
-itself. A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`;
+Exit status: 0 done, 1 ran but the answer is negative, 2 bad input, 130 interrupted, 70 an internal
+error. A verb is a module in `commands/` with `HELP`, `add_arguments(parser)` and `run(args) -> int`;
 nothing is registered.
 """
 
@@ -25,7 +25,7 @@ from workbench import commands
 from workbench.command_line.parser import Parser, UsageError
 from workbench.terminal.encoding import install
 
-DONE, NEGATIVE, BAD_INPUT, OWN_MISTAKE, INTERRUPTED, TERMINATED = 0, 1, 2, 70, 130, 143
+DONE, NEGATIVE, BAD_INPUT, INTERNAL_ERROR, INTERRUPTED, TERMINATED = 0, 1, 2, 70, 130, 143
 
 
 class Terminated(BaseException):
@@ -41,7 +41,7 @@ New here? The whole loop on shipped recordings, in less than half a minute:
     exoid demo
 
 Then with your own recordings: tables with t, q1, q2, tau1, tau2 in s, rad, N·m
-(other names and units work). Keep one of them aside with --verify.
+(other names and units work). Hold one of them out with --verify.
 
   how large is the error of the model, and where is it?
     exoid compare run1.csv run2.csv --verify run3.csv
@@ -129,7 +129,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         import traceback
 
         traceback.print_exc()
-        return _complain("this is a mistake of exoid, not yours; please report the lines above", OWN_MISTAKE)
+        return _complain("internal error in exoid; please report the traceback above", INTERNAL_ERROR)
 
 
 def _dispatch(arguments: Sequence[str]) -> int:

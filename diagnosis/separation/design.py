@@ -1,10 +1,10 @@
-"""The next experiment: the motion inside the limits that best tells rival effects apart.
+"""The next experiment: the motion inside the limits that best distinguishes rival effects.
 
 Each rival in turn is the truth, and every other one is refitted to it with all parameters of the model; the design
 maximises the smallest of these distances, in standard deviations of the noise (T-optimality; Atkinson and Fedorov,
 Biometrika 62, 1975, here with the minimum over rivals). NFO searches the motions, all of them inside the limits by
-construction, with a rough form of the distance; the motion found is then judged by full refits. The present
-recordings, and a motion drawn at random, are judged the same way.
+construction, with a rough form of the distance; the motion found is then evaluated by full refits. The present
+recordings, and a motion drawn at random, are evaluated the same way.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ from symbolic.motion import Float
 from symbolic.term import Term
 
 CUTOFF = 6.0
-"""Hz of the filter a designed motion is judged with where no recordings choose one."""
+"""Hz of the filter a designed motion is evaluated with where no recordings choose one."""
 USUAL_NOISE = Noise(np.array([0.27, 0.21]), np.array([10.0, 10.0]), "usual on the virtual bench after its 6 Hz filter")
 """Without recordings: what a right model leaves on the bench, measured by `residual_noise` on 3 × 3 runs (0.27 to 0.28
 and 0.19 to 0.23 N·m, 8 to 12 independent samples per second)."""
 INDIVIDUALS, GENERATIONS = 20, 40
 FINALISTS = 4
-"""Motions that are judged by full refits; the best of them is the design."""
+"""Motions that are evaluated by full refits; the best of them is the design."""
 USUAL = 3
 """Motions drawn at random for comparison; their median counts."""
 
@@ -73,7 +73,7 @@ def separate(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Separation:
-    """Return the motion that tells the `rivals` ("stribeck:hip", ...) apart best, and how far apart they will be.
+    """Return the motion that best distinguishes the `rivals` ("stribeck:hip", ...), and their distances on it.
 
     `model` is taken without the rivals; `recordings` give the size of each rival, the numbers of the leg, the noise and
     the filter; else `numbers` (a model file's identified ones) or typical sizes are used. The remaining arguments are
@@ -95,23 +95,23 @@ def separate(
     noise = noise or measured or USUAL_NOISE
     pairs = _pairs(truths, same)
     filter_ = prepared.choice.cutoff if prepared else cutoff or CUTOFF
-    judge = _Judge(truths, pairs, noise, duration, filter_)
+    measure = _Evaluator(truths, pairs, noise, duration, filter_)
     motion: Fourier | None = None
     if pairs:
         found = _search(space, Sketch(truths, pairs, noise, duration, filter_), generations, seed, say)
-        say(0.85, "judging the motions")
-        motion = max(found, key=lambda one: min(judge.motion(one).values()))
+        say(0.85, "evaluating the motions")
+        motion = max(found, key=lambda one: min(measure.motion(one).values()))
     rng = np.random.default_rng([seed, 3])
-    usual = [judge.motion(random_trajectory(rng, model.limits, period=period)) for _ in range(USUAL if pairs else 0)]
+    usual = [measure.motion(random_trajectory(rng, model.limits, period=period)) for _ in range(USUAL if pairs else 0)]
     return Separation(
         model=base,
         rivals=tuple(truths),
         same=same,
         trajectory=motion,
-        apart=judge.motion(motion) if motion is not None else {},
-        present=judge.recordings(prepared.train) if prepared is not None else None,
+        apart=measure.motion(motion) if motion is not None else {},
+        present=measure.recordings(prepared.train) if prepared is not None else None,
         present_seconds=sum(len(one.tau) / one.kept_rate for one in prepared.train) if prepared else 0.0,
-        usual={pair: float(np.median([one[pair] for one in usual])) for pair in judge.names},
+        usual={pair: float(np.median([one[pair] for one in usual])) for pair in measure.names},
         noise=noise,
         duration=duration,
         cutoff=filter_,
@@ -135,11 +135,19 @@ def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ..
     names = [term.name for term in terms]
     if len(set(names)) < 2 or len(set(names)) < len(names):
         raise SeparateError(
-            f"{', '.join(names) or 'nothing'} cannot be told apart",
+            f"{', '.join(sorted(set(names))) or 'nothing'} is named, but it takes two different effects to compare",
             where="--separate",
-            remedy="name at least two different effects: stribeck:hip,viscous_quadratic:hip",
+            remedy=f"add a second effect: {_second(names)}",
         )
     return base, terms
+
+
+def _second(names: Sequence[str]) -> str:
+    """Return an example of what to write: the effect that is named, if any, and another one at the same joint."""
+    first = names[0] if names else "stribeck:hip"
+    effect, _, joint = first.partition(":")
+    other = "stribeck" if effect == "viscous_quadratic" else "viscous_quadratic"
+    return f"{first},{other}:{joint or 'hip'}"
 
 
 def _truths(
@@ -187,7 +195,7 @@ def _possible(model: Model, linear: Float, term: Term) -> bool:
 
 
 def _pairs(truths: Sequence[Truth], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
-    """Return the (truth, rival) that a motion can tell apart at all."""
+    """Return the (truth, rival) that a motion can distinguish at all."""
     place = {truth.name: k for k, truth in enumerate(truths)}
     lost = set()
     for one in same:
@@ -228,7 +236,7 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
 
 
 @dataclass(frozen=True, eq=False)
-class _Judge:
+class _Evaluator:
     """Full refits on motions and on recordings, in the same units."""
 
     truths: tuple[Truth, ...]

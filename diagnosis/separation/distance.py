@@ -36,7 +36,7 @@ from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
 RATE = 100.0
-"""Hz at which a designed motion is sampled when it is judged."""
+"""Hz at which a designed motion is sampled when it is evaluated."""
 SKETCH_SAMPLES = 400
 """Samples of one period while searching."""
 SKETCH_NODES = 12
@@ -136,7 +136,7 @@ def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = R
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(t) - edge, max(1, int(rate // (6.0 * cutoff))))
     if len(kept) < 2:
-        raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="judge at least 5 s of motion")
+        raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="take at least 5 s of motion")
     reach = int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))
     stuck = np.column_stack([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
     return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate, stuck)

@@ -1,4 +1,4 @@
-"""Rivals whose torques are the same at every state: why no motion can tell them apart, and which change of set-up can.
+"""Rivals whose torques are the same at every state: why no motion can distinguish them, and which change of set-up can.
 
 A changed set-up is a second experiment with the same unknowns and something known added: a mass on the shank changes
 the inertias by a known amount, a tilted stand turns gravity by a known angle. Whether the rivals still coincide is
@@ -51,7 +51,7 @@ class Same:
             )
         if not self.second:
             return f"{self.first} is contained in the model as it is ({self.relation}); no motion shows it"
-        return f"{self.first} and {self.second} make the same torque ({self.relation}); no motion tells them apart"
+        return f"{self.first} and {self.second} make the same torque ({self.relation}); no motion can distinguish them"
 
     def to_json(self) -> dict[str, object]:
         """Return the fields."""
@@ -78,7 +78,7 @@ def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:
 
 
 def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
-    """Return what tells two rivals apart (or one from the model) that no motion can: computed, then the catalogue's."""
+    """Return what else distinguishes two rivals (or one from the model): computed, then the catalogue's."""
     out = []
     for text, load, lean in (
         (f"hang a known mass on the shank (computed for {MASS:g} kg), record again, name it (--payload)", True, False),

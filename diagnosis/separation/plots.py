@@ -28,7 +28,7 @@ def separation_figure(
 ) -> Figure:
     """Draw bars of the distances beside the angles of the motion that was designed, if there is one.
 
-    `distances` are (kind of motion, one distance in σ per pair), `enough` the σ that tell a pair apart, `limits` the
+    `distances` are (kind of motion, one distance in σ per pair), `enough` the σ that distinguish a pair, `limits` the
     lowest and highest angle of each joint in rad.
     """
     with figure_style():

@@ -1,4 +1,4 @@
-"""What the design of a separating experiment hands back."""
+"""What the design of a separating experiment returns."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ENOUGH = 3.0
-"""σ from which rivals count as told apart."""
+"""σ from which rivals count as distinguished."""
 
 Distances = Mapping[tuple[str, str], float]
 """(truth, rival) -> σ apart after the rival and everything else have been refitted."""
@@ -33,11 +33,11 @@ Distances = Mapping[tuple[str, str], float]
 
 @dataclass(frozen=True, eq=False)
 class Separation:
-    """The motion that tells rivals apart, or why there is none.
+    """The motion that distinguishes rivals, or why there is none.
 
-    `apart` are the distances on `trajectory` (None where no pair can be told apart) in `duration` s, `present` those
+    `apart` are the distances on `trajectory` (None where no pair can be distinguished) in `duration` s, `present` those
     on the recordings given (`present_seconds` long), `usual` the median of motions drawn at random, of the same length
-    as the design. `same` are rivals that no motion tells apart, with what else would.
+    as the design. `same` are rivals that no motion can distinguish, with what else would.
     """
 
     model: Model

@@ -96,7 +96,7 @@ class Leg:
 
     def with_payload(self, mass: float, along: float, link: str = "shank") -> Leg:
         """Return the leg with a `mass` kg on the axis of `link`, `along` m from its upper joint; what is fastened to it
-        is no longer told apart from the segments.
+        can no longer be distinguished from the segments.
         """
         rigid = np.add(self.base[:4], Payload(mass, along, link).numbers(self.thigh_length))
         return replace(self, base=(*rigid.tolist(), *self.base[4:]), thigh=None, shank=None)

@@ -29,7 +29,7 @@ from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
 FINE = 8192
-"""Points per period on which a finished motion is judged: with five harmonics the bound is then within 2e-6."""
+"""Points per period on which a finished motion is evaluated: with five harmonics the bound is then within 2e-6."""
 
 UNITS = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s²"}
 

@@ -5,7 +5,7 @@ limits.
 
 A series is made feasible by shrinking all its coefficients towards the offset by one factor per joint
 ("radial rescaling"): position, velocity and acceleration limits are then met by construction, so a search
-never starves.
+always has something to follow.
 """
 
 from __future__ import annotations

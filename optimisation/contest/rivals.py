@@ -71,7 +71,11 @@ def rivals(
     """
     began = time.perf_counter()
     if seeds < 2:
-        raise ContestError(f"{seeds} seeds say nothing about chance", remedy=f"give at least two, better {SEEDS}")
+        raise ContestError(
+            "one seed cannot show run-to-run variation",
+            where=f"--seeds {seeds}",
+            remedy=f"give two at least, better {SEEDS}",
+        )
     contest = _contest(subject, recordings, seed, individuals, generations)
     searches = dict(competing or entrants(whitened))
     tasks = [(name, k) for k in range(seed, seed + seeds) for name in searches]

@@ -1,4 +1,4 @@
-"""What a comparison of optimisers hands back: who came how near the proven optimum, how fast, and how surely."""
+"""What a comparison of optimisers returns: who came how near the proven optimum, how fast, and how surely."""
 
 from __future__ import annotations
 

@@ -99,14 +99,14 @@ def softened(gram: Float, power: float = 4.0) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """What is known when a motion is judged: `size` (M,) of each number (0: it has none), noise, duration in s."""
+    """What is known when a motion is evaluated: `size` (M,) of each number (0: it has none), noise, duration in s."""
 
     size: Float
     noise: Noise
     duration: float
 
     def relative(self, gram: Float) -> Float:
-        """Return relative standard deviations (I, M); zero for numbers without a size, which are not judged."""
+        """Return relative standard deviations (I, M); zero for numbers without a size, which do not count."""
         spread = deviations(fisher(gram, self.noise, self.duration))
         return np.where(self.size > 0.0, spread / np.maximum(self.size, TINY), 0.0)
 

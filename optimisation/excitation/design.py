@@ -1,4 +1,4 @@
-"""Motions that tell as much as possible about a leg's numbers: designed, checked, and judged.
+"""Motions that tell as much as possible about a leg's numbers: designed, checked, and evaluated.
 
     θ_i(t) = θ_i0 + Σ_{k=1..K} a_ik sin(kωt) + b_ik cos(kωt)                          (13) of the paper
 
@@ -90,9 +90,9 @@ def design(
         say(0.6, "IPOPT")
         references = search.reference(starts)
     best = min([found, *references], key=lambda one: one.value)
-    say(0.95, "judging the motion")
+    say(0.95, "evaluating the motion")
     cautions = _cautions(model, starts, printed)
-    return _judged(
+    return _evaluated(
         model, best, (found, *references), aim, at, criterion, room, offsets, rest, seed, cautions,
         time.perf_counter() - began,
     )  # fmt: skip
@@ -123,13 +123,13 @@ def evaluate(
     value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
     one = Candidate(name, trajectory, float(value[0]), 1, 0.0, "")
     rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
-    return _judged(
+    return _evaluated(
         model, one, (one,), aim, at, criterion, room, "given", rest, 0, (), time.perf_counter() - began
     )  # fmt: skip
 
 
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
-    """Return the judgement of the paper's published coefficients at a `period` in s, which the paper does not print."""
+    """Return what the paper's published coefficients are worth at a `period` in s, which the paper does not print."""
     return evaluate(paper_trajectory(period), model, name="the paper's")
 
 
@@ -153,14 +153,14 @@ def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
     elif starts <= 0 and not printed:
         out.append("no IPOPT reference was asked for")
     if any("t" in str(term.effect.torque) and term.effect.family == "drift" for term in model.terms):
-        out.append("an effect that drifts with time is judged over one period, from its start")
+        out.append("an effect that drifts with time is evaluated over one period, from its start")
     choices = [s.name for s in model.shapes if s.shape.choices]
     if choices:
         out.append(f"held as they are, since they are choices and have no derivative: {', '.join(choices)}")
     return tuple(out)
 
 
-def _judged(
+def _evaluated(
     model: Model,
     best: Candidate,
     candidates: tuple[Candidate, ...],

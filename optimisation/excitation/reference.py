@@ -1,6 +1,6 @@
 """The same design by IPOPT through CasADi, from several starts: a second opinion that follows gradients.
 
-The extreme eigenvalues have kinks, so IPOPT minimises a smooth stand-in with the power mean of all eigenvalues (tr
+The extreme eigenvalues have kinks, so IPOPT minimises a smooth proxy with the power mean of all eigenvalues (tr
 G^p)^(1/p) (tr G^-p)^(1/p), p = 4, then 16, then 64, each from the last result; the limits are linear in the
 coefficients. The value reported is the true criterion of the motion found, stretched to its limits. The problem is not
 convex, so the result is *best known*, never the optimum.
@@ -98,8 +98,8 @@ def _solver(
         if criterion == "d_optimal":
             goal = -ca.log(ca.det(known))
         else:
-            judged = np.flatnonzero(aim.size > 0.0).tolist()
-            variances = ca.diag(ca.solve(known, ca.DM.eye(size)))[judged]
+            sized = np.flatnonzero(aim.size > 0.0).tolist()
+            variances = ca.diag(ca.solve(known, ca.DM.eye(size)))[sized]
             most = ca.mmax(variances)
             goal = ca.log(most) + ca.log(ca.sum1((variances / most) ** (2**squarings))) / 2**squarings
     limits = np.repeat(space.limits, GRID, axis=0).reshape(2, GRID, 4)

@@ -1,4 +1,4 @@
-"""What a design hands back: the motion, how good it is, what it makes of the limits, and what it will tell."""
+"""What a design returns: the motion, how good it is, what it makes of the limits, and what it will tell."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Precision:
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A motion and its judgement.
+    """A motion and its evaluation.
 
     `value` is what was minimised; `condition` is cond(Ȳ), `log_det` that of the information in `duration` s under
     `noise`. `candidates` are all that was found, best known: no optimum is claimed. `uses` are the limits with bounds

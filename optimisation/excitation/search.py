@@ -1,12 +1,13 @@
 """The search for the most informative motion: NFO in stages, IPOPT from its short runs.
 
 Every candidate is stretched to the first limit it meets, so that the search stays among motions that a leg can make
-("feasible by construction"); Inf outside the limits, as the paper has it, starves the search and is kept to compare.
+("feasible by construction"). Inf outside the limits, as the paper has it, leaves a search nothing to
+follow and is kept to compare.
 Individuals are the stretched motions themselves, shifted in time to resemble each other where the start does not
 matter, so that near neighbours are near motions.
 
 The best motions lie where kinks meet: of cond(Ȳ), where eigenvalues change places, and of the stretching, where another
-instant or another limit becomes the first. Most of the budget therefore goes to smooth stand-ins, which become sharper
+instant or another limit becomes the first. Most of the budget therefore goes to smooth proxies, which become sharper
 from stage to stage. Being smooth they have a curvature: in coordinates in which it is the same in all directions NFO
 descends a curved valley as it does a round one (what whitening does for the fit of a leg).
 """
@@ -68,7 +69,7 @@ RECIPE = NFO(alpha=0.9, crossover=0.95)
 WHITENED = NFO(alpha=1.0)
 """NFO in whitened coordinates, as for the fit of a leg."""
 NEAR = 0.3
-"""Spread of the first population of a whitened stage, where the stand-in has grown by half its square."""
+"""Spread of the first population of a whitened stage, where the proxy has grown by half its square."""
 FLAT = 1e-4
 """Share of the largest curvature that counts as none: a motion's size and its start have none at all."""
 STEP = 0.01
@@ -145,7 +146,7 @@ class MotionSearch:
         return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.printed else value
 
     def smooth(self, y: Float, stage: Stage) -> Float:
-        """Return the stand-in (I,) of the criterion that `stage` searches."""
+        """Return the proxy (I,) of the criterion that `stage` searches."""
         swings, offsets = self.space.split(y)
         gram = self.info.sums(swings, offsets, rescale=True, doublings=stage.doublings).gram
         soft = self.criterion == "condition" and stage.power > 0.0
@@ -164,8 +165,8 @@ class MotionSearch:
             best = self._staged(self.generations, self.seed)
         if not np.isfinite(best[1]):
             raise NoMotionError(
-                f"not one of {self.individuals * self.generations} motions was inside the limits: Inf outside starves "
-                "the search",
+                f"none of {self.individuals * self.generations} candidate motions met the limits; an infinite penalty "
+                "outside them leaves the search nothing to follow",
                 where=f"NFO as printed, box {self.box:g}",
                 remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
             )
@@ -184,7 +185,7 @@ class MotionSearch:
             return self.stretched(self.space.aligned(y, first) if self.shiftable else y)
 
         x = form(x)
-        spent, until = 1, 0.0  # generations: the first population has been judged
+        spent, until = 1, 0.0  # generations: the first population has been evaluated
         for stage in STAGES:
             self.say(0.05 + 0.5 * until, "NFO")
             until += stage.share

@@ -1,4 +1,4 @@
-"""What an identification hands back: numbers with units, intervals, proof, and what to be careful about."""
+"""What an identification returns: numbers with units, intervals, proof, and what to be careful about."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Does the answer depend on the filter? The same fit at a lower and a higher cut-off, held against its intervals.
+"""Does the answer depend on the filter? The same fit at a lower and a higher cut-off, compared with its intervals.
 
 The cut-off moves parameters more than any effect (a faster one lets the noise of accelerations pull inertias to zero,
 a slower one shows less of what is missing). Where neighbouring cut-offs agree within the intervals stated, they may be

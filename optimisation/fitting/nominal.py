@@ -1,4 +1,4 @@
-"""The numbers at which a model is judged beforehand: identified ones, else those of the bench's leg."""
+"""The numbers at which a model is evaluated beforehand: identified ones, else those of the bench's leg."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def certify(
     left = basis.T @ u
     slack = float(np.abs(left) @ np.abs(data.factor.forward @ linear))
     lack = fenchel(residual, u, limit) + slack
-    # The scale keeps a perfect fit (loss at rounding level) from being judged by the digits of its rounding.
+    # The scale keeps a perfect fit (loss at rounding level) from being measured by the digits of its rounding.
     scale = max(primal, 1e-12 * huber(data.tau, delta), np.finfo(float).tiny)
     return Certificate(
         primal=primal,

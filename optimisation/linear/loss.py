@@ -51,7 +51,7 @@ def delta_rule(residual: Float, share: float = OUTLIER_SHARE, use: Bool | None =
 
 @dataclass(frozen=True, eq=False)
 class PopulationFitness:
-    """SSE and Huber of a whole population at once in NumPy: the check on, and stand-in for, the compiled
+    """SSE and Huber of a whole population at once in NumPy: the check on, and replacement for, the compiled
     kernel.
 
     `columns` (J, N, P) and `tau` (J, N) as in `LinearData`.

@@ -1,4 +1,4 @@
-"""The next experiment: rivals told apart, or an honest no; on the bench the promise is kept."""
+"""The next experiment: rivals distinguished, or a refusal that says why; on the bench the promise is kept."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def truth(name):
 
 def test_exact_look_alikes_and_what_else_would_help():
     (one,) = same_torques(LEG, [term("drive_gain:hip"), term("drive_gain:knee")])
-    assert one.mutual and "no motion tells them apart" in one.sentence
+    assert one.mutual and "no motion can distinguish them" in one.sentence
     assert one.ways[0].startswith("hang a known mass")
     assert any("does not help (computed): tilt" in way for way in one.ways)
 
@@ -49,7 +49,7 @@ def test_rivals_that_differ_are_not_the_same():
 def test_no_motion_for_exact_look_alikes():
     found = separate(LEG, ["com_offset_shank", "encoder_offset_knee"])
     assert found.trajectory is None and not found.separable and found.smallest == 0.0
-    assert "no motion tells them apart" in found.sentence
+    assert "no motion can distinguish them" in found.sentence
     assert found.to_json()["never"] and found.plot() is not None
 
 
@@ -96,7 +96,7 @@ def test_autocorrelated_noise_counts_for_fewer_samples():
 
 @pytest.mark.parametrize("rivals", [["stribeck:hip"], ["stribeck:hip", "stribeck:hip"], []])
 def test_fewer_than_two_rivals_are_refused(rivals):
-    with pytest.raises(SeparateError, match="cannot be told apart"):
+    with pytest.raises(SeparateError, match="two different effects"):
         separate(LEG, rivals)
 
 

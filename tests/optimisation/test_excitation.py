@@ -60,8 +60,8 @@ def test_ipopt_knows_every_criterion():
         assert ipopt.value < nfo.value and both.feasible
 
 
-def test_the_printed_variant_starves():
-    with pytest.raises(DesignError, match="starves"):
+def test_the_printed_variant_finds_nothing_to_follow():
+    with pytest.raises(DesignError, match="nothing to follow"):
         design(printed=True, generations=50)
     small = design(printed=True, box=0.1, generations=100)
     assert small.feasible and small.condition > 100.0

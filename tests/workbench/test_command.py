@@ -116,7 +116,7 @@ def test_bad_input_leaves_nothing_behind(tmp_path, monkeypatch, capsys):
         (KeyboardInterrupt(), 130, "interrupted"),
         (MemoryError(), 2, "not enough memory"),
         (OSError(28, "No space left on device", "x.json"), 2, "x.json: No space left on device"),
-        (ZeroDivisionError("oops"), 70, "mistake of exoid"),
+        (ZeroDivisionError("oops"), 70, "internal error"),
     ],
 )
 def test_what_goes_wrong_has_its_own_status(error, status, said, monkeypatch, capsys):

@@ -35,7 +35,7 @@ def test_limits_that_cannot_be_met_are_status_one(capsys):
     assert run("--check", "paper", "--period", "10") == 0
     assert run("--check", "paper", "--target", "60") == 1
     assert run("--printed", "--starts", "0") == 1
-    assert "starves" in capsys.readouterr().err
+    assert "nothing to follow" in capsys.readouterr().err
 
 
 def test_look_alikes_are_status_one(capsys):

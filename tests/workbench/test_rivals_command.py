@@ -40,7 +40,7 @@ def test_it_compares_on_recordings(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--seeds", "1"], "say nothing about chance"),
+        (["--seeds", "1"], "run-to-run variation"),
         (["--only", "nfx"], "there is no optimiser called 'nfx'"),
         (["--model", "leg.toml"], "--model is about recordings"),
         (["--individuals", "2"], "at least 4 individuals"),

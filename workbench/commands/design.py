@@ -1,4 +1,4 @@
-"""`exoid design`: the motion that tells most about the leg's numbers, or that tells rival effects apart."""
+"""`exoid design`: the motion that tells most about the leg's numbers, or that distinguishes rival effects."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ HELP = """design the motion to record next, inside the limits of the leg
 
 exoid design leg.toml --out motion                 the numbers of the model as well as possible
 exoid design --free --rest --period 8              free centre, start and end at rest
-exoid design --check motion/motion.toml            judge a motion; --check paper: the paper's coefficients
+exoid design --check motion/motion.toml            evaluate a motion; --check paper: the paper's coefficients
 exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1.csv run2.csv
-                                                   tell rival effects apart; exit status 1 when no motion can"""
+                                                   distinguish rival effects; exit status 1 when no motion can"""
 
 CRITERIA = ("condition", "d_optimal", "worst")
 
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--model", metavar="FILE", help="model file (TOML)")
     parser.add_argument(
-        "--separate", metavar="A,B[,C]", help="find the motion that best tells these effects apart (ID[:joint], ...)"
+        "--separate", metavar="A,B[,C]", help="find the motion that best distinguishes these effects (ID[:joint], ...)"
     )
-    parser.add_argument("--check", metavar="FILE", help="judge this motion instead of designing one (TOML, or paper)")
+    parser.add_argument("--check", metavar="FILE", help="evaluate this motion, design none (TOML, or paper)")
     motion = parser.add_argument_group("the motion")
     motion.add_argument(
         "--criterion", choices=CRITERIA, default="condition",
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     search.add_argument(
         "--box", metavar="B", type=positive, default=1.0, help="with --printed: half-width of its box (1)"
     )
-    noise = parser.add_argument_group("what it is judged by")
+    noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
         "--noise", metavar="NM", type=_noise,
         help="standard deviation of a torque sample in N·m, one or hip,knee (0.5: the virtual bench's sensors)",
@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Design or judge a motion; 1 when limits, a target or the wish to tell effects apart cannot be met."""
+    """Design or evaluate a motion; 1 when limits, a target or the wish to distinguish effects cannot be met."""
     check_places(args)
     if args.free and args.middle:
         raise UsageError("--free and --middle exclude each other", remedy="give one of them")
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _design(args: argparse.Namespace) -> int:
-    """Design a motion for one model, or judge a given one."""
+    """Design a motion for one model, or evaluate a given one."""
     from measurement.trajectories.trajectory_file import sample_table
     from workbench.command_line.inputs import load_model
 
@@ -232,7 +232,7 @@ def _noise(text: str) -> tuple[float, float]:
 
 
 def _separate(args: argparse.Namespace) -> int:
-    """Design the motion that tells rivals apart."""
+    """Design the motion that distinguishes rivals."""
     from optimisation.excitation.criteria import Noise
     from workbench.command_line.inputs import load
 
@@ -260,7 +260,7 @@ def _separate(args: argparse.Namespace) -> int:
     alt = "How far apart the rivals will be on this motion, at random and at present; the angles of both joints."
     payload = {"schema": "exoid.separation/1", **found.to_json()}
     deliver(
-        args, screen, payload, lambda: _material(args, "A motion that tells rivals apart", found.sentence, found, alt)
+        args, screen, payload, lambda: _material(args, "A motion that distinguishes rivals", found.sentence, found, alt)
     )
     return 0 if found.separable else 1
 

@@ -24,7 +24,7 @@ WIDE = 110
 HELP = """list the physical effects exoid knows, or explain one
 
 exoid effects              the whole catalogue
-exoid effects stribeck     formula, coefficients, look-alikes, the experiment that tells it apart"""
+exoid effects stribeck     formula, coefficients, look-alikes, the experiment that distinguishes it"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -91,7 +91,7 @@ def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, 
 
 
 def written(same: Mapping[str, tuple[str, ...]]) -> str:
-    """Return what no motion can tell apart, as text."""
+    """Return what no motion can distinguish, as text."""
     lines = ["", "no motion at all can tell (computed)"]
     lines += [f"  {name} from {', '.join(others)}" for name, others in same.items() if others]
     alone = [name for name, others in same.items() if not others]

@@ -131,7 +131,7 @@ def _show(screen: Screen, found: Rivals) -> None:
 
 
 def _gap(value: float) -> str:
-    """Return a gap; what is rounding is not told apart."""
+    """Return a gap; differences within rounding are not shown."""
     from optimisation.contest.standings import ROUNDING
 
     return f"<{ROUNDING:.0e}" if value < ROUNDING else f"{value:.0e}"

@@ -18,7 +18,7 @@ def check(recording: Recording) -> list[Finding]:
     """Note a shift of 5 ms or more under which a rough pendulum leaves at least 15 % less of the torque.
 
     Only a hint, of severity "info": an effect the model lacks can look like a delay, and the catalogue's
-    `time_delay` is judged on unseen motion.
+    `time_delay` is tested on unseen motion.
     """
     motion = smooth(recording)
     if motion is None or not np.all(motion.tau.std(axis=0) > 0):

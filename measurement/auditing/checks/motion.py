@@ -31,7 +31,7 @@ def check(recording: Recording) -> list[Finding]:
             still = moved < STILL
             joint = channel.label.split()[0]
             what = f"the {joint} {'stands still' if still else 'hardly moves'} ({moved:.2g} rad)"
-            consequence = "friction and inertia of this joint cannot be told apart from this recording alone"
+            consequence = "this recording alone cannot distinguish friction from inertia at this joint"
             remedy = "add a recording in which both joints move"
             found.append(
                 Finding(
