@@ -72,7 +72,7 @@ class Rules:
         ACCEPTANCE, 2.0, "times a bound that a tangent may reach: of a large delay it shows only direction and size"
     )
 
-    placebos: int = _rule(PLACEBO, 999, "placebos of a candidate; no p-value can be below one over one more")
+    placebos: int = _rule(PLACEBO, 1499, "placebos of a candidate; no p-value can be below one over one more")
     placebo_for: int = _rule(PLACEBO, 12, "candidates that get placebos, the best ones; the others count with p = 1")
     placebo_nodes: int = _rule(PLACEBO, 100, "nodes in the search of a placebo; neighbours resemble each other")
     telegraph: float = _rule(PLACEBO, 3.0, "seconds between changes of sign in the placebo of a constant")
