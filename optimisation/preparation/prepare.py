@@ -19,6 +19,7 @@ from ground.errors import RecordingError
 from ground.html import bullets, lines, table
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
+from measurement.overlap import held_apart
 from measurement.recording import Recording
 from measurement.signals.conditioning import (
     EvenSignals,
@@ -205,11 +206,13 @@ def prepare(
     """Prepare `recordings` and `verify` for `model`, whose geometry (not whose effects) is used to find outliers.
 
     `cutoff` in Hz; None chooses it. `derivative` is one of `measurement.signals.derivatives.METHODS`. Refuses any that
-    are too short or too slow for the cut-off, and motion that does not repeat where periods are to be averaged.
+    are too short or too slow for the cut-off, motion that does not repeat where periods are to be averaged, and unseen
+    recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
     """
     check_method(derivative)
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
+    recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()
     even = [even_clock(r) for r in (*recordings, *verify)]
     names = [r.name for r in (*recordings, *verify)]
@@ -236,7 +239,7 @@ def prepare(
         verify=tuple(done[count:]),
         choice=choice,
         noise_floor=_noise_floor(done, choice.cutoff),
-        findings=(*known, *(f for f in misread if f not in known), *_outlier_findings(done)),
+        findings=(*known, *doubled, *(f for f in misread if f not in known), *_outlier_findings(done)),
         derivative=derivative,
         misread=misread,
     )

@@ -55,11 +55,13 @@ def run(args: argparse.Namespace) -> int:
 
         from diagnosis.compare import verification
         from optimisation.fitting.neighbours import neighbours
+        from workbench.terminal.showing import of_the_set
 
         unseen = verification(fit, prepared)
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
-        fit = replace(fit, plausibility=(*prepared.misread, *fit.plausibility, *near.findings()))
+        together = (*prepared.misread, *of_the_set(prepared.findings))
+        fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import above, show_fit

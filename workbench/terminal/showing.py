@@ -34,6 +34,11 @@ def show_fit(screen: Screen, fit: Any) -> None:
         screen.say(f"careful: {finding}", "warn")
 
 
+def of_the_set(audit: Iterable[Any]) -> list[Any]:
+    """Return what an audit says of recordings together, which reading one by one could not tell."""
+    return [finding for finding in audit if finding.check in ("overlap", "thigh_length")]
+
+
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
     head = ["joint", "torque [N·m]", "error, fitted [N·m]", "error, unseen [N·m]", "noise floor [N·m]"]
@@ -53,7 +58,7 @@ def show_comparison(screen: Screen, found: Any) -> None:
         for row in rows:
             row.pop(3)
     screen.table("How large the error is (RMS)", head, rows)
-    for finding in found.misread:
+    for finding in (*found.misread, *of_the_set(found.audit)):
         screen.say(f"careful: {finding}", "bad")
     if not found.where:
         screen.say("The error depends on nothing that was looked at.")
@@ -72,6 +77,8 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     screen.say(f"{WORDS.get(found.verdict, found.verdict)}.", VERDICT_STYLES.get(found.verdict, "warn"))
     screen.say(str(found.sentence))
     screen.say(f"why: {found.rule}", "faint")
+    for finding in of_the_set(found.audit):
+        screen.say(f"careful: {finding}", "warn")
     for one in result["accepted"]:
         alike = f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
         never = one.get("never_separable") or ()

@@ -1,0 +1,255 @@
+"""Do two recordings share samples? Judged by the samples, whatever the file's name, format, units, digits or clock.
+
+Motion made again has sensor noise of its own; a copy has the same noise. So the fast part of every channel, where noise
+prevails, is compared: stretches of the shorter recording are looked for in the longer one at every shift, and at the
+shift found all channels have to agree, in their fast part or to within half a step of the coarser digits. Scale and
+sign of a channel do not matter. Motion that was simulated twice without noise is the same samples twice and counts as
+shared: the second run tells nothing that the first did not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.errors import RecordingError
+from measurement.auditing.channels import step_of
+from measurement.finding import Finding
+from measurement.recording import Recording
+from symbolic.motion import Float
+
+Mask = NDArray[np.bool_]
+
+BAND = (0.08, 0.25)
+"""Part of the spectrum that is compared, as shares of the slower sampling rate."""
+STRETCH, STRETCHES, LEAST = 256, 8, 128
+"""Samples of a stretch, stretches looked for, samples that an overlap needs at least."""
+SAME, RESAMPLED = 0.95, 0.85
+"""Correlation of the fast parts from which on they are the same; where one recording was resampled."""
+MOST_THINNED = 10
+"""Largest n for which a copy of every n-th sample is looked for."""
+DIGITS = 0.6
+"""RMS difference, in steps of the coarser digits, up to which rounding explains it."""
+WHOLE = 0.9
+"""Share of a recording's samples that another one has too, from which on it is left out as a whole."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlap:
+    """Samples of the `second` recording that the `first` has too: `rows` (N,) marks them."""
+
+    first: str
+    second: str
+    rows: Mask
+    seconds: float
+
+    @property
+    def share(self) -> float:
+        """Share of the second recording."""
+        return float(np.mean(self.rows))
+
+    @property
+    def sentence(self) -> str:
+        """The overlap in words."""
+        part = "all of it" if self.share > WHOLE else f"{self.seconds:.3g} s, {self.share:.0%} of it"
+        return f"{self.second} holds the same samples as {self.first} ({part})"
+
+
+@dataclass(frozen=True, eq=False)
+class _Even:
+    """Angles and torques (N, 4), evenly sampled, and their fast part (N, 4)."""
+
+    values: Float
+    fast: Float
+
+
+def overlap(first: Recording, second: Recording) -> Overlap | None:
+    """Return which samples of `second` are in `first` too; None where there are none."""
+    if min(len(first), len(second)) < LEAST:
+        return None
+    rows = _shared_rows(first, second)
+    if not rows.any():
+        return None
+    return Overlap(_name(first), _name(second), rows, float(rows.sum() / second.rate))
+
+
+def _shared_rows(first: Recording, second: Recording) -> Mask:
+    """Return which samples (N,) of `second` are in `first`: as they stand, every n-th of the faster, or resampled."""
+    slow, quick = sorted((first.rate, second.rate))
+    a, b = _even(first), _even(second)
+    rows = _match(a, b, SAME)[1]
+    if rows.any() or quick < 1.02 * slow:
+        return rows
+    factor = round(quick / slow)
+    if 2 <= factor <= MOST_THINNED and abs(quick / slow - factor) < 0.02 * factor:
+        for phase in range(factor):
+            if first.rate > second.rate:
+                rows = _match(_even(_thinned(first, phase, factor)), b, SAME)[1]
+            else:
+                rows = np.zeros(len(second), bool)
+                rows[phase::factor] = _match(a, _even(_thinned(second, phase, factor)), SAME)[1]
+            if rows.any():
+                return rows if first.rate > second.rate else _filled(rows, factor)
+    rows = _match(_even(first, quick, slow), _even(second, quick, slow), RESAMPLED)[1]
+    place = np.round((second.t - second.t[0]) * quick).astype(int)
+    return np.asarray(rows[np.clip(place, 0, rows.size - 1)])
+
+
+def _thinned(recording: Recording, phase: int, factor: int) -> Recording:
+    """Return every `factor`-th row from the row `phase` on."""
+    rows = slice(phase, None, factor)
+    return Recording(recording.name, recording.t[rows], recording.q[rows], recording.tau[rows])
+
+
+def _filled(rows: Mask, factor: int) -> Mask:
+    """Return `rows` (N,) with the rows between those every `factor`-th of which is marked."""
+    return np.asarray(np.convolve(rows, np.ones(2 * factor - 1), mode="same") > 0)
+
+
+def held_apart(
+    fitted: Sequence[Recording], unseen: Sequence[Recording]
+) -> tuple[tuple[Recording, ...], tuple[Recording, ...], tuple[Finding, ...]]:
+    """Return the recordings with every sample once, and what was found.
+
+    Raises RecordingError where an unseen recording shares samples with a fitted one: what was fitted cannot show how
+    well unseen motion is predicted.
+    """
+    for held in unseen:
+        for one in fitted:
+            found = overlap(one, held)
+            if found is not None:
+                raise RecordingError(
+                    f"this recording is held out, but shares samples with a fitted one: {found.sentence}",
+                    where=_name(held),
+                    remedy="hold out a recording of its own, or fit without the other one; motion simulated twice "
+                    "without noise is the same samples twice",
+                )
+    kept, doubled = _once(fitted)
+    kept_unseen, doubled_unseen = _once(unseen)
+    return kept, kept_unseen, (*doubled, *doubled_unseen)
+
+
+def _once(recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], tuple[Finding, ...]]:
+    """Return `recordings` without the samples that one before them has already, longest first."""
+    kept: dict[int, Recording] = {}
+    findings = []
+    for k in sorted(range(len(recordings)), key=lambda k: (-len(recordings[k]), k)):
+        one = recordings[k]
+        for other in kept.values():
+            found = overlap(other, one)
+            if found is None:
+                continue
+            whole = found.share > WHOLE
+            findings.append(
+                Finding(
+                    "overlap",
+                    "warning",
+                    f"{found.sentence}; {'it is' if whole else 'these samples are'} left out, so that each counts once",
+                    _name(one),
+                    found.share,
+                    0.0,
+                    "name every recording once",
+                    consequence="samples counted twice fake certainty",
+                )
+            )
+            if whole:
+                break
+            one = replace(one, valid=one.valid & ~found.rows)
+        else:
+            kept[k] = one
+    return tuple(kept[k] for k in sorted(kept)), tuple(findings)
+
+
+def _name(recording: Recording) -> str:
+    return recording.source.path or recording.name
+
+
+def _even(recording: Recording, rate: float | None = None, slow: float | None = None) -> _Even:
+    """Return the samples one after the other, or at `rate` Hz; fast is relative to their own rate, or to `slow` Hz."""
+    from scipy.signal import butter, sosfiltfilt
+
+    values = np.column_stack([recording.q, recording.tau])
+    if rate is not None:
+        t = recording.t - recording.t[0]
+        grid = np.arange(0.0, t[-1], 1.0 / rate)
+        values = np.column_stack([np.interp(grid, t, column) for column in values.T])
+    band = 2.0 * np.array(BAND) * (1.0 if rate is None or slow is None else slow / rate)
+    sections = butter(2, band, "bandpass", output="sos")
+    # the mean first: a filter's start must not depend on where a copy was cut
+    fast = sosfiltfilt(sections, values - values.mean(axis=0), axis=0, padlen=0)
+    return _Even(values, fast)
+
+
+def _match(a: _Even, b: _Even, same: float) -> tuple[Mask, Mask]:
+    """Return which samples of `a` and of `b` are the same."""
+    short, long = (a, b) if len(a.fast) <= len(b.fast) else (b, a)
+    in_short, in_long = np.zeros(len(short.fast), bool), np.zeros(len(long.fast), bool)
+    channels = [c for c in (2, 3, 0, 1) if _moves(short, c) and _moves(long, c)]
+    size = min(STRETCH, len(short.fast))
+    edge = min(16, (len(short.fast) - size) // 2)
+    starts = np.unique(np.linspace(edge, len(short.fast) - size - edge, STRETCHES).astype(int))
+    tried: set[int] = set()
+    for start in starts:
+        if in_short[start : start + size].any():
+            continue
+        for channel in channels[:2]:
+            shift = _shift(short.fast[start : start + size, channel], long.fast[:, channel], same)
+            if shift is None:
+                continue
+            shift -= int(start)
+            if shift in tried:
+                break
+            tried.add(shift)
+            for first, last in _agreeing(short, long, shift, channels, same):
+                in_short[first:last] = True
+                in_long[first + shift : last + shift] = True
+    return (in_short, in_long) if short is a else (in_long, in_short)
+
+
+def _moves(one: _Even, channel: int) -> bool:
+    values = one.values[:, channel]
+    return bool(np.std(one.fast[:, channel]) > 1e-9 * max(float(np.max(np.abs(values))), 1e-12))
+
+
+def _shift(part: Float, whole: Float, same: float) -> int | None:
+    """Return where in `whole` (N,) the stretch `part` (S,) stands, up to scale; None where it is not there."""
+    from scipy.signal import fftconvolve
+
+    product = fftconvolve(whole, part[::-1], mode="valid")
+    power = np.concatenate([[0.0], np.cumsum(whole**2)])
+    energy = (power[part.size :] - power[: -part.size]) * float(part @ part)
+    likeness = np.abs(product) / np.sqrt(np.maximum(energy, 1e-12 * max(float(energy.max()), 1e-300)))
+    best = int(np.argmax(likeness))
+    return best if likeness[best] >= same - 0.05 else None
+
+
+def _agreeing(short: _Even, long: _Even, shift: int, channels: Sequence[int], same: float) -> list[tuple[int, int]]:
+    """Return (first, last) of the stretches of `short` in which all `channels` are those of `long`, `shift` later."""
+    first, last = max(0, -shift), min(len(short.fast), len(long.fast) - shift)
+    out = []
+    size = min(LEAST, last - first)
+    for start in range(first, last - size + 1, size) if size > 16 else ():
+        # the last piece takes what is left over
+        stop = last if last - (start + size) < size else start + size
+        x, y = slice(start, stop), slice(start + shift, stop + shift)
+        likes = [_alike(short, long, x, y, channel, same) for channel in channels]
+        if likes and all(like > 0 for like in likes) and max(likes) == 2:
+            out.append((start, stop))
+    return out
+
+
+def _alike(short: _Even, long: _Even, x: slice, y: slice, channel: int, same: float) -> int:
+    """Return 2 where a channel's fast parts are the same, 1 where the digits explain the difference, else 0."""
+    a, b = short.fast[x, channel], long.fast[y, channel]
+    power = float(np.sqrt((a @ a) * (b @ b)))
+    if power > 0.0 and abs(float(a @ b)) >= same * power:
+        return 2
+    a, b = short.values[x, channel], long.values[y, channel]
+    steps = step_of(a), step_of(b)
+    a, b = a - a.mean(), b - b.mean()
+    slope = float(a @ b) / max(float(a @ a), 1e-300)
+    left = float(np.sqrt(np.mean((b - slope * a) ** 2)))
+    return int(left <= DIGITS * max(abs(slope) * steps[0], steps[1]) and left <= 0.2 * float(np.std(b)))

@@ -1,0 +1,110 @@
+"""Recordings that share samples are recognised by their samples; motion that was recorded again is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ground.errors import RecordingError
+from measurement.overlap import held_apart, overlap
+from measurement.recording import Recording, Source
+
+COUNT = 2400
+
+
+def run(seed, motion=0, noise=1.0, count=COUNT, period=6.0, name=""):
+    """Periodic motion number `motion` with noise of its own (angles 3e-4 rad, torques 0.1 N·m)."""
+    rng, way = np.random.default_rng(seed), np.random.default_rng(1000 + motion)
+    t = 0.01 * np.arange(count)
+    w = 2 * np.pi / period * np.arange(1, 6)
+    a, b = way.normal(0.0, 0.1, (2, 5, 4))
+    clean = np.sin(t[:, None] * w) @ a + np.cos(t[:, None] * w) @ b
+    clean[:, 2:] = 30.0 * clean[:, 2:] + 3.0 * np.sign(np.gradient(clean[:, :2], axis=0))
+    noisy = clean + noise * rng.standard_normal(clean.shape) * [3e-4, 3e-4, 0.1, 0.1]
+    return Recording(name or f"run{seed}", t, noisy[:, :2], noisy[:, 2:])
+
+
+def cut(one, rows, name="other", **changes):
+    return Recording(name, one.t[rows], one.q[rows], one.tau[rows], **changes)
+
+
+def at(one, t):
+    columns = [np.interp(t, one.t, c) for c in (*one.q.T, *one.tau.T)]
+    return Recording("other", t, np.column_stack(columns[:2]), np.column_stack(columns[2:]))
+
+
+ONE = run(1)
+
+
+@pytest.mark.parametrize(
+    ("other", "share"),
+    [
+        (cut(ONE, slice(None)), 1.0),
+        (replace(ONE, name="later", t=ONE.t + 12.3), 1.0),
+        (replace(ONE, name="clock", t=ONE.t * 1.1), 1.0),
+        (replace(ONE, name="units", q=np.degrees(ONE.q), tau=-1000 * ONE.tau), 1.0),
+        (cut(ONE, slice(700, 1400)), 1.0),
+        (replace(ONE, name="digits", q=np.round(ONE.q, 3), tau=np.round(ONE.tau, 1)), 1.0),
+        (cut(ONE, slice(1, None, 2)), 1.0),
+        (at(ONE, np.arange(0.0, ONE.t[-1], 0.0125)), 0.95),
+    ],
+    ids=["copy", "later", "clock", "units", "piece", "digits", "half", "resampled"],
+)
+def test_a_copy_is_recognised(other, share):
+    for first, second in ((ONE, other), (other, ONE)):
+        found = overlap(first, second)
+        assert found is not None
+    assert overlap(ONE, other).share >= 0.9 * share
+    with pytest.raises(RecordingError, match="shares samples with a fitted one") as error:
+        held_apart([run(5, 5), ONE], [other])
+    assert error.value.where == other.name and ONE.name in str(error.value)
+
+
+def test_motion_recorded_again_is_no_copy():
+    assert overlap(ONE, run(2)) is None
+    assert overlap(ONE, run(2, count=1500)) is None
+    assert overlap(ONE, run(2, motion=1)) is None
+    quantised = [replace(one, q=np.round(one.q / 5e-4) * 5e-4) for one in (ONE, run(2))]
+    assert overlap(*quantised) is None
+
+
+def test_periods_of_one_recording_do_not_count_twice():
+    whole = run(3)
+    assert overlap(cut(whole, slice(0, 1200)), cut(whole, slice(1200, 2400))) is None
+
+
+def test_motion_simulated_twice_without_noise_is_the_same_samples():
+    assert overlap(run(1, noise=0.0), run(2, noise=0.0)) is not None
+    assert overlap(run(1, noise=0.0), run(2, motion=1, noise=0.0)) is None
+
+
+def test_pieces_joined_with_others_are_found_and_placed():
+    other, m = run(7, 7), 800
+    mixed = Recording(
+        "mixed",
+        ONE.t[: 2 * m],
+        np.vstack([other.q[:m], ONE.q[m : 2 * m]]),
+        np.vstack([other.tau[:m], ONE.tau[m : 2 * m]]),
+    )
+    found = overlap(ONE, mixed)
+    assert not found.rows[: m - 40].any() and found.rows[m + 140 : 2 * m - 140].all()
+
+
+def test_fitted_twice_counts_once():
+    named = replace(ONE, source=Source("b.csv"))
+    kept, unseen, (finding,) = held_apart([run(5, 5), ONE, named], [run(6, 6)])
+    assert [one.name for one in kept] == ["run5", "run1"] and len(unseen) == 1
+    assert finding.severity == "warning" and "b.csv holds the same samples as run1" in finding.what
+    half = Recording("half", 0.01 * np.arange(2000), *(np.vstack([a[:1000], b[:1000]]) for a, b in (
+        (ONE.q, run(8, 8).q), (ONE.tau, run(8, 8).tau))))  # fmt: skip
+    kept, _, (finding,) = held_apart([half, ONE], [])
+    assert [one.name for one in kept] == ["half", "run1"]
+    assert not kept[0].valid[200:800].any() and kept[0].valid[1200:].all()
+
+
+def test_little_or_dead_data_is_no_copy():
+    still = Recording("still", ONE.t, ONE.q * 0.0, ONE.tau * 0.0)
+    assert overlap(still, still) is None
+    assert overlap(cut(ONE, slice(0, 20)), cut(ONE, slice(0, 20))) is None
