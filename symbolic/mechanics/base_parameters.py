@@ -1,0 +1,85 @@
+"""Base parameters of a planar tree, by rank: which inertial quantities a motion shows, and what hides in which.
+
+The torque is linear in every link's inertia J about its joint, first moment X and mass m. At random states the columns
+are taken one by one; one that depends on earlier ones is no parameter of its own, and its combination says what the
+others contain of it. Source: Gautier, Numerical calculation of the base inertial parameters of robots, Journal of
+Robotic Systems 8(4), 1991.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from symbolic.joints import Joint
+from symbolic.mechanics.newton_euler import PARAMETERS, link_torques
+
+SEED = 20262
+STATES = 40
+RANK = 1e-9
+"""Relative remainder below which a column depends on others; true dependences leave 1e-15."""
+UNITS = {"J": "kg·m²", "X": "kg·m", "m": "kg"}
+
+
+@dataclass(frozen=True)
+class BaseParameter:
+    """What a motion shows of quantity `kind` of link `link`: itself and `parts`, {(link, kind): factor}."""
+
+    link: int
+    kind: str
+    parts: tuple[tuple[int, str, float], ...]
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return UNITS[self.kind]
+
+    @property
+    def positive(self) -> bool:
+        """Whether it is a sum of masses and inertias with positive factors."""
+        return self.kind != "X" and all(kind != "X" and factor > 0.0 for _, kind, factor in self.parts)
+
+    def formula(self, joints: Sequence[Joint]) -> str:
+        """Return it in words of the links: "J_hip + 0.1764 m_knee"."""
+        text = f"{self.kind}_{joints[self.link].name}"
+        for link, kind, factor in self.parts:
+            size = "" if abs(factor) == 1.0 else f"{abs(factor):.6g} "
+            text += f" {'-' if factor < 0 else '+'} {size}{kind}_{joints[link].name}"
+        return text
+
+
+@lru_cache(maxsize=64)
+def base_parameters(joints: tuple[Joint, ...], gravity: float) -> tuple[BaseParameter, ...]:
+    """Return the base parameters (P,) of a machine: link by link, inertia before first moment before mass."""
+    columns = _columns(joints, gravity)
+    order = [(link, kind) for kind in PARAMETERS for link in range(len(joints))]
+    chosen: list[tuple[int, str]] = []
+    parts: dict[tuple[int, str], list[tuple[int, str, float]]] = {}
+    for link, kind in order:
+        column = columns[link][kind]
+        size = float(np.linalg.norm(column))
+        if size <= RANK:
+            continue
+        known = np.column_stack([columns[a][b] for a, b in chosen]) if chosen else np.zeros((len(column), 0))
+        solution = np.linalg.lstsq(known, column, rcond=None)[0] if chosen else np.zeros(0)
+        if np.linalg.norm(known @ solution - column) > RANK * size:
+            chosen.append((link, kind))
+            parts[link, kind] = []
+            continue
+        for place, factor in zip(chosen, solution, strict=True):
+            if abs(factor) > 1e-9:
+                parts[place].append((link, kind, round(float(factor), 12)))
+    ordered = sorted(chosen, key=lambda place: (place[0], PARAMETERS.index(place[1])))
+    return tuple(BaseParameter(link, kind, tuple(parts[link, kind])) for link, kind in ordered)
+
+
+def _columns(joints: tuple[Joint, ...], gravity: float) -> list[dict[str, Any]]:
+    rng = np.random.default_rng(SEED)
+    states = [rng.normal(size=(len(joints), STATES)) for _ in range(3)]
+    found = link_torques(joints, gravity, *states, np)
+    still = np.zeros(STATES)
+    return [{kind: np.concatenate([still + torque for torque in row]) for kind, row in one.items()} for one in found]

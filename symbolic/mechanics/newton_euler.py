@@ -1,0 +1,105 @@
+"""Newton and Euler for a planar tree of links: torques per unit of each link's mass, first moment and inertia.
+
+Written for any library with `sin` and `cos`: NumPy for whole motions, CasADi for expressions. It shares nothing with
+the derivation through SymPy, and is what confirms it. Source: Featherstone, Rigid Body Dynamics Algorithms, 2008,
+chapter 5; per parameter as in Khalil, Dombre, Modeling, Identification and Control of Robots, 2002, chapter 12.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from symbolic.joints import Joint, ancestors, parents
+
+PARAMETERS = ("J", "X", "m")
+"""Of each link: inertia about its joint kg·m², mass times the distance of its centre of mass along the link kg·m, mass
+kg. The centre of mass lies on the link's axis."""
+
+Vector = tuple[Any, Any]
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """A link in motion: axis `e` and normal `n`, turning rate and acceleration, and its origin."""
+
+    e: Vector
+    n: Vector
+    rate: Any
+    turning: Any
+    origin: Vector
+    acceleration: Vector
+
+
+def link_torques(
+    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
+) -> list[dict[str, list[Any]]]:
+    """Return, per link, {parameter: torque at every joint (J,)} for one unit of that parameter; N·m, or N where a joint
+    slides.
+
+    `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`. `gravity` m/s² pulls downwards.
+    """
+    frames = _frames(joints, gravity, q, dq, ddq, lib)
+    found = []
+    for index, frame in enumerate(frames):
+        swing = _add(_scale(frame.turning, frame.n), _scale(-frame.rate * frame.rate, frame.e))
+        wrenches = {
+            "J": ((0.0, 0.0), frame.turning),
+            "X": (swing, _cross(frame.e, frame.acceleration)),
+            "m": (frame.acceleration, 0.0),
+        }
+        found.append({name: _at_joints(joints, frames, index, *wrench) for name, wrench in wrenches.items()})
+    return found
+
+
+def _frames(
+    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
+) -> list[_Frame]:
+    frames: list[_Frame] = []
+    angles: list[Any] = []
+    for k, (joint, parent) in enumerate(zip(joints, parents(joints), strict=True)):
+        if parent is None:
+            angle, rate, turning = 0.0 * q[k], 0.0 * q[k], 0.0 * q[k]
+            origin, acceleration = (0.0 * q[k], 0.0 * q[k]), (0.0 * q[k], gravity + 0.0 * q[k])
+        else:
+            above, length = frames[parent], float(joints[parent].length or 0.0)
+            angle, rate, turning = angles[parent], above.rate, above.turning
+            origin = _add(above.origin, _scale(length, above.e))
+            swing = _add(_scale(turning, above.n), _scale(-rate * rate, above.e))
+            acceleration = _add(above.acceleration, _scale(length, swing))
+        if joint.turns:
+            angle, rate, turning = angle + q[k], rate + dq[k], turning + ddq[k]
+        e, n = (lib.sin(angle), -lib.cos(angle)), (lib.cos(angle), lib.sin(angle))
+        if not joint.turns:
+            swing = _add(_scale(turning, n), _scale(-rate * rate, e))
+            slide = _add(_scale(ddq[k], e), _scale(2.0 * dq[k] * rate, n))
+            origin = _add(origin, _scale(q[k], e))
+            acceleration = _add(acceleration, _add(slide, _scale(q[k], swing)))
+        angles.append(angle)
+        frames.append(_Frame(e, n, rate, turning, origin, acceleration))
+    return frames
+
+
+def _at_joints(joints: Sequence[Joint], frames: Sequence[_Frame], index: int, force: Vector, moment: Any) -> list[Any]:
+    """Return what the joints must supply for a force and a moment about the origin of link `index`."""
+    torques: list[Any] = [0.0] * len(joints)
+    for k in ancestors(joints, index):
+        if joints[k].turns:
+            arm = _add(frames[index].origin, _scale(-1.0, frames[k].origin))
+            torques[k] = moment + _cross(arm, force)
+        else:
+            torques[k] = frames[k].e[0] * force[0] + frames[k].e[1] * force[1]
+    return torques
+
+
+def _add(a: Vector, b: Vector) -> Vector:
+    return a[0] + b[0], a[1] + b[1]
+
+
+def _scale(factor: Any, vector: Vector) -> Vector:
+    return factor * vector[0], factor * vector[1]
+
+
+def _cross(a: Vector, b: Vector) -> Any:
+    return a[0] * b[1] - a[1] * b[0]
