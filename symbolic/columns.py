@@ -16,8 +16,6 @@ import numpy as np
 
 from symbolic.codegen.kernel import compiled
 from symbolic.evaluation import (
-    BASE,
-    RIGID,
     apply_transforms,
     base_places,
     carrying,
@@ -32,9 +30,9 @@ from symbolic.evaluation import (
 from symbolic.language.deflection import JOINT_NUMBERS, STATES
 from symbolic.language.torque import is_transform, torques, uses_feedback, uses_slopes
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
+    from symbolic.joints import Joint
     from symbolic.model import Model
     from symbolic.term import Term
 
@@ -50,7 +48,7 @@ def model_columns(model: Model, motion: Motion, shape: Float | None = None, refe
     linear = carrying(motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
     at = shape_values(model, shapes)
     place = places(model)
-    out = np.zeros((len(JOINTS), len(motion), len(place)))
+    out = np.zeros((len(model.joints), len(motion), len(place)))
     _fill_base(model, motion, out, linear, at)
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
@@ -95,7 +93,7 @@ def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float
     bare, at = rigid_model(model), shape_values(model, shapes)
     own = np.array([at[entry.name] for entry in bare.shapes])
     rigid = linear[base_places(model)].copy()
-    rigid[RIGID:BASE] = 0.0
+    rigid[len(model.inertial) : model.base_count] = 0.0
     found: dict[str, Float] = {}
     for number in JOINT_NUMBERS:
         for field, state in zip(_FIELDS, STATES, strict=True):
@@ -124,7 +122,7 @@ _MOVED: WeakKeyDictionary[Motion, dict[tuple[str, int], list[tuple[float, Motion
 def _moved(motion: Motion, field: str, joint: int) -> list[tuple[float, Motion, Motion]]:
     kept = _MOVED.setdefault(motion, {})
     if (field, joint) not in kept:
-        own, values = np.eye(len(JOINTS))[joint], getattr(motion, field)
+        own, values = np.eye(motion.q.shape[1])[joint], getattr(motion, field)
         kept[field, joint] = [
             (
                 weight,
@@ -149,8 +147,8 @@ def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float
     return compiled(bare).pointwise(motion, carrying(motion, reference)[chosen], shapes, len(chosen) - count)
 
 
-_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float], Float]] = WeakKeyDictionary()
-"""Base columns of the plain leg along motions that are still in use, with its (thigh length, gravity)."""
+_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...]], Float]] = WeakKeyDictionary()
+"""Base columns of the plain machine along motions that are still in use, with its lengths and gravity."""
 LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 
@@ -160,11 +158,12 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
     chosen = base_places(model)
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.
-        size = model.thigh_length, model.gravity
+        size = model.thigh_length, model.gravity, model.chain
         kept = _KEPT.get(motion)
         if kept is None or kept[0] != size:
-            kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, np.zeros(BASE), np.zeros(0))
-        out[:, :, :BASE] = kept[1]
+            count = np.zeros(model.base_count)
+            kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, count, np.zeros(0))
+        out[:, :, : model.base_count] = kept[1]
         return
     bare = rigid_model(model)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])

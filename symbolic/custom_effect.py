@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ground.errors import EffectError, ModelFileError
 from symbolic.catalogue import FAMILIES, catalogue
 from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.joints import LEG, Joint
+from symbolic.model import check_custom
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
@@ -20,8 +22,8 @@ FIELDS = (
 )  # fmt: skip
 
 
-def read_custom_effect(entry: Table) -> Effect:
-    """Return the effect a table defines; ModelFileError, EffectError or ExpressionError where it cannot be one."""
+def read_custom_effect(entry: Table, machine: tuple[Joint, ...] = LEG) -> Effect:
+    """Return the effect a table defines for a machine; ModelFileError or ExpressionError where it cannot be one."""
     if "derive" in entry.values:
         remedy = "write a Python file in symbolic/effects/ with derive(mechanism, symbols)"
         raise entry.error("derive", "an effect that changes the mechanism itself needs Python", remedy)
@@ -29,7 +31,7 @@ def read_custom_effect(entry: Table) -> Effect:
     id = entry.text("id")
     if id in catalogue():
         raise entry.error("id", f"{id!r} is an effect of the catalogue", "choose another id, or list it in [[effects]]")
-    joints, torque = _torque(entry)
+    joints, torque = _torque(entry, tuple(joint.name for joint in machine))
     family = entry.text("family", "other")
     if family not in (*FAMILIES, "other"):
         raise entry.error("family", f"unknown family {family!r}", "known: " + ", ".join(FAMILIES))
@@ -38,7 +40,7 @@ def read_custom_effect(entry: Table) -> Effect:
         "shape": {key: _shape(table) for key, table in _declared(entry, "shape")},
     }
     try:
-        return Effect(
+        effect = Effect(
             id=id,
             explains=entry.text("explains", "no explanation given"),
             torque=torque,
@@ -50,8 +52,10 @@ def read_custom_effect(entry: Table) -> Effect:
             custom=True,
             **parts,
         )
+        check_custom(effect, machine)
     except EffectError as error:
         raise _placed(entry, parts, error) from error
+    return effect
 
 
 def _placed(entry: Table, parts: Mapping[str, Mapping[str, Any]], error: EffectError) -> ModelFileError:
@@ -63,7 +67,7 @@ def _placed(entry: Table, parts: Mapping[str, Mapping[str, Any]], error: EffectE
     return entry.error("id" if error.where == "id" else "torque", error.what, error.remedy)
 
 
-def _torque(entry: Table) -> tuple[tuple[str, ...], Any]:
+def _torque(entry: Table, names: tuple[str, ...]) -> tuple[tuple[str, ...], Any]:
     """Return the joints and the torque text, or a text per joint for an effect on both."""
     joint = entry.text("joint", "")
     if isinstance(entry.values.get("torque"), dict):
@@ -76,8 +80,9 @@ def _torque(entry: Table) -> tuple[tuple[str, ...], Any]:
     if joint == "both":
         remedy = 'write torque = { hip = "...", knee = "..." }'
         raise entry.error("torque", "an effect on both joints needs a text for each", remedy)
-    if joint not in ("", *JOINTS):
-        raise entry.error("joint", f"there is no joint {joint!r}", 'use "hip", "knee" or "both"')
+    if joint not in ("", *names):
+        known = ", ".join(f'"{name}"' for name in names)
+        raise entry.error("joint", f"there is no joint {joint!r}", f'use {known} or "both"')
     return (joint,) if joint else JOINTS, text
 
 

@@ -11,17 +11,18 @@ import keyword
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any, Protocol
 
-from ground.errors import EffectError
+from ground.errors import EffectError, ExpressionError
 from symbolic.language.deflection import deflected
 from symbolic.language.dimensions import check_dimensions
 from symbolic.language.linearity import check_proportional
 from symbolic.language.tokens import refusal
 from symbolic.language.tree import OPERATORS, Call, Node
-from symbolic.language.words import DIMENSIONS, MODEL_TORQUE, RESERVED, allowed_words, read_text
+from symbolic.language.words import MODEL_TORQUE, RESERVED, allowed_words, read_text, stem_of, word_dimension
 from symbolic.quantity import JOINTS
-from symbolic.units import TORQUE, dimension
+from symbolic.units import FORCE, TORQUE, dimension
 
 
 class Declared(Protocol):
@@ -96,7 +97,8 @@ def _check_text(effect: Declared, text: str, node: Node) -> None:
     if effect.coefficients:
         check_proportional(node, text, effect.coefficients, "coefficient")
     else:
-        check_proportional(node, text, MODEL_TORQUE, "model torque")
+        named = {name for name in node.names() if stem_of(name) == "tau_model"}
+        check_proportional(node, text, MODEL_TORQUE | named, "model torque")
     for call in _memory(node):
         varying = call.arguments[1].names() - effect.shape.keys() if len(call.arguments) > 1 else frozenset()
         if varying:
@@ -109,7 +111,15 @@ def _check_text(effect: Declared, text: str, node: Node) -> None:
     units = {
         key: dimension(number.unit, effect.id) for key, number in (*effect.coefficients.items(), *effect.shape.items())
     }
-    check_dimensions(node, text, {**DIMENSIONS, **units}, TORQUE, effect.coefficients)
+    words = [name for name in node.names() if name not in units]
+    try:
+        check_dimensions(node, text, {**{w: word_dimension(w) for w in words}, **units}, TORQUE, effect.coefficients)
+    except ExpressionError:
+        # Right for a joint that slides? Which kind of joint it sits at is seen when it becomes a term.
+        sliding = {word: word_dimension(word, turns=False) for word in words}
+        with suppress(ExpressionError):
+            return check_dimensions(node, text, {**sliding, **units}, FORCE, effect.coefficients)
+        raise
 
 
 def _memory(node: Node) -> Iterator[Call]:
@@ -125,10 +135,9 @@ def _check_place(effect: Declared) -> None:
             remedy="use up to 60 letters, digits and _, beginning with a letter",
         )
     joints = effect.joints
-    if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not {*joints} <= {*JOINTS}):
-        raise EffectError(
-            f"joints are {joints!r}", where=effect.id, remedy='use "hip", "knee", both of these, or "both"'
-        )
+    named = all(_IDENTIFIER.fullmatch(joint) and joint != "both" for joint in joints)
+    if joints != ("both",) and (not joints or len({*joints}) < len(joints) or not named):
+        raise EffectError(f"joints are {joints!r}", where=effect.id, remedy='use names of joints, or "both"')
     if [effect.torque, effect.derive, effect.deflection].count(None) != 2:
         remedy = "give exactly one"
         raise EffectError(
@@ -163,7 +172,7 @@ def _check_word(effect: Declared, key: str) -> None:
             where=where,
             remedy="use up to 40 ASCII letters, digits and _, beginning with a letter",
         )
-    if key in RESERVED:
+    if key in RESERVED or stem_of(key):
         raise EffectError(
             f"{key} already means something else in torque texts", where=where, remedy="choose another name"
         )

@@ -13,18 +13,11 @@ import numpy as np
 
 from symbolic.language.lower import to_numpy
 from symbolic.language.torque import Torque, is_transform, torques
-from symbolic.language.words import own_names
-from symbolic.mechanics.friction import FRICTION
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.model import Model
     from symbolic.term import Term
-
-RIGID = 4
-"""Number of inertial parameters; friction has as many again."""
-BASE = RIGID + len(FRICTION)
 
 
 def carrying(motion: Motion, linear: Float) -> Float:
@@ -32,7 +25,7 @@ def carrying(motion: Motion, linear: Float) -> Float:
     if motion.payload is None:
         return linear
     total = np.array(linear, dtype=float)
-    total[:RIGID] += motion.payload
+    total[: len(motion.payload)] += motion.payload
     return total
 
 
@@ -72,7 +65,7 @@ def vector(values: Float | None, default: Float, what: str) -> Float:
 def motion_words(motion: Motion) -> dict[str, Float | float]:
     """Return the words a torque text may use for the motion itself."""
     env: dict[str, Float | float] = {"t": motion.t}
-    for j in range(len(JOINTS)):
+    for j in range(motion.q.shape[1]):
         env |= {
             f"theta{j + 1}": motion.q[:, j],
             f"dtheta{j + 1}": motion.dq[:, j],
@@ -82,15 +75,15 @@ def motion_words(motion: Motion) -> dict[str, Float | float]:
 
 
 def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
-    """Return tau_rigid and tau_model of both joints from the base columns in `out` and reference parameters
+    """Return tau_rigid and tau_model of all joints from the base columns in `out` and reference parameters
     (P,).
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
     base = base_places(model)
-    rigid = [k for k in base if not RIGID <= k < BASE]
+    rigid = [k for k in base if not len(model.inertial) <= k < model.base_count]
     env: dict[str, Float] = {}
-    for j in range(len(JOINTS)):
+    for j in range(len(out)):
         env[f"tau_rigid{j + 1}"] = out[j][:, rigid] @ linear[rigid]
         env[f"tau_model{j + 1}"] = out[j][:, base] @ linear[base]
     return env
@@ -113,15 +106,14 @@ def torque_values(torque: Torque, env: dict[str, Float | float], motion: Motion,
     With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N); for texts
     without memory.
     """
-    own = {word: env[canonical] for word, canonical in own_names(torque.joint).items() if canonical in env}
-    values = to_numpy(torque.node, {**env, **own}, own_signs(motion, torque.joint))
+    values = to_numpy(torque.node, env, signs(motion))
     whole = (len(motion),) if count is None else (count, len(motion))
     return np.broadcast_to(np.asarray(values, dtype=float), whole)
 
 
-def own_signs(motion: Motion, joint: int) -> dict[str, Float]:
+def signs(motion: Motion) -> dict[str, Float]:
     """Return the sign signal of each word for a joint velocity."""
-    return {"dtheta1": motion.sign[:, 0], "dtheta2": motion.sign[:, 1], "dtheta": motion.sign[:, joint]}
+    return {f"dtheta{j + 1}": motion.sign[:, j] for j in range(motion.sign.shape[1])}
 
 
 def _transform(
@@ -130,6 +122,6 @@ def _transform(
     """Add to each base column in `out` what the term makes of it."""
     for torque in torques(term):
         for k, column in enumerate(base):
-            words = {f"tau_model{j + 1}": untouched[j, :, k] for j in range(len(JOINTS))}
+            words = {f"tau_model{j + 1}": untouched[j, :, k] for j in range(len(untouched))}
             if np.any([np.any(values) for values in words.values()]):
                 out[torque.joint, :, column] += torque_values(torque, {**env, **words}, motion)

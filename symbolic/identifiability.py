@@ -24,7 +24,7 @@ from symbolic.language.lower import to_text
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
-from symbolic.term import Term
+from symbolic.term import Term, places_of
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -57,7 +57,7 @@ class LookAlike:
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """Derivatives of the torque by the numbers `names` (n,): `values` (2·STATES, n), and the function they are from."""
+    """Derivatives of the torque by the numbers `names` (n,): `values` (J·STATES, n), and the function they are from."""
 
     names: tuple[str, ...]
     values: Float
@@ -65,14 +65,15 @@ class Tangents:
     inputs: tuple[Float, ...]
 
     def precise(self) -> list[list[Any]]:
-        """Return the columns (n of (2·PRECISE_STATES,)) in 40 digits."""
+        """Return the columns (n of (J·PRECISE_STATES,)) in 40 digits."""
         from symbolic.codegen.precise import evaluate_precisely
 
         rows: list[Any] = []
         for k in range(PRECISE_STATES):
             at = [part[:, k] if part.ndim == 2 else part for part in self.inputs]
             flat = evaluate_precisely(self.function, at)
-            rows += [flat[0::2], flat[1::2]]
+            joints = len(self.inputs[1])
+            rows += [flat[j::joints] for j in range(joints)]
         return [list(column) for column in zip(*rows, strict=True)]
 
 
@@ -169,7 +170,9 @@ def every_candidate(model: Model) -> tuple[Term, ...]:
     present = {term.name for term in model.terms}
     terms = []
     for effect in (*catalogue().values(), *model.custom):
-        if effect.on_both:
+        if model.chain:
+            terms += [Term(effect, joint, model.chain) for joint in places_of(effect, model.chain)]
+        elif effect.on_both:
             terms.append(Term(effect, None))
         else:
             everywhere = replace(effect, joints=tuple(j for j in JOINTS if j in (*effect.joints, *effect.absorbed_on)))
@@ -195,21 +198,22 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     slopes = casadi.vec(casadi.densify(casadi.jacobian(x.torque, symbols)))
     arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, x.linear, x.shape]
     function = casadi.Function("tangents", arguments, [slopes])
-    inputs = (*random_states(STATES), memory_values(model), generic_linear(model), model.typical_shape)
+    states = random_states(STATES, len(model.joints))
+    inputs = (*states, memory_values(model), generic_linear(model), model.typical_shape)
     values = np.asarray(function(*inputs)) if chosen else np.zeros((0, STATES))
-    stacked = values.reshape(len(chosen), 2, STATES).transpose(2, 1, 0).reshape(2 * STATES, len(chosen))
+    stacked = values.reshape(len(chosen), len(model.joints), STATES).transpose(2, 1, 0).reshape(-1, len(chosen))
     return Tangents(tuple(name for name, _ in chosen), stacked, function, inputs)
 
 
-def random_states(count: int) -> tuple[Float, ...]:
-    """Return t (1, N), q, dq, ddq, sign (2, N), drawn independently; velocities on all scales."""
+def random_states(count: int, joints: int = 2) -> tuple[Float, ...]:
+    """Return t (1, N), q, dq, ddq, sign (J, N), drawn independently; velocities on all scales."""
     rng = np.random.default_rng(SEED)
-    sign = rng.choice([-1.0, 1.0], size=(2, count))
+    sign = rng.choice([-1.0, 1.0], size=(joints, count))
     return (
         rng.uniform(0.0, 30.0, size=(1, count)),
-        rng.uniform(-np.pi, np.pi, size=(2, count)),
-        sign * 10.0 ** rng.uniform(-2.0, 0.5, size=(2, count)),
-        rng.normal(scale=3.0, size=(2, count)),
+        rng.uniform(-np.pi, np.pi, size=(joints, count)),
+        sign * 10.0 ** rng.uniform(-2.0, 0.5, size=(joints, count)),
+        rng.normal(scale=3.0, size=(joints, count)),
         sign,
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symbolic.evaluation import feedback, motion_words, own_signs, shape_values, shaped
+from symbolic.evaluation import feedback, motion_words, shape_values, shaped, signs
 from symbolic.language.instant import Operation, split_memory
 from symbolic.language.torque import torques
 from symbolic.language.words import FEEDBACK
@@ -46,9 +46,9 @@ def memory_signals(
     env, at = motion_words(motion), shape_values(model, shapes)
     if any(operation.argument.names() & FEEDBACK for _, _, operation in operations):
         env |= feedback(model, base_columns(), linear)
-    for k, (term, joint, operation) in enumerate(operations):
+    for k, (term, _, operation) in enumerate(operations):
         words = {**env, **shaped(term, at)}
-        argument = to_numpy(operation.argument, words, own_signs(motion, joint))
+        argument = to_numpy(operation.argument, words, signs(motion))
         signal = np.broadcast_to(argument, motion.t.shape)
         extra = [] if operation.parameter is None else [float(to_numpy(operation.parameter, words))]
         values[:, k] = MEMORY[operation.operator](motion.t, signal, *extra)

@@ -23,9 +23,12 @@ from ground.html import lines, table
 from ground.lazy import takes_methods
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
+from symbolic.joints import LEG, Joint, check_joints
+from symbolic.language.torque import check_units
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float, Motion
-from symbolic.term import Parameter, ShapeParameter, Term
+from symbolic.quantity import JOINTS
+from symbolic.term import Parameter, ShapeParameter, Term, places_of
 
 if TYPE_CHECKING:
     from symbolic.mechanics.mechanism import Mechanism
@@ -63,11 +66,24 @@ class Model:
     terms: tuple[Term, ...] = ()
     custom: tuple[Effect, ...] = ()
     """Effects of the user's own, known beside the catalogue whether or not they are among the terms."""
+    chain: tuple[Joint, ...] = ()
+    """Joints of a machine that is not the leg; empty for the leg. Its gravity may be 0."""
 
     def __post_init__(self) -> None:
+        if self.chain:
+            check_joints(self.chain)
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
-            if not (math.isfinite(value) and value > 0.0):
+            if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
                 raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
+        for effect in self.custom:
+            check_custom(effect, self.joints)
+        for term in self.terms:
+            if term.among is not self.joints and term.among != self.joints:
+                raise EffectError(
+                    f"{term.name} belongs to a machine with other joints", where=self.name, remedy="use with_effect()"
+                )
+            if term.effect.custom:
+                check_units(term)
         names = [term.name for term in self.terms]
         for name in names:
             if names.count(name) > 1:
@@ -89,9 +105,9 @@ class Model:
         """
         if isinstance(effect, str):
             name, _, place = effect.partition(":")
-            term = Term(self.find_effect(name), joint or place or None)
+            term = Term(self.find_effect(name), joint or place or None, self.joints)
         else:
-            term = Term(effect, joint)
+            term = Term(effect, joint, self.joints)
         return replace(self, terms=(*self.terms, term))
 
     def without(self, term_name: str) -> Model:
@@ -115,15 +131,46 @@ class Model:
             return own[id]
         return find_effect(id)
 
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints (J,), in the order of every axis of length J."""
+        return self.chain or LEG
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints (J,)."""
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def inertial(self) -> tuple[Parameter, ...]:
+        """Base parameters of the rigid machine."""
+        if not self.chain:
+            bounds = {"Phi1": 0.0, "Phi2": 0.0}
+            return tuple(
+                Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None)
+                for name in INERTIAL
+            )
+        from symbolic.mechanics.base_parameters import base_parameters
+
+        found = enumerate(base_parameters(self.chain, self.gravity), 1)
+        return tuple(
+            Parameter(
+                f"Phi{k}", f"Φ{k} = {p.formula(self.chain)}", p.unit, 0.0 if p.positive else None, None,
+                rf"\Phi_{{{k}}}", None,
+            )
+            for k, p in found
+        )  # fmt: skip
+
+    @property
+    def base_count(self) -> int:
+        """How many parameters the model without terms has: inertial, then two of friction per joint."""
+        return len(self.inertial) + 2 * len(self.joints)
+
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Linear parameters (P,), in the order of the columns."""
-        bounds = {"Phi1": 0.0, "Phi2": 0.0}
-        inertial = tuple(
-            Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None)
-            for name in INERTIAL
-        )
-        return inertial + friction_parameters() + tuple(p for term in self.terms for p in term.parameters)
+        own = tuple(p for term in self.terms for p in term.parameters)
+        return self.inertial + friction_parameters(self.joints) + own
 
     @cached_property
     def shapes(self) -> tuple[ShapeParameter, ...]:
@@ -142,7 +189,13 @@ class Model:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism in symbols, with the changes its derived terms make."""
+        """The leg's mechanism in symbols, with the changes its derived terms make; EffectError for another machine."""
+        if self.chain:
+            raise EffectError(
+                "only the leg with hip and knee is derived with symbols for its lengths",
+                where=self.name,
+                remedy="ask symbolic.mechanics.tree.tree_form, whose lengths are numbers",
+            )
         from symbolic.mechanics.rigid import rigid
 
         return rigid(self.derived).mechanism
@@ -156,12 +209,28 @@ class Model:
         def key(self) -> str: ...  # noqa: D102
 
     def _repr_html_(self) -> str:
-        size = f"thigh {self.thigh_length:g} m, gravity {self.gravity:g} m/s²"
+        size = f"gravity {self.gravity:g} m/s²"
+        machine = f"joints {', '.join(self.joint_names)}" if self.chain else f"thigh {self.thigh_length:g} m"
         linear = [(p.name, p.label, p.unit, p.min, p.max) for p in self.parameters]
         shape = [(s.name, s.shape.explains or "shape", s.shape.unit, s.shape.min, s.shape.max) for s in self.shapes]
         rows = table(("number", "meaning", "unit", "at least", "at most"), [*linear, *shape])
-        return lines(size, strong=self.name) + rows
+        return lines(f"{machine}, {size}", strong=self.name) + rows
 
     def __repr__(self) -> str:
         terms = "".join(f" + {term.name}" for term in self.terms)
-        return f"Model({self.name!r}: rigid leg + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
+        machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
+        return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
+
+
+def check_custom(effect: Effect, joints: tuple[Joint, ...]) -> None:
+    """Refuse a user's effect that has no place among the joints, or not the unit of one of its own."""
+    unknown = [name for name in effect.joints if name not in ("both", *(joint.name for joint in joints))]
+    if unknown and effect.joints != JOINTS:
+        raise EffectError(
+            f"joints are {effect.joints!r}; the machine has no {', '.join(unknown)}",
+            where=effect.id,
+            remedy=f"use {', '.join(joint.name for joint in joints)}",
+        )
+    if effect.torque is not None:
+        for place in (None,) if effect.on_both and joints is LEG else places_of(effect, joints):
+            check_units(Term(effect, place, joints))

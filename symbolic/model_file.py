@@ -7,18 +7,21 @@ that a diagnosis considers them; an `[[effects]]` table puts any effect, custom 
 from __future__ import annotations
 
 import dataclasses
+import math
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ground.errors import ExoidError, ExpressionError, ModelFileError
+from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
 from ground.files import write_whole
 from ground.inputs import open_input
 from ground.toml_reader import Table
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
+from symbolic.joints import LEG, Joint, check_joints, parents
 from symbolic.model import TABLE_1, Limits, Model
 from symbolic.quantity import JOINTS
 
@@ -62,7 +65,7 @@ def read_numbers(path: str | Path) -> Numbers | None:
     found = {key: table.table(key) for key in ("parameters", "shape") if key in table.values}
     linear = _values(found.get("parameters"), [p.name for p in model.parameters])
     shape = _values(found.get("shape"), [s.name for s in model.shapes])
-    delta = tuple(table.numbers("delta", 2, low=0.0)) if "delta" in table.values else None
+    delta = tuple(table.numbers("delta", len(model.joints), low=0.0)) if "delta" in table.values else None
     return Numbers(linear, shape, delta)
 
 
@@ -78,14 +81,15 @@ def write_model(model: Model, path: str | Path, fit: Identified | None = None) -
 
 def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]:
     """Return the content of the model file as plain data."""
-    content: dict[str, Any] = {
-        "name": model.name,
-        "geometry": {"thigh_length": model.thigh_length, "gravity": model.gravity},
-        "limits": {
+    content: dict[str, Any] = {"name": model.name}
+    if model.chain:
+        content |= {"gravity": model.gravity, "joints": [_joint_content(model, joint) for joint in model.chain]}
+    else:
+        content["geometry"] = {"thigh_length": model.thigh_length, "gravity": model.gravity}
+        content["limits"] = {
             joint: {"angle": list(limit.angle), "velocity": limit.velocity, "acceleration": limit.acceleration}
             for joint, limit in model.limits.items()
-        },
-    }
+        }
     if model.terms:
         content["effects"] = [
             {"id": term.effect.id, **({} if term.joint is None else {"joint": term.joint})} for term in model.terms
@@ -96,6 +100,16 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
     if fit is not None:
         content["identified"] = _identified_content(model, fit)
     return content
+
+
+def _joint_content(model: Model, joint: Joint) -> dict[str, Any]:
+    """Return a joint and its limits; what is left out stays left out."""
+    content: dict[str, Any] = {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
+    limit = model.limits.get(joint.name)
+    if limit is not None:
+        ends = list(limit.angle) if math.isfinite(limit.angle[0]) else None
+        content |= {"position": ends, "velocity": limit.velocity, "acceleration": limit.acceleration}
+    return {key: value for key, value in content.items() if value is not None and value != math.inf}
 
 
 def custom_content(effect: Effect) -> dict[str, Any]:
@@ -166,18 +180,10 @@ def _load(path: str | Path) -> Table:
 
 
 def _model(top: Table) -> Model:
-    top.only("name", "geometry", "limits", "effects", "custom_effects", "identified")
-    geometry = top.table("geometry") if "geometry" in top.values else top.child("geometry", {})
-    geometry.only("thigh_length", "gravity")
+    top.only("name", "geometry", "limits", "gravity", "joints", "base", "effects", "custom_effects", "identified")
     if "identified" in top.values:
         top.table("identified").only("parameters", "shape", "delta", "loss", "rms")
-    model = Model(
-        name=top.text("name", "unnamed leg"),
-        thigh_length=geometry.number("thigh_length", 0.40, above=0.0, below=2.0),
-        gravity=geometry.number("gravity", 9.81, above=0.0, below=100.0),
-        limits=_limits(top),
-        custom=_custom_effects(top),
-    )
+    model = _machine(top) if "joints" in top.values else _leg(top)
     for entry in top.tables("effects"):
         entry.only("id", "joint")
         joint = entry.text("joint", "")
@@ -186,6 +192,85 @@ def _model(top: Table) -> Model:
         except ExoidError as error:
             raise entry.error("joint" if joint and "joint" in str(error) else "id", error.what, error.remedy) from error
     return model
+
+
+def _leg(top: Table) -> Model:
+    """Return the leg of a file that has [geometry] and [limits.hip], [limits.knee]."""
+    for key in ("gravity", "base"):
+        if key in top.values:
+            raise top.error(key, f"{key} belongs to a file with [[joints]]", "write gravity below [geometry]")
+    geometry = top.table("geometry") if "geometry" in top.values else top.child("geometry", {})
+    geometry.only("thigh_length", "gravity")
+    return Model(
+        name=top.text("name", "unnamed leg"),
+        thigh_length=geometry.number("thigh_length", 0.40, above=0.0, below=2.0),
+        gravity=geometry.number("gravity", 9.81, above=0.0, below=100.0),
+        limits=_limits(top),
+        custom=_custom_effects(top, LEG),
+    )
+
+
+def _machine(top: Table) -> Model:
+    """Return the machine of a file with [[joints]]: two that are hip and knee are the leg."""
+    for key in ("geometry", "limits"):
+        if key in top.values:
+            raise top.error(key, f"{key} does not go with [[joints]]", "write lengths and limits below each joint")
+    if "base" in top.values:
+        base = top.table("base")
+        base.only("motion")
+        if base.text("motion", "fixed") != "fixed":
+            raise base.error("motion", f"a base with motion {base.text('motion')!r} is not supported", 'use "fixed"')
+    gravity = top.number("gravity", 9.81, above=-1e-300, below=100.0)
+    entries = top.tables("joints")
+    joints = tuple(_joint(entry) for entry in entries)
+    try:
+        check_joints(joints)
+    except EffectError as error:
+        found = re.match(r"joint (\d+)", error.where)
+        place = entries[int(found[1]) - 1] if found else top
+        raise place.error("name" if found else "joints", error.what, error.remedy) from error
+    given = {joint.name: _joint_limits(entry) for joint, entry in zip(joints, entries, strict=True)}
+    limits = {joint: limit for joint, limit in given.items() if limit is not None}
+    name = top.text("name", "unnamed machine")
+    if gravity > 0.0 and _is_leg(joints):
+        known = {joint: _filled(limits[joint], usual) if joint in limits else usual for joint, usual in TABLE_1.items()}
+        custom = _custom_effects(top, LEG)
+        return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
+    return Model(name, gravity=gravity, limits=limits, custom=_custom_effects(top, joints), chain=joints)
+
+
+def _is_leg(joints: tuple[Joint, ...]) -> bool:
+    plain = all(joint.turns for joint in joints) and parents(joints) == (None, 0)[: len(joints)]
+    return plain and tuple(joint.name for joint in joints) == JOINTS
+
+
+def _joint(entry: Table) -> Joint:
+    entry.only("name", "kind", "length", "parent", "position", "velocity", "acceleration")
+    length = entry.number("length", above=0.0, below=100.0) if "length" in entry.values else None
+    parent = entry.text("parent") if "parent" in entry.values else None
+    return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent)
+
+
+def _joint_limits(entry: Table) -> Limits | None:
+    """Return the limits below a joint, infinite where one is left out; None where there are none."""
+    if not {"position", "velocity", "acceleration"} & entry.values.keys():
+        return None
+    low, high = entry.numbers("position", 2) if "position" in entry.values else (-math.inf, math.inf)
+    if not low < high:
+        raise entry.error("position", f"the range [{low}, {high}] is empty", "give [low, high] with low < high")
+    return Limits(
+        (low, high),
+        *(entry.number(key, math.inf, above=0.0) for key in ("velocity", "acceleration")),
+    )
+
+
+def _filled(limit: Limits, usual: Limits) -> Limits:
+    """Return limits with the usual ones where they are left out."""
+    return Limits(
+        limit.angle if math.isfinite(limit.angle[0]) else usual.angle,
+        min(limit.velocity, usual.velocity) if math.isinf(limit.velocity) else limit.velocity,
+        min(limit.acceleration, usual.acceleration) if math.isinf(limit.acceleration) else limit.acceleration,
+    )
 
 
 def _limits(top: Table) -> Mapping[str, Limits]:
@@ -210,11 +295,11 @@ def _limits(top: Table) -> Mapping[str, Limits]:
     return limits
 
 
-def _custom_effects(top: Table) -> tuple[Effect, ...]:
+def _custom_effects(top: Table, machine: tuple[Joint, ...]) -> tuple[Effect, ...]:
     found: dict[str, Effect] = {}
     for entry in top.tables("custom_effects"):
         try:
-            effect = read_custom_effect(entry)
+            effect = read_custom_effect(entry, machine)
         except ExpressionError as error:
             raise ExpressionError(
                 error.what, where=f"{entry.place('torque')}:\n{error.where}", remedy=error.remedy

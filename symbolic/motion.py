@@ -1,4 +1,4 @@
-"""A motion of the leg: what every regressor is evaluated on."""
+"""A motion of the machine: what every regressor is evaluated on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def read_only(array: object) -> Float:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Time stamps `t` (N,) in s and, per joint, `q`, `dq`, `ddq` (N, J) in rad, rad/s, rad/s².
+    """Time stamps `t` (N,) in s and, per joint, `q`, `dq`, `ddq` (N, J) in rad, rad/s, rad/s² (m where it slides).
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
@@ -37,7 +37,7 @@ class Motion:
         sign = np.sign(self.dq) if self.sign is None else self.sign
         for name, value in (("t", self.t), ("q", self.q), ("dq", self.dq), ("ddq", self.ddq), ("sign", sign)):
             object.__setattr__(self, name, read_only(value))
-        shape = (self.t.shape[0], 2)
+        shape = (self.t.shape[0], self.q.shape[1] if self.q.ndim == 2 else 1)
         if self.payload is not None:
             object.__setattr__(self, "payload", read_only(self.payload))
         for name in ("q", "dq", "ddq", "sign"):

@@ -5,11 +5,12 @@ names.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ground.errors import EffectError
 from symbolic.effect import Effect, Shape
+from symbolic.joints import LEG, Joint, parents
 from symbolic.language.deflection import deflected
 from symbolic.quantity import JOINTS
 
@@ -52,32 +53,50 @@ class ShapeParameter:
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """An `effect` at a `joint` ("hip", "knee"), or on both (None)."""
+    """An `effect` at a `joint` (its name), or on both joints of the leg (None); `among` are the machine's joints.
+
+    Where the machine is not the leg, an effect on both is one on a joint and the next, and `joint` is the first.
+    """
 
     effect: Effect
     joint: str | None
+    among: tuple[Joint, ...] = LEG
 
     def __post_init__(self) -> None:
         effect = self.effect
-        if effect.on_both and self.joint is not None:
+        if self.among is LEG and effect.on_both and self.joint is not None:
             raise EffectError(
                 f"{effect.id} acts on both joints at once",
                 where=f"{effect.id}:{self.joint}",
                 remedy=f"leave the joint out: {effect.id}",
             )
-        if not effect.on_both and self.joint not in effect.joints:
-            reason = effect.absorbed_on.get(str(self.joint), "")
+        places = places_of(effect, self.among)
+        if not (self.among is LEG and effect.on_both) and self.joint not in places:
+            reason = self._why_not()
             raise EffectError(
                 f"{effect.id} needs a joint"
-                if self.joint is None
+                if self.joint is None and places
                 else f"{effect.id} has no place at {self.joint!r}" + (f": {reason}" if reason else ""),
                 where=effect.id,
-                remedy="use " + " or ".join(f"{effect.id}:{joint}" for joint in effect.joints),
+                remedy="use " + " or ".join(f"{effect.id}:{joint}" for joint in places)
+                if places
+                else "use another effect: this one has no place on this machine",
             )
+
+    def _why_not(self) -> str:
+        """Return the reason why the effect cannot be at its joint, where one is known."""
+        effect = self.effect
+        if self.among is LEG:
+            return effect.absorbed_on.get(str(self.joint), "")
+        if effect.derive is not None or effect.deflection is not None:
+            return "it is derived from the mechanism of the leg with hip and knee"
+        if self.joint in [joint.name for joint in self.among] and effect.absorbed_on:
+            return "the base model contains it already"
+        return ""
 
     @property
     def name(self) -> str:
-        """Full name: "stribeck:knee", or "gravity_tilt" for an effect on both joints."""
+        """Full name: "stribeck:knee", or "gravity_tilt" for an effect on both joints of the leg."""
         return self.effect.id if self.joint is None else f"{self.effect.id}:{self.joint}"
 
     @cached_property
@@ -88,7 +107,7 @@ class Term:
             Parameter(
                 name=f"{self.name}.{key}",
                 label=f"{title} {self.joint or ''}".strip() + (f" ({c.explains})" if c.explains else ""),
-                unit=c.unit,
+                unit=self.unit(c.unit),
                 min=c.min,
                 max=c.max,
                 latex=_latex(key, self.effect.id, self.joint),
@@ -101,25 +120,64 @@ class Term:
     @cached_property
     def shapes(self) -> tuple[ShapeParameter, ...]:
         """The term's shape parameters, in the order of the effect."""
-        return tuple(ShapeParameter(f"{self.name}.{key}", shape, self.name) for key, shape in self.effect.shape.items())
+        return tuple(
+            ShapeParameter(f"{self.name}.{key}", self._shape(shape), self.name)
+            for key, shape in self.effect.shape.items()
+        )
+
+    @property
+    def first(self) -> int:
+        """Index of the term's joint, of the first of them for an effect on two."""
+        return 0 if self.joint is None else [joint.name for joint in self.among].index(self.joint)
+
+    def unit(self, unit: str) -> str:
+        """Return a unit of the catalogue as it is at the term's joint: N for N·m, m for rad where that slides."""
+        if self.effect.custom or self.among[self.first].turns:
+            return unit
+        for turning, sliding in (("kg·m²", "kg"), ("N·m", "N"), ("rad", "m")):
+            unit = unit.replace(turning, sliding)
+        return unit
+
+    def _shape(self, shape: Shape) -> Shape:
+        unit = self.unit(shape.unit)
+        return shape if unit == shape.unit else replace(shape, unit=unit)
 
     @property
     def texts(self) -> Iterator[tuple[int, str]]:
         """Yield (joint index, torque text) of every joint the effect acts on; nothing for a derived effect."""
         torque = self.effect.torque
         if isinstance(torque, str):
-            yield JOINTS.index(str(self.joint)), torque
+            yield self.first, torque
         elif torque is not None:
-            yield from ((JOINTS.index(joint), text) for joint, text in torque.items())
+            yield from ((self.first + JOINTS.index(joint), text) for joint, text in torque.items())
         elif self.effect.deflection is not None:
-            yield from deflected(self.effect.deflection, JOINTS.index(str(self.joint)))
+            yield from deflected(self.effect.deflection, self.first)
 
     @property
     def reaches(self) -> tuple[int, ...]:
         """Indices of the joints whose torque the effect changes."""
-        if self.joint is None or self.effect.deflection is not None:
-            return tuple(range(len(JOINTS)))
-        return (JOINTS.index(self.joint),)
+        if self.effect.deflection is not None or self.effect.derive is not None:
+            return tuple(range(len(self.among)))
+        if self.effect.on_both:
+            return self.first, self.first + 1
+        return (self.first,)
+
+
+def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str, ...]:
+    """Return the joints of a machine at which an effect can be; for one on two joints, the first of them."""
+    names = tuple(joint.name for joint in among)
+    if among is LEG:
+        return () if effect.on_both else effect.joints
+    if effect.derive is not None or effect.deflection is not None:
+        return ()
+    above = parents(among)
+    if effect.on_both:
+        return tuple(name for k, name in enumerate(names) if k + 1 < len(names) and above[k + 1] == k)
+    if effect.custom and effect.joints != JOINTS:
+        return tuple(joint for joint in effect.joints if joint in names)
+    if effect.absorbed_on:
+        return tuple(name for k, name in enumerate(names) if above[k] is not None)
+    return names
 
 
 def _latex(key: str, effect: str, joint: str | None) -> str:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from ground.files import sha256, write_whole
 from ground.text import in_comment
-from symbolic.codegen.equation import STATE, Expressions, model_expressions
-from symbolic.codegen.fingerprint import equations_key, library_versions
-from symbolic.quantity import JOINTS
+from symbolic.codegen.equation import Expressions, model_expressions
+from symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
+from symbolic.codegen.layout import state_names, widths
+from symbolic.mechanics.base_parameters import base_parameters
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -26,15 +27,26 @@ NEWTON_STEPS = 4
 smooth.
 """
 
-MEANING = {
-    "columns": "non-zero entries of the regressor Y, in the order of the table below",
-    "inverse_dynamics": "torque (hip, knee) in N m for a motion",
-    "forward_dynamics": "acceleration (hip, knee) in rad/s^2 for a torque; the accelerations in `state` are not used",
-    "mass_matrix": "M, 2 x 2 by columns, of the rigid leg",
-    "coriolis": "Christoffel C, 2 x 2 by columns, of the rigid leg",
-    "gravity": "G (hip, knee) of the rigid leg, N m",
-    "jacobian": "J, 2 x 2 by columns, of a point on the shank `reach` m below the knee",
-}
+
+def meanings(model: Model) -> dict[str, str]:
+    """Return {function: what it computes}."""
+    names, square = ", ".join(model.joint_names), f"{len(model.joints)} x {len(model.joints)}"
+    torque, rate = "N m", "rad/s^2"
+    rigid, end = "leg", "the shank `reach` m below the knee"
+    if model.chain:
+        rigid, end = "machine", f"the last link `reach` m beyond {model.joint_names[-1]}"
+    if not all(joint.turns for joint in model.joints):
+        torque, rate = "N m or N", "rad/s^2 or m/s^2"
+    return {
+        "columns": "non-zero entries of the regressor Y, in the order of the table below",
+        "inverse_dynamics": f"torque ({names}) in {torque} for a motion",
+        "forward_dynamics": f"acceleration ({names}) in {rate} for a torque; "
+        "the accelerations in `state` are not used",
+        "mass_matrix": f"M, {square} by columns, of the rigid {rigid}",
+        "coriolis": f"Christoffel C, {square} by columns, of the rigid {rigid}",
+        "gravity": f"G ({names}) of the rigid {rigid}, {torque}",
+        "jacobian": f"J, 2 x {len(model.joints)} by columns, of a point on {end}",
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,17 +70,17 @@ class Sources:
 
 
 def functions(expressions: Expressions) -> dict[str, Any]:
-    """Return the CasADi functions {name: Function}, each of (state (9,), linear (P,), shape (S,), memory
-    (K,), extra).
+    """Return the CasADi functions {name: Function}, each of (state (1 + 4 J,), linear (P,), shape (S,),
+    memory (K,), extra).
 
-    `extra` is the torque (2,) for forward_dynamics and `reach` for jacobian; the others have none.
+    `extra` is the torque (J,) for forward_dynamics and `reach` for jacobian; the others have none.
     """
     import casadi
 
     x = expressions
     state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign)
     inputs = [state, x.linear, x.shape, x.memory]
-    tau = casadi.SX.sym("tau", 2)
+    tau = casadi.SX.sym("tau", x.q.numel())
     outputs = {
         "columns": (inputs, casadi.vertcat(*(entry for _, _, entry in x.columns))),
         "inverse_dynamics": (inputs, x.torque),
@@ -93,14 +105,21 @@ def _forward(casadi: Any, x: Expressions, tau: Any) -> Any:
         "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau], [x.torque - tau, slope]
     )
     linear = not casadi.depends_on(slope, x.ddq)
-    acceleration = casadi.SX.zeros(2)
+    acceleration = casadi.SX.zeros(x.q.numel())
     for _ in range(1 if linear else NEWTON_STEPS):
         r, m = residual(acceleration, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau)
-        m = casadi.densify(m)
-        det = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
-        step = casadi.vertcat(m[1, 1] * r[0] - m[0, 1] * r[1], m[0, 0] * r[1] - m[1, 0] * r[0]) / det
-        acceleration = acceleration - step
+        acceleration = acceleration - _solved(casadi, casadi.densify(m), r)
     return acceleration
+
+
+def _solved(casadi: Any, m: Any, r: Any) -> Any:
+    """Return m⁻¹ r: Cramer's rule for two joints, elimination for more."""
+    if r.numel() == 1:
+        return r / m
+    if r.numel() > 2:
+        return casadi.solve(m, r)
+    det = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+    return casadi.vertcat(m[1, 1] * r[0] - m[0, 1] * r[1], m[0, 0] * r[1] - m[1, 0] * r[0]) / det
 
 
 def generate(model: Model) -> Sources:
@@ -108,14 +127,14 @@ def generate(model: Model) -> Sources:
     expressions = model_expressions(model)
     made = functions(expressions)
     entries = [(joint, parameter) for joint, parameter, _ in expressions.columns]
-    code = _TITLE + _casadi_text(made) + _loops(len(expressions.memories), len(entries))
+    code = _TITLE + _casadi_text(made) + _loops(len(model.joints), len(expressions.memories), len(entries))
     header = _header(model, entries, [memory.operator for memory in expressions.memories])
     needed = reference_needed(expressions)
     manifest = {
         "model": model_record(model),
         "equations": equations_key(model),
         "versions": library_versions(),
-        "regressor": [f"{JOINTS[joint]} {model.parameters[p].name}" for joint, p in entries],
+        "regressor": [f"{model.joint_names[joint]} {model.parameters[p].name}" for joint, p in entries],
         "regressor_needs_reference": needed,
         "operations": {name: operations(function) for name, function in made.items()},
         "sha256": {f"{PREFIX}.c": sha256(code), f"{PREFIX}.h": sha256(header)},
@@ -133,9 +152,12 @@ def reference_needed(expressions: Expressions) -> bool:
 
 def model_record(model: Model) -> dict[str, Any]:
     """Return the model as plain data: geometry, terms, and its numbers with their units."""
+    lengths: dict[str, Any] = {"thigh_length": model.thigh_length}
+    if model.chain:
+        lengths = {"joints": [joint_record(joint) for joint in model.chain]}
     return {
         "name": model.name,
-        "thigh_length": model.thigh_length,
+        **lengths,
         "gravity": model.gravity,
         "terms": [term.name for term in model.terms],
         "parameters": {parameter.name: parameter.unit for parameter in model.parameters},
@@ -148,6 +170,9 @@ def inertial(model: Model) -> dict[str, str]:
     """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
     from symbolic.mechanics.rigid import rigid
 
+    if model.chain:
+        found = base_parameters(model.chain, model.gravity)
+        return {p.name: base.formula(model.chain) for p, base in zip(model.inertial, found, strict=True)}
     form = rigid(model.derived).regressor
     return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
 
@@ -193,20 +218,15 @@ def _casadi_text(made: dict[str, Any]) -> str:
 _TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited by hand. See the header. */\n"
 
 
-def _loops(memories: int, entries: int) -> str:
+def _loops(joints: int, memories: int, entries: int) -> str:
     """Return the C loops over samples; arrays are row by row, a sample per row."""
-    text = "\n/* Loops over samples: `state` (n, 9), `memory` (n, K), `extra` and `out` row by row. */\n"
+    states, extras = len(state_names(joints)), {"forward_dynamics": joints, "jacobian": 1}
+    text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
-    for name, width, extra in (
-        ("columns", entries, 0),
-        ("inverse_dynamics", 2, 0),
-        ("forward_dynamics", 2, 2),
-        ("mass_matrix", 4, 0),
-        ("coriolis", 4, 0),
-        ("gravity", 2, 0),
-        ("jacobian", 4, 1),
-    ):
-        text += _LOOP.format(prefix=PREFIX, name=name, width=width, extra=extra, memories=memories, states=len(STATE))
+    for name, width in {"columns": entries, **widths(joints)}.items():
+        text += _LOOP.format(
+            prefix=PREFIX, name=name, width=width, extra=extras.get(name, 0), memories=memories, states=states
+        )
     return text + "#ifdef __cplusplus\n}\n#endif\n"
 
 
@@ -232,15 +252,20 @@ CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, cons
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
     parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
-    table = [f"  {k}: {in_comment(f'Y[{JOINTS[j]}][{model.parameters[p].name}]')}" for k, (j, p) in enumerate(entries)]
+    names, state = model.joint_names, state_names(len(model.joints))
+    table = [f"  {k}: {in_comment(f'Y[{names[j]}][{model.parameters[p].name}]')}" for k, (j, p) in enumerate(entries)]
+    sliding = "" if all(joint.turns for joint in model.joints) else "; m for rad where a joint slides"
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
         "    const double *shape, const double *memory, const double *extra, double *out);\n"
-        for name, meaning in MEANING.items()
+        for name, meaning in meanings(model).items()
     )
     return _HEADER.format(
         name=in_comment(model.name),
-        state=", ".join(STATE),
+        state=", ".join(state),
+        count=len(state),
+        joints=", ".join(names),
+        units="s, rad, rad/s, rad/s^2, -1..1" + sliding,
         parameters="\n".join(parameters),
         shapes="\n".join(shapes) or "  none",
         memories="\n".join(f"  {k}: {word}" for k, word in enumerate(memories)) or "  none",
@@ -252,7 +277,7 @@ def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -
 
 _HEADER = """/* Written by `exoid generate` from the model "{name}"; never edited by hand.
 
-state (9 per sample): {state}  [s, rad, rad/s, rad/s^2, -1..1]
+state ({count} per sample): {state}  [{units}]
 linear:
 {parameters}
 shape:
@@ -262,7 +287,7 @@ memory (one value per sample of each operator with memory):
 entries of the regressor:
 {table}
 
-`extra` is the torque (hip, knee) for forward_dynamics, `reach` for jacobian, and NULL for the rest. */
+`extra` is the torque ({joints}) for forward_dynamics, `reach` for jacobian, and NULL for the rest. */
 #ifndef {guard}
 #define {guard}
 #ifdef __cplusplus

@@ -13,21 +13,18 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
+from symbolic.codegen.layout import STEMS, state_names
 from symbolic.language.deflection import JOINT_NUMBERS, STATES
 from symbolic.language.instant import split_memory
 from symbolic.language.torque import is_transform, torques, uses_slopes
-from symbolic.mechanics.friction import FRICTION
+from symbolic.mechanics.friction import friction
 from symbolic.mechanics.lagrange import mechanics
+from symbolic.mechanics.newton_euler import point
 from symbolic.mechanics.rigid import rigid, symbols_of
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.model import Model
     from symbolic.term import Term
-
-STATE = ("t", "theta1", "theta2", "dtheta1", "dtheta2", "ddtheta1", "ddtheta2", "sign1", "sign2")
-"""Names of the motion at an instant, in the order of the generated code's `state`."""
-
 
 @dataclass(frozen=True, eq=False)
 class MemorySignal:
@@ -45,11 +42,11 @@ class MemorySignal:
 class Expressions:
     """A model in CasADi SX.
 
-    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (2,), `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
     (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
-    serves there as reference. `rigid`, `base` (rigid and friction) and `torque` (all) are torques (2,) in
-    N·m, `terms` the torque (2,) of each term, transforms included (they have no columns). M, C (2, 2) and G
-    (2,) belong to `rigid`.
+    serves there as reference. `rigid`, `base` (rigid and friction) and `torque` (all) are torques (J,) in
+    N·m, `terms` the torque (J,) of each term, transforms included (they have no columns). M, C (J, J) and G
+    (J,) belong to `rigid`.
     """
 
     t: Any
@@ -88,7 +85,8 @@ class _Builder:
 
         self.ca = casadi
         self.model = model
-        self.state = {name: casadi.SX.sym(name) for name in STATE}
+        self.count = len(model.joints)
+        self.state = {name: casadi.SX.sym(name) for name in state_names(self.count)}
         self.linear = casadi.SX.sym("linear", len(model.parameters))
         self.shape = casadi.SX.sym("shape", len(model.shapes))
         self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
@@ -103,10 +101,10 @@ class _Builder:
         ca = self.ca
         known = {"a_th": ca.SX(self.model.thigh_length), "g": ca.SX(self.model.gravity)}
         rigid_torque = self._rigid({**self.state, **self.numbers, **known})
-        for term in FRICTION:
+        for term in friction(self.model.joints):
             self._text(term, {"c": term.name})
         base = self._sum(self.columns)
-        for j in range(len(JOINTS)):
+        for j in range(self.count):
             self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
         if any(uses_slopes(term) for term in self.model.terms):
             for n in JOINT_NUMBERS:
@@ -134,7 +132,7 @@ class _Builder:
         return self.model.parameters[parameter].term == term.name
 
     def _sum(self, entries: list[tuple[int, int, Any]]) -> Any:
-        total = self.ca.SX(2, 1)
+        total = self.ca.SX(self.count, 1)
         for joint, parameter, expression in entries:
             total[joint] += expression * self.linear[parameter]
         return total
@@ -142,6 +140,8 @@ class _Builder:
     def _rigid(self, symbols: dict[str, Any]) -> Any:
         from symbolic.codegen.translate import casadi_from_sympy
 
+        if self.model.chain:
+            return self._tree()
         form = rigid(self.model.derived)
         for k, name in enumerate(form.names):
             for joint, value in enumerate(casadi_from_sympy(list(form.matrix[:, k]), symbols)):
@@ -151,6 +151,19 @@ class _Builder:
         self.reach = self.ca.SX.sym("reach")
         entries = casadi_from_sympy(list(jacobian), {**symbols, "reach": self.reach})
         self.jacobian = self.ca.reshape(self.ca.vertcat(*entries), 2, 2).T
+        return self._sum(self.columns)
+
+    def _tree(self) -> Any:
+        """Add the columns of a machine that is not the leg; what Lagrange gives is held against Newton and Euler."""
+        from symbolic.codegen.tree_columns import tree_columns
+
+        ca, joints = self.ca, self.model.chain
+        motion = [[self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3]]
+        for p, column in enumerate(tree_columns(joints, self.model.gravity, *motion)):
+            self.columns += [(joint, p, entry) for joint, entry in enumerate(column) if not entry.is_zero()]
+        self.reach = ca.SX.sym("reach")
+        end = ca.vertcat(*point(joints, motion[0], self.count - 1, self.reach, ca))
+        self.jacobian = ca.jacobian(end, ca.vertcat(*motion[0]))
         return self._sum(self.columns)
 
     def _text(self, term: Term, names: Mapping[str, str]) -> None:
@@ -183,7 +196,7 @@ class _Builder:
     def _transform(self, term: Term) -> Any:
         from symbolic.codegen.translate import casadi_from_sympy
 
-        total = self.ca.SX(2, 1)
+        total = self.ca.SX(self.count, 1)
         for torque in torques(term):
             form, words = self._lowered(term, torque)
             total[torque.joint] += casadi_from_sympy([form], words)[0]
@@ -216,8 +229,9 @@ class _Builder:
 
     def _result(self, rigid_torque: Any, base: Any, torque: Any, terms: dict[str, Any]) -> Expressions:
         ca = self.ca
-        q, dq, ddq, sign = (ca.vertcat(self.state[f"{s}1"], self.state[f"{s}2"]) for s in _PAIRS)
-        still = ca.substitute(rigid_torque, ddq, ca.SX.zeros(2))
+        q, dq, ddq, sign = (ca.vertcat(*(self.state[f"{s}{k + 1}"] for k in range(self.count))) for s in STEMS)
+        rest = ca.SX.zeros(self.count)
+        still = ca.substitute(rigid_torque, ddq, rest)
         mass = ca.jacobian(rigid_torque, ddq)
         return Expressions(
             t=self.state["t"],
@@ -236,21 +250,19 @@ class _Builder:
             memories=tuple(self.memories),
             M=mass,
             C=_christoffel(ca, mass, q, dq),
-            G=ca.substitute(still, dq, ca.SX.zeros(2)),
+            G=ca.substitute(still, dq, rest),
             J=self.jacobian,
             reach=self.reach,
         )
 
 
-_PAIRS = ("theta", "dtheta", "ddtheta", "sign")
-
-
 def _christoffel(ca: Any, mass: Any, q: Any, dq: Any) -> Any:
-    """Return the Christoffel C (2, 2) of a mass matrix in CasADi."""
-    slopes = [ca.reshape(ca.jacobian(ca.vec(mass), q[k]), 2, 2) for k in range(2)]
-    coriolis = ca.SX(2, 2)
-    for i in range(2):
-        for j in range(2):
-            for k in range(2):
+    """Return the Christoffel C (J, J) of a mass matrix in CasADi."""
+    count = q.numel()
+    slopes = [ca.reshape(ca.jacobian(ca.vec(mass), q[k]), count, count) for k in range(count)]
+    coriolis = ca.SX(count, count)
+    for i in range(count):
+        for j in range(count):
+            for k in range(count):
                 coriolis[i, j] += 0.5 * dq[k] * (slopes[k][i, j] + slopes[j][i, k] - slopes[i][j, k])
     return coriolis

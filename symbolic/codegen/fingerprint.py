@@ -18,6 +18,7 @@ from ground.files import sha256, write_whole
 
 if TYPE_CHECKING:
     from symbolic.effect import Effect
+    from symbolic.joints import Joint
     from symbolic.model import Model
     from symbolic.term import Term
 
@@ -39,11 +40,15 @@ def equations_key(model: Model) -> str:
 
 def equations(model: Model) -> dict[str, Any]:
     """Return the content that decides the equations, as plain data."""
-    return {
-        "thigh_length": model.thigh_length.hex(),
-        "gravity": model.gravity.hex(),
-        "terms": [term_content(term) for term in model.terms],
-    }
+    content: dict[str, Any] = {"thigh_length": model.thigh_length.hex()}
+    if model.chain:
+        content = {"joints": [joint_record(joint) for joint in model.chain]}
+    return {**content, "gravity": model.gravity.hex(), "terms": [term_content(term) for term in model.terms]}
+
+
+def joint_record(joint: Joint) -> dict[str, Any]:
+    """Return a joint as plain data."""
+    return {"name": joint.name, "kind": joint.kind, "length": joint.length, "parent": joint.parent}
 
 
 def term_content(term: Term) -> dict[str, Any]:

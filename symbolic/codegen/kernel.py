@@ -17,18 +17,16 @@ from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT, NoCompilerWarning
 from symbolic.codegen.fingerprint import equations, equations_key
 from symbolic.codegen.fitness import Fitness, fitness
+from symbolic.codegen.layout import widths
 from symbolic.evaluation import apply_transforms, vector
 from symbolic.memory import memory_operations, memory_signals
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.model import Model
 
 __all__ = ["Compiled", "Fitness", "NoCompilerWarning", "compiled", "fitness"]
 
-WIDTH = {"inverse_dynamics": 2, "forward_dynamics": 2, "mass_matrix": 4, "coriolis": 4, "gravity": 2, "jacobian": 4}
-STATES = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +60,7 @@ class Compiled:
         joint, sample, parameter = (int(k) for k in np.argwhere(~np.isfinite(columns))[0])
         raise ExpressionError(
             f"the torque is not a finite number at sample {sample}",
-            where=f"{self.model.parameters[parameter].name} at the {JOINTS[joint]}",
+            where=f"{self.model.parameters[parameter].name} at the {self.model.joint_names[joint]}",
             remedy="keep log, sqrt, exp and / away from where they have no value, for example with max(...)",
         )
 
@@ -81,7 +79,8 @@ class Compiled:
         states that need not follow each other cannot supply (default: zero).
         """
         values, shapes = self._numbers(linear, shape)
-        torque = np.ascontiguousarray(np.broadcast_to(np.asarray(tau, dtype=float), (len(motion), len(JOINTS))))
+        whole = len(motion), len(self.model.joints)
+        torque = np.ascontiguousarray(np.broadcast_to(np.asarray(tau, dtype=float), whole))
         signals = None if memory is None else np.ascontiguousarray(memory, dtype=float)
         return self._run("forward_dynamics", _state(motion), values, shapes, signals, torque)
 
@@ -99,7 +98,7 @@ class Compiled:
         return self._run("gravity", _state(motion), values, shapes, None, None)
 
     def jacobian(self, motion: Motion, reach: float, shape: Float | None = None) -> Float:
-        """Return J (N, 2, J) of the point on the shank `reach` m below the knee (rows: forward, upward)."""
+        """Return J (N, 2, J) of the point `reach` m down the last link (rows: forward, upward)."""
         return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
 
     def pointwise(self, motion: Motion, linear: Float, shape: Float, first: int = 0) -> Float:
@@ -112,7 +111,8 @@ class Compiled:
         values, shapes = self._numbers(linear, shape)
         given = None if extra is None else np.full((len(motion), 1), extra)
         flat = self._run(name, _state(motion), values, shapes, None, given)
-        return np.ascontiguousarray(flat.reshape(-1, 2, 2).transpose(0, 2, 1))
+        count = len(self.model.joints)
+        return np.ascontiguousarray(flat.reshape(len(motion), count, -1).transpose(0, 2, 1))
 
     def _numbers(self, linear: Any, shape: Float | None) -> tuple[Float, Float]:
         default = np.zeros(len(self.model.parameters))
@@ -126,7 +126,7 @@ class Compiled:
 
     def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None, first: int = 0) -> Float:
         values = self._run("columns", _state(motion), linear, shapes, memory, None)
-        out = np.zeros((len(JOINTS), len(motion), len(self.model.parameters) - first))
+        out = np.zeros((len(self.model.joints), len(motion), len(self.model.parameters) - first))
         for k, (joint, parameter) in enumerate(self.entries):
             if parameter >= first:
                 out[joint, :, parameter - first] += values[:, k]
@@ -136,7 +136,7 @@ class Compiled:
         self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None
     ) -> Float:
         """Evaluate one function at all samples; the result is (N, width)."""
-        width = len(self.entries) if name == "columns" else WIDTH[name]
+        width = len(self.entries) if name == "columns" else widths(len(self.model.joints))[name]
         out = np.zeros((len(state), width))
         if not out.size:
             return out

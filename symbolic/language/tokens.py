@@ -19,7 +19,7 @@ MOST_TOKENS = 600
 
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)"
+    r"|(?P<name>(?:d{0,2}theta|tau_rigid|tau_model)\[[A-Za-z][A-Za-z0-9_]*\]|[A-Za-z][A-Za-z0-9_]*)"
     r"|(?P<mark>\*\*|[-+*/^(),])"
     r"|(?P<blank>[ \t]+)"
 )

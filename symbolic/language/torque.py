@@ -12,7 +12,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from symbolic.language.deflection import SLOPES
-from symbolic.language.words import FEEDBACK, MODEL_TORQUE, read_text
+from symbolic.language.dimensions import check_dimensions
+from symbolic.language.tokens import refusal
+from symbolic.language.tree import Binary, Call, Name, Node, Unary
+from symbolic.language.words import FEEDBACK, MODEL_TORQUE, joint_of, read_text, stem_of, word_dimension
+from symbolic.units import FORCE, TORQUE, dimension
 
 if TYPE_CHECKING:
     from symbolic.term import Term
@@ -29,16 +33,66 @@ class Torque:
 
 
 def torques(term: Term) -> tuple[Torque, ...]:
-    """Return the parsed torque texts of a term; none where its effect changes the mechanism."""
+    """Return the torque texts of a term as trees whose words name joints by number (theta1, dtheta2); none where its
+    effect changes the mechanism. ExpressionError for a word of a joint that the machine does not have.
+    """
     effect = term.effect
     numbers = (*effect.coefficients, *effect.shape)
-    return tuple(_parsed(joint, text, not effect.on_both, numbers) for joint, text in term.texts)
+    names = tuple(joint.name for joint in term.among)
+    return tuple(
+        _parsed(joint, text, not effect.on_both, numbers, names, term.first if effect.on_both else 0)
+        for joint, text in term.texts
+    )
 
 
 @lru_cache(maxsize=1024)
-def _parsed(joint: int, text: str, own: bool, numbers: tuple[str, ...]) -> Torque:
-    node = read_text(text, own, numbers)
+def _parsed(joint: int, text: str, own: bool, numbers: tuple[str, ...], names: tuple[str, ...], first: int) -> Torque:
+    read = read_text(text, own, numbers)
+
+    def numbered(node: Node) -> Node:
+        if isinstance(node, Name):
+            stem = stem_of(node.name)
+            if stem is None or node.name in numbers:
+                return node
+            index = joint_of(node.name, joint, names) if own else _counted_from(first, node.name, names)
+            if index is None:
+                raise refusal(
+                    f"unknown name {node.name!r}: there is no such joint", text, node.span,
+                    f"the joints are {', '.join(f'{k + 1}: {name}' for k, name in enumerate(names))}",
+                )  # fmt: skip
+            return Name(f"{stem}{index + 1}", node.span)
+        if isinstance(node, Unary):
+            return Unary(node.operator, numbered(node.operand), node.span)
+        if isinstance(node, Binary):
+            return Binary(node.operator, numbered(node.left), numbered(node.right), node.span)
+        if isinstance(node, Call):
+            return Call(node.function, tuple(numbered(part) for part in node.arguments), node.span)
+        return node
+
+    node = numbered(read)
     return Torque(joint, text, node, node.names())
+
+
+def _counted_from(first: int, word: str, names: tuple[str, ...]) -> int | None:
+    """Return the joint of a word in an effect on two neighbours: 1 is the first of them."""
+    index = joint_of(word, first, names)
+    if index is None or word.endswith("]"):
+        return index
+    return index + first if index + first < len(names) else None
+
+
+def check_units(term: Term) -> None:
+    """Refuse a user's effect whose torque has not the unit of its joint: N·m where that turns, N where it slides."""
+    effect = term.effect
+    numbers: dict[str, Any] = {**effect.coefficients, **effect.shape}
+    units = {key: dimension(number.unit, f"{effect.id}.{key}") for key, number in numbers.items()}
+    turns = [joint.turns for joint in term.among]
+    names = tuple(str(k + 1) for k in range(len(turns)))
+    for torque in torques(term):
+        of = {word: joint_of(word, torque.joint, names) for word in torque.names if word not in units}
+        words = {word: word_dimension(word, index is None or turns[index]) for word, index in of.items()}
+        wanted = TORQUE if turns[torque.joint] else FORCE
+        check_dimensions(torque.node, torque.text, {**words, **units}, wanted, effect.coefficients)
 
 
 def is_transform(term: Term) -> bool:

@@ -79,7 +79,7 @@ def base_parameters(joints: tuple[Joint, ...], gravity: float) -> tuple[BasePara
 
 def _columns(joints: tuple[Joint, ...], gravity: float) -> list[dict[str, Any]]:
     rng = np.random.default_rng(SEED)
-    states = [rng.normal(size=(len(joints), STATES)) for _ in range(3)]
-    found = link_torques(joints, gravity, *states, np)
+    q, dq, ddq = rng.normal(size=(3, len(joints), STATES))
+    found = link_torques(joints, gravity, q, dq, ddq, np)
     still = np.zeros(STATES)
     return [{kind: np.concatenate([still + torque for torque in row]) for kind, row in one.items()} for one in found]

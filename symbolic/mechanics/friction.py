@@ -1,12 +1,15 @@
-"""The friction every model has: τ_f = k_1 sgn θ' + k_2 θ' at each joint (equation (4) of the paper).
+"""The friction every joint has: τ_f = k_1 sgn θ' + k_2 θ' (equation (4) of the paper), as two ordinary effects.
 
-The paper prints kg·m² behind these four numbers; Coulomb friction is a torque, viscous friction a torque
+The paper prints kg·m² behind the leg's four numbers; Coulomb friction is a torque, viscous friction a torque
 per velocity.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from symbolic.effect import Coefficient, Effect
+from symbolic.joints import LEG, Joint
 from symbolic.term import Parameter, Term
 
 COULOMB = Effect(
@@ -31,14 +34,17 @@ VISCOUS = Effect(
     reference="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994",
 )
 
-FRICTION = (Term(COULOMB, "hip"), Term(VISCOUS, "hip"), Term(COULOMB, "knee"), Term(VISCOUS, "knee"))
-"""The friction terms of every model, in the order of the paper's Φ5 to Φ8."""
+
+@lru_cache(maxsize=64)
+def friction(joints: tuple[Joint, ...] = LEG) -> tuple[Term, ...]:
+    """Return Coulomb and viscous friction of every joint; for the leg in the order of the paper's Φ5 to Φ8."""
+    return tuple(Term(effect, joint.name, joints) for joint in joints for effect in (COULOMB, VISCOUS))
 
 
-def friction_parameters() -> tuple[Parameter, ...]:
-    """Return the four friction parameters; they have the name of their term, being its only number."""
+def friction_parameters(joints: tuple[Joint, ...] = LEG) -> tuple[Parameter, ...]:
+    """Return the friction parameters (2 J,); they have the name of their term, being its only number."""
     parameters = []
-    for place, term in zip(("11", "12", "21", "22"), FRICTION, strict=True):
+    for k, term in enumerate(friction(joints)):
         (single,) = term.parameters
         parameters.append(
             Parameter(
@@ -47,7 +53,7 @@ def friction_parameters() -> tuple[Parameter, ...]:
                 unit=single.unit,
                 min=single.min,
                 max=single.max,
-                latex=f"k_{{{place}}}",
+                latex=f"k_{{{k // 2 + 1}{k % 2 + 1}}}",
                 term=None,
                 typical=single.typical,
             )

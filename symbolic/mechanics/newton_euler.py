@@ -53,6 +53,13 @@ def link_torques(
     return found
 
 
+def point(joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, lib: Any) -> Vector:
+    """Return where a point of link `index` is, `along` it in m: to the front and upwards from the base, m."""
+    still = [0.0 * angle for angle in q]
+    frame = _frames(joints, 0.0, q, still, still, lib)[index]
+    return _add(frame.origin, _scale(along, frame.e))
+
+
 def _frames(
     joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
 ) -> list[_Frame]:

@@ -79,7 +79,7 @@ BOTH = {"hip": "c * theta1", "knee": "c * theta2"}
     [
         ({"id": "Brake!"}, "is not an effect's id"),
         ({"id": ""}, "is not an effect's id"),
-        ({"joints": ("ankle",)}, "joints are"),
+        ({"joints": ("an kle",)}, "joints are"),
         ({"joints": ()}, "joints are"),
         ({"joints": ("hip", "hip")}, "joints are"),
         ({"joints": ("hip", "both")}, "joints are"),

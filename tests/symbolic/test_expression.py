@@ -244,8 +244,8 @@ def test_the_longest_text_still_parses_and_lowers():
 
 def test_the_catalogue_loads_without_symbolic_algebra():
     code = (
-        "import sys, symbolic.catalogue, symbolic.effect_declaration, symbolic.language.lower;"
-        "symbolic.catalogue.catalogue();"
+        "import sys, symbolic.effect_declaration, symbolic.language.lower;"
+        "from symbolic.catalogue import catalogue; catalogue();"
         "print([m for m in ('sympy', 'casadi', 'scipy', 'matplotlib') if m in sys.modules])"
     )
     root = Path(__file__).resolve().parents[2]

@@ -1,0 +1,19 @@
+"""How the arrays of the generated code are laid out, for any number of joints."""
+
+from __future__ import annotations
+
+STEMS = ("theta", "dtheta", "ddtheta", "sign")
+
+
+def state_names(count: int) -> tuple[str, ...]:
+    """Return the names of the motion of `count` joints at an instant, in the order of the generated code's `state`."""
+    return ("t", *(f"{stem}{k + 1}" for stem in STEMS for k in range(count)))
+
+
+def widths(count: int) -> dict[str, int]:
+    """Return {function: numbers per sample} for `count` joints, without the columns."""
+    square = count * count
+    return {
+        "inverse_dynamics": count, "forward_dynamics": count, "mass_matrix": square, "coriolis": square,
+        "gravity": count, "jacobian": 2 * count,
+    }  # fmt: skip

@@ -1,0 +1,58 @@
+"""Columns of a planar tree in CasADi: Lagrange's, confirmed by Newton and Euler; the latter's own where there are many
+joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from symbolic.codegen.translate import casadi_from_sympy
+from symbolic.joints import Joint
+from symbolic.mechanics.base_parameters import base_parameters
+from symbolic.mechanics.newton_euler import link_torques
+
+LONGEST_SYMBOLIC = 6
+"""Joints up to which Lagrange's equations are the shorter form; Newton and Euler's recursion is used beyond."""
+CONFIRMED = 1e-10
+"""Largest difference allowed between the two, relative to the largest entry of the regressor."""
+STATES, SEED = 20, 20263
+
+
+class DerivationError(ArithmeticError):
+    """Two derivations of the same machine disagree: an error in exoid."""
+
+
+def tree_columns(
+    joints: tuple[Joint, ...], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any]
+) -> list[list[Any]]:
+    """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
+
+    DerivationError where Lagrange and Newton-Euler differ at random states.
+    """
+    import casadi
+
+    parameters = base_parameters(joints, gravity)
+    links = link_torques(joints, gravity, q, dq, ddq, casadi)
+    recursive = [[casadi.SX(entry) for entry in links[p.link][p.kind]] for p in parameters]
+    if len(joints) > LONGEST_SYMBOLIC:
+        return recursive
+    from symbolic.mechanics.tree import tree_form
+
+    form = tree_form(joints, gravity)
+    symbols = {
+        f"{stem}{k + 1}": symbol
+        for stem, row in zip(("theta", "dtheta", "ddtheta"), (q, dq, ddq), strict=True)
+        for k, symbol in enumerate(row)
+    }
+    columns = [casadi_from_sympy(list(form.matrix[:, k]), symbols) for k in range(len(parameters))]
+    both = [casadi.vertcat(*(entry for column in found for entry in column)) for found in (columns, recursive)]
+    function = casadi.Function("both", [casadi.vertcat(*q, *dq, *ddq)], both)
+    states = np.random.default_rng(SEED).normal(size=(3 * len(joints), STATES))
+    derived, wanted = (np.asarray(values) for values in function(states))
+    if np.max(np.abs(derived - wanted), initial=0.0) > CONFIRMED * np.max(np.abs(wanted), initial=1.0):
+        names = ", ".join(joint.name for joint in joints)
+        raise DerivationError(f"Lagrange and Newton-Euler disagree on the machine with joints {names}")
+    return columns
