@@ -12,8 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symbolic.codegen.tree_columns import CONFIRMED
+from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
+from symbolic.mechanics.newton_euler import link_torques
 from symbolic.mechanics.regressor import compare_with_printed, regressor
+from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
@@ -42,6 +46,8 @@ class Check:
 
 def check_equations(model: Model) -> tuple[Check, ...]:
     """Return every check of the model's equations; all of them should hold."""
+    if model.chain:
+        return _tree_checks(model)
     mechanism = model.mechanism
     motion = mechanics(mechanism)
     found = [
@@ -57,6 +63,49 @@ def check_equations(model: Model) -> tuple[Check, ...]:
         agreement(model),
     ]
     return tuple(found)
+
+
+def _tree_checks(model: Model) -> tuple[Check, ...]:
+    """Return the checks of a machine that is not the leg, at random states of random links that could exist."""
+    from symbolic.codegen.kernel import compiled
+    from symbolic.motion import Motion
+
+    rng, joints = np.random.default_rng(SEED), model.chain
+    bare, count = compiled(model.base()), len(model.chain)
+    motion = Motion(np.arange(float(STATES)), *rng.normal(size=(3, STATES, count)))
+    mass, along, own = rng.uniform(0.5, 3.0, count), rng.uniform(0.05, 0.3, count), rng.uniform(0.01, 0.2, count)
+    links = {"J": own + mass * along**2, "X": mass * along, "m": mass}
+    phi = [
+        links[p.kind][p.link] + sum(factor * links[kind][link] for link, kind, factor in p.parts)
+        for p in base_parameters(joints, model.gravity)
+    ]
+    linear = np.array([*phi, *([0.0] * 2 * count)])
+    torques = link_torques(joints, model.gravity, [*motion.q.T], [*motion.dq.T], [*motion.ddq.T], np)
+    still = np.zeros(STATES)
+    wanted = np.zeros((STATES, count))
+    for k, one in enumerate(torques):
+        for kind, rows in one.items():
+            wanted += links[kind][k] * np.column_stack([row + still for row in rows])
+    found = bare.inverse_dynamics(motion, linear)
+    m, c = bare.mass_matrix(motion, linear), bare.coriolis(motion, linear)
+    assembled = np.einsum("nij,nj->ni", m, motion.ddq) + np.einsum("nij,nj->ni", c, motion.dq)
+    eigenvalues = np.linalg.eigvalsh(m)
+    size = float(np.max(np.abs(wanted)))
+    return (
+        _close("Newton and Euler's torque", found - wanted, size, "the links' own masses give the same torque"),
+        _close("M is symmetric", m - m.transpose(0, 2, 1), float(np.max(np.abs(m))), "M - Mᵀ"),
+        Check(
+            "M is positive definite", bool(eigenvalues.min() > 0.0), "tried",
+            f"smallest eigenvalue {float(np.min(eigenvalues[:, 0] / eigenvalues[:, -1])):.3g} of its largest",
+        ),
+        _close("equation of motion", assembled + bare.gravity(motion, linear) - found, size, "M θ'' + C θ' + G"),
+        agreement(model),
+    )  # fmt: skip
+
+
+def _close(name: str, difference: Float, size: float, detail: str) -> Check:
+    worst = float(np.max(np.abs(difference), initial=0.0)) / max(size, 1e-300)
+    return Check(name, worst <= CONFIRMED, "tried", f"{detail}: to {worst:.1e} on {STATES} random states")
 
 
 def _zero(name: str, matrix: Any, detail: str) -> Check:
@@ -189,7 +238,7 @@ def agreement(model: Model) -> Check:
     from symbolic.motion import Motion
 
     rng = np.random.default_rng(SEED)
-    motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, 2)) for _ in range(3)))
+    motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))
     linear = rng.normal(size=len(model.parameters))
     fast, slow = compiled(model), compiled(model, "vm")
     if fast.backend == "vm":

@@ -201,7 +201,8 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     states = random_states(STATES, len(model.joints))
     inputs = (*states, memory_values(model), generic_linear(model), model.typical_shape)
     values = np.asarray(function(*inputs)) if chosen else np.zeros((0, STATES))
-    stacked = values.reshape(len(chosen), len(model.joints), STATES).transpose(2, 1, 0).reshape(-1, len(chosen))
+    rows = len(model.joints)
+    stacked = values.reshape(len(chosen), rows, STATES).transpose(2, 1, 0).reshape(rows * STATES, len(chosen))
     return Tangents(tuple(name for name, _ in chosen), stacked, function, inputs)
 
 

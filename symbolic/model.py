@@ -222,6 +222,16 @@ class Model:
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
 
 
+def require_leg(model: Model, what: str, where: str = "") -> None:
+    """Refuse a machine that is not the leg; EffectError says `what` serves the leg alone."""
+    if model.chain:
+        raise EffectError(
+            f"{what} serves the leg with hip and knee; this machine has {', '.join(model.joint_names)}",
+            where=where or model.name,
+            remedy="give a model with [geometry]; for other machines there is exoid generate MODEL",
+        )
+
+
 def check_custom(effect: Effect, joints: tuple[Joint, ...]) -> None:
     """Refuse a user's effect that has no place among the joints, or not the unit of one of its own."""
     unknown = [name for name in effect.joints if name not in ("both", *(joint.name for joint in joints))]

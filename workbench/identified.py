@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.errors import ExoidError
-from symbolic.model import Model
+from symbolic.model import Model, require_leg
 from symbolic.model_file import Numbers, read_model, read_numbers
 from symbolic.quantity import JOINTS
 from workbench.reserved import is_taken
@@ -93,6 +93,7 @@ def read_ready(path: str) -> Ready:
 
 def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     """Put `numbers` into `model`; ExportError for a number that is missing or not finite."""
+    require_leg(model, "exoid export", where)
     import casadi as ca
 
     from symbolic.codegen.code import functions

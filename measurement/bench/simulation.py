@@ -30,7 +30,7 @@ from measurement.bench.sensors import Sensors
 from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.model import Model
+from symbolic.model import Model, require_leg
 from symbolic.motion import Motion
 
 Array = NDArray[np.float64]
@@ -151,6 +151,7 @@ def run(
 ) -> Run:
     """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`."""
     model = Model.standard() if model is None else model
+    require_leg(model, "the virtual bench")
     leg = standard_leg() if leg is None else leg
     bench = Bench() if bench is None else bench
     hidden = tuple(effects)

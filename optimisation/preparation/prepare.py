@@ -42,7 +42,7 @@ from optimisation.fitting.assemble import assemble
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from symbolic.model import Model
+from symbolic.model import Model, require_leg
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
@@ -210,6 +210,7 @@ def prepare(
     recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
     """
     check_method(derivative)
+    require_leg(model, "identification")
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
     recordings, verify, doubled = held_apart(recordings, verify)

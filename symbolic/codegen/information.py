@@ -21,6 +21,7 @@ from symbolic.codegen.compiler import FAST
 from symbolic.codegen.fingerprint import equations
 from symbolic.codegen.instructions import PREAMBLE, scalar_c
 from symbolic.columns import model_columns, model_torque, needs_reference
+from symbolic.model import require_leg
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
 
@@ -166,6 +167,7 @@ def information(
     """
     from symbolic.memory import memory_operations
 
+    require_leg(model, "the design of motions")
     names = number_names(model)
     rates = np.asarray(np.arange(1, harmonics + 1) * (2.0 * np.pi / period), dtype=float)
     linear, shape = np.asarray(linear, dtype=float), np.asarray(shape, dtype=float)

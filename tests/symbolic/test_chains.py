@@ -5,6 +5,7 @@ import pytest
 
 from ground.errors import EffectError, ExoidError, ExpressionError
 from symbolic import Coefficient, Effect, Model, Motion, read_model, write_model
+from symbolic.check import check_equations
 from symbolic.codegen import tree_columns
 from symbolic.codegen.code import generate
 from symbolic.codegen.kernel import compiled
@@ -181,6 +182,21 @@ def test_the_header_names_the_joints():
     assert "state (13 per sample): t, theta1, theta2, theta3" in made.header
     assert "torque (hip, knee, ankle) in N m" in made.header and '"joints"' in made.manifest
     assert "J_ankle" in made.manifest
+
+
+@pytest.mark.parametrize(("joints", "gravity"), [(KNEE, 9.81), (LEG3, 9.81), (TREE, 9.81), (DRIVE, 0.0)])
+def test_every_check_of_a_machine_holds(joints, gravity):
+    assert [str(one) for one in check_equations(machine(joints, gravity)) if not one.holds] == []
+
+
+def test_what_serves_the_leg_alone_says_so():
+    from measurement.bench.simulation import simulate
+    from optimisation.preparation.prepare import prepare
+
+    recording = simulate(duration=4.0)
+    for ask in (lambda: simulate(machine(LEG3)), lambda: prepare(machine(LEG3), [recording])):
+        with pytest.raises(EffectError, match=r"serves the leg .* this machine has hip, knee, ankle"):
+            ask()
 
 
 TEXT = """name = "leg with ankle"

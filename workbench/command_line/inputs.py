@@ -40,15 +40,20 @@ class Inputs:
         return {"cutoff": self.cutoff, "derivative": self.derivative}
 
 
-def load_model(path: str | None) -> Model:
-    """Return the model in the file `path`, or the standard leg for None."""
-    from symbolic.model import Model
+def load_model(path: str | None, any_machine: bool = False) -> Model:
+    """Return the model in the file `path`, or the standard leg for None; refuses one that is not the leg unless
+    `any_machine`.
+    """
+    from symbolic.model import Model, require_leg
 
     if path is None:
         return Model.standard()
     from symbolic.model_file import read_model
 
-    return read_model(path)
+    model = read_model(path)
+    if not any_machine:
+        require_leg(model, "this command", path)
+    return model
 
 
 def load(args: argparse.Namespace) -> Inputs:

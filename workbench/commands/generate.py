@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     check_places(args)
-    model = load_model(args.model)
+    model = load_model(args.model, any_machine=True)
     folder = Path(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
     with progress("deriving the equations", quiet=args.quiet) as report:
