@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
 from symbolic.columns import model_torque, rigid_model
-from symbolic.evaluation import BASE, RIGID
 from symbolic.language.deflection import SLOW
 from symbolic.language.lower import to_numpy
 from symbolic.language.operators import slow
@@ -69,7 +68,7 @@ def rigid_torque(true: TrueModel, motion: Motion) -> Array:
     """Return the rigid-body part (N, J) N·m of the torque."""
     numbers, bare = true.numbers(), rigid_model(true.model)
     linear = np.array([numbers[entry.name] for entry in bare.parameters])
-    linear[RIGID:BASE] = 0.0
+    linear[len(bare.inertial) : bare.base_count] = 0.0
     return model_torque(bare, motion, linear, np.array([numbers[entry.name] for entry in bare.shapes]))
 
 
