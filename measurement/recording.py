@@ -120,6 +120,22 @@ class Recording:
 
         return pd.DataFrame(self.columns())
 
+    def to_polars(self) -> Any:
+        """Return a polars DataFrame of the canonical columns, as `to_frame`."""
+        import polars as pl
+
+        return pl.DataFrame(self.columns())
+
+    def to_xarray(self) -> Any:
+        """Return an xarray Dataset of the canonical columns over the time, each with its unit."""
+        import xarray as xr
+
+        columns = self.columns()
+        time = columns.pop("t")
+        units = {"q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
+        data = {name: ("t", cells, {"units": units[name.rstrip("0123456789")]}) for name, cells in columns.items()}
+        return xr.Dataset(data, coords={"t": ("t", time, {"units": "s"})}, attrs={"name": self.name})
+
     def plot(self) -> Figure:
         """Draw angles and torques over time."""
         return angles_and_torques(self.name, self.t, self.q, self.tau, self.valid)

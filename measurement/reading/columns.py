@@ -182,9 +182,14 @@ def _same(one: RawColumn, other: RawColumn) -> bool:
 
 
 def _same_clock(one: RawColumn, other: RawColumn) -> bool:
-    """Whether two columns are one clock, counted from another instant or in a thousandth or so of its unit."""
+    """Whether two columns are one clock, counted from another instant or in a thousandth or so of its unit.
+
+    Signals that were logged each with a time of its own (`q1.Time`, `tau1.Time`) do not share rows, so they must agree.
+    """
     if _same(one, other):
         return True
+    if re.search(r"[./]", one.name + other.name):
+        return False
     good = np.isfinite(one.values) & np.isfinite(other.values)
     if good.sum() < 10 or good.mean() < 0.9:
         return False

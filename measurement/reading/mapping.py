@@ -62,7 +62,7 @@ def entries(path: Path) -> list[tuple[list[str], Told]]:
     try:
         text = read_input(path, MOST_BYTES, remember=False).decode("utf-8-sig")
         values = tomllib.loads(text)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return []
     except (OSError, ValueError, RecursionError) as error:
         raise RecordingError(

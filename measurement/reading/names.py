@@ -58,7 +58,8 @@ PLANES = frozenset({"s"})
 FOREIGN = frozenset(
     {
         "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "error", "err",
-        "model", "simulated", "predicted", "feedforward", "goal", "demand", "setpt", "std", "variance",
+        "model", "simulated", "predicted", "feedforward", "goal", "commands", "targets", "references", "setpoints",
+        "goals", "demand", "setpt", "std", "variance",
     }
 )  # fmt: skip
 """Anywhere in a name, also in that of its group, these say that it is not a measurement."""

@@ -20,7 +20,7 @@ from measurement.reading.frames import table_from
 from measurement.reading.mapping import FILE, Told, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
-from measurement.reading.sources import digest, expand, find_formats, opened
+from measurement.reading.sources import digest, expand, find_formats, folder_of, opened
 from measurement.reading.split_stamps import join_split
 from measurement.reading.unusable import mask_unusable
 from measurement.recording import Recording, Source
@@ -100,10 +100,11 @@ def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, 
     with opened(path) as real:
         origin = Source(str(path), digest(real))
         table = join_split(read_table(real, str(path)))
-    kept = remembered(path.parent, table.names)
+    home = folder_of(path)
+    kept = remembered(home, table.names)
     if kept:
         note = Finding(
-            "mapping", "info", f"columns as kept in {path.parent / FILE}: {kept}", str(path),
+            "mapping", "info", f"columns as kept in {home / FILE}: {kept}", str(path),
             remedy="--map, --units and --leg come before it",
         )  # fmt: skip
         table = replace(table, notes=(*table.notes, note))
@@ -155,12 +156,14 @@ def read_table(path: Path, where: str = "") -> RawTable:
 
 def _read_table(path: Path) -> RawTable:
     try:
-        head = b""
-        if not path.is_dir():
+        head, suffix = b"", path.suffix.lower()
+        if path.is_dir():
+            suffix = ".mcap"  # nothing but a folder that ROS 2 wrote comes so far
+        else:
             with open_input(path, remember=False) as stream:
                 head = stream.read(1024)
         by_content = [m for m in find_formats() if any(head.startswith(s) for s in m.SIGNATURES)]
-        by_suffix = [m for m in find_formats() if path.suffix.lower() in m.SUFFIXES]
+        by_suffix = [m for m in find_formats() if suffix in m.SUFFIXES]
         chosen = by_content or by_suffix
         if len(by_content) > 1:
             chosen = [m for m in by_content if m in by_suffix] or by_content

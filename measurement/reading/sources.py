@@ -137,6 +137,12 @@ def _in_archive(path: Path) -> tuple[Path, str] | None:
     return None
 
 
+def folder_of(path: Path) -> Path:
+    """Return the folder in which a recording lies; of a member of an archive, that of the archive."""
+    inside = None if path.exists() else _in_archive(path)
+    return (path if inside is None else inside[0]).parent
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[Path]:
     """Yield an ordinary file (or a ROS 2 folder) with the content of `path`, which may lie in an archive.
@@ -151,8 +157,17 @@ def opened(path: Path) -> Iterator[Path]:
         ) from error
     if inside is None:
         _check(path)
-        yield path
-        return
+        if path.suffix.lower() != ".zip":
+            yield path
+            return
+        found = members(path)
+        if len(found) > 1:
+            raise RecordingError(
+                f"the archive holds {len(found)} recordings: {', '.join(found[:8])}",
+                where=str(path),
+                remedy=f"name one: {path}/{found[0]}, or read them all with read_recordings",
+            )
+        inside = path, found[0]
     archive, member = inside
     with tempfile.TemporaryDirectory(prefix="exoid-") as folder:
         target = Path(folder) / f"member{PurePosixPath(member).suffix.lower()}"

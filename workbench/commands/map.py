@@ -31,6 +31,7 @@ def run(args: argparse.Namespace) -> int:
     """Show the columns, ask for what is not said, check the answer and keep it."""
     from measurement.reading.mapping import FILE, Told, entries, remember
     from measurement.reading.read import open_table
+    from measurement.reading.sources import folder_of
     from workbench.command_line.files import check_json, make_folder
 
     if args.json and args.json != "-":
@@ -38,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     told = Told(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
     table = open_table(args.file)
-    folder = Path(args.out) if args.out else Path(args.file).parent
+    folder = Path(args.out) if args.out else folder_of(Path(args.file))
     kept = [mapping for header, mapping in entries(folder / FILE) if header == table.names]
     if kept and not told:
         told = kept[-1]

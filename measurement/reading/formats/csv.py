@@ -29,13 +29,20 @@ APART = "\u2009"
 UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
 
 
-def read(path: Path) -> RawTable:
-    """Return the columns of the text table at `path`; raises RecordingError for an empty or a binary file."""
+def read(path: Path, skip: int = 0) -> RawTable:
+    """Return the columns of the text table at `path`; raises RecordingError for an empty or a binary file.
+
+    `skip` bytes at the beginning are not part of the table; its lines are counted all the same.
+    """
     budget = Budget(str(path))
     # The bytes, their text, and the numbers in it, which are there at the same time.
     budget.take(2 * path.stat().st_size, "the text")
-    text, notes = decode(path.read_bytes(), where=str(path))
+    data = path.read_bytes()
+    above = data[:skip].count(b"\n")
+    text, notes = decode(data[skip:], where=str(path))
+    del data
     layout = sniff(text, where=str(path))
+    layout = replace(layout, first_line=layout.first_line + above)
     notes += layout.notes
     body = text[layout.body_start :]
     del text

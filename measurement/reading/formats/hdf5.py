@@ -36,9 +36,9 @@ def read(path: Path) -> RawTable:
         budget.count()
         if name.startswith("#") or not isinstance(item, h5py.Dataset):
             return
-        _refuse_elsewhere(item, path)
+        refuse_elsewhere(item, path)
         if item.dtype.kind in "iufbVOSU":
-            budget.take(_size(item) + (TEXT * item.size if item.dtype.kind in "OSU" else 0), f"dataset {name}")
+            budget.take(size_of(item) + (TEXT * item.size if item.dtype.kind in "OSU" else 0), f"dataset {name}")
 
     def visit(name: str, item: Any) -> None:
         nonlocal objects
@@ -81,11 +81,11 @@ def refuse_matlab_objects(path: Path, arrays: dict[str, Any]) -> None:
             where=str(path),
             remedy="in MATLAB: s = table2struct(timetable2table(T), 'ToScalar', true); "
             "save('run.mat', '-struct', 's'), "
-            "with the time as seconds(T.Time)",
+            "with the time as seconds(T.Time); or pip install 'exoid[matlab]' reads tables and time series as they are",
         )
 
 
-def _refuse_elsewhere(item: Any, path: Path) -> None:
+def refuse_elsewhere(item: Any, path: Path) -> None:
     """Refuse a dataset whose numbers lie in other files: a recording must not make anything else be read."""
     if item.is_virtual or item.external:
         kind = "virtual" if item.is_virtual else "stored outside"
@@ -96,7 +96,7 @@ def _refuse_elsewhere(item: Any, path: Path) -> None:
         )
 
 
-def _size(item: Any) -> int:
+def size_of(item: Any) -> int:
     """Return the bytes that reading a dataset takes: its cells, twice where they are converted, and a chunk."""
     chunk = int(np.prod(item.chunks, dtype=float)) if item.chunks else 0
     return max(item.size * max(item.dtype.itemsize, 8), chunk * item.dtype.itemsize)

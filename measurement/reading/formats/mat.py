@@ -42,11 +42,15 @@ def read(path: Path) -> RawTable:
     with path.open("rb") as stream:
         head = stream.read(1024)
     if head.startswith(SIGNATURES[1]) or hdf5.SIGNATURES[0] in head:
-        return hdf5.read(path)
+        table = _with_objects(path) if _is_safe_with_objects(path) else None
+        return hdf5.read(path) if table is None else table
     import scipy.io
 
     try:
         _refuse_bombs(path)
+        # The header says where the objects lie: tables, timetables, time series.
+        if head[116:124].strip(b"\x00 ") and (table := _with_objects(path)) is not None:
+            return table
         content = scipy.io.loadmat(str(path), struct_as_record=True, squeeze_me=True, appendmat=False)
     except (*DAMAGE, scipy.io.matlab.MatReadError) as error:
         raise RecordingError(
@@ -91,6 +95,132 @@ def _refuse_bombs(path: Path) -> None:
                 while piece and not unpack.eof:
                     budget.take(len(unpack.decompress(piece, 1 << 22)), "a packed variable")
                     piece = unpack.unconsumed_tail
+
+
+def _is_safe_with_objects(path: Path) -> bool:
+    """Whether a file of version 7.3 holds objects; RecordingError where they take too much or lie in other files."""
+    import h5py
+
+    budget = Budget(str(path))
+
+    def walk(group: Any) -> None:
+        for key in group:
+            budget.count()
+            if not isinstance(group.get(key, getlink=True), h5py.HardLink):
+                raise RecordingError(
+                    f"{key[:40]} is a link to elsewhere, which is not followed", where=str(path), remedy="save it again"
+                )
+            item = group[key]
+            if isinstance(item, h5py.Group):
+                walk(item)
+            elif isinstance(item, h5py.Dataset):
+                hdf5.refuse_elsewhere(item, path)
+                budget.take(hdf5.size_of(item), f"dataset {key[:40]}")
+
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if "#subsystem#" not in file:
+                return False
+            walk(file)
+            return True
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError):
+        return False  # damaged: refused with its reason when it is read
+
+
+def _with_objects(path: Path) -> RawTable | None:
+    """Return the columns of a file with tables, timetables or time series; None where nothing in it can be read so."""
+    try:
+        import matio
+    except ImportError:
+        return None
+    try:
+        content = matio.load_from_mat(str(path), add_table_attrs=True)
+    except Exception:  # noqa: BLE001 - a damaged file raises whatever its bytes happen to hit; SciPy's message is better
+        return None
+    arrays: dict[str, Any] = {}
+    labels: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
+    for name, value in content.items():
+        if not str(name).startswith("__"):
+            _object(str(name), value, arrays, labels, units, depth=0)
+    try:
+        return table_from_arrays(label_matrices(arrays, labels), where=str(path), units=units)
+    except RecordingError:
+        return None
+
+
+def _object(
+    name: str, value: Any, arrays: dict[str, Any], labels: dict[str, list[str]], units: dict[str, str], depth: int
+) -> None:
+    """Put the columns of a table, of a time series, or of the fields of a struct into `arrays`."""
+    if depth > 8:
+        return
+    if hasattr(value, "properties"):
+        value = np.ravel(value)[0] if isinstance(value, np.ndarray) else value
+        found = {str(key).strip("_").lower(): item for key, item in dict(value.properties).items()}
+        time, data = _time_of(found), found.get("data")
+        if time is not None and data is not None:
+            arrays[f"{name}.Time"], arrays[f"{name}.Data"] = time, np.squeeze(np.asarray(data))
+        return
+    if hasattr(value, "columns") and hasattr(value, "iloc"):
+        import pandas as pd
+
+        kinds = (pd.DatetimeIndex, pd.TimedeltaIndex)
+        if isinstance(value.index, kinds):
+            arrays[f"{name}.Time"] = np.asarray((value.index - value.index[0]) / np.timedelta64(1, "s"), dtype=float)
+            units[f"{name}.Time"] = "s"
+        told = _texts(value.attrs)
+        for k, column in enumerate(value.columns):
+            cells = value.iloc[:, k]
+            if isinstance(cells.dtype, np.dtype) and cells.dtype.kind in "iufb":
+                arrays[f"{name}.{column}"] = cells.to_numpy(dtype=float)
+            elif cells.dtype.kind in "mM":
+                arrays[f"{name}.{column}"] = (cells - cells.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
+                units[f"{name}.{column}"] = "s"
+            units.setdefault(f"{name}.{column}", told[k] if k < len(told) else "")
+        return
+    if isinstance(value, dict):
+        for key, item in value.items():
+            _object(f"{name}.{key}", item, arrays, labels, units, depth + 1)
+        return
+    array = np.asarray(value)
+    if array.dtype == object and array.size == 1 and not array.dtype.names:
+        _object(name, array.ravel()[0], arrays, labels, units, depth + 1)
+        return
+    if array.dtype.names and array.size == 1:
+        for key in array.dtype.names:
+            _object(f"{name}.{key}", array[key].ravel()[0], arrays, labels, units, depth + 1)
+        return
+    _flatten(name, np.squeeze(array), arrays, labels, depth)
+
+
+def _time_of(found: dict[str, Any]) -> Any:
+    """Return the stamps of a time series: its own, or those its start and increment give; None where it has none."""
+    time = found.get("time")
+    if time is not None and np.size(time) > 1:
+        return np.squeeze(np.asarray(time))
+    info = found.get("timeinfo")
+    info = np.ravel(info)[0] if isinstance(info, np.ndarray) else info
+    if info is None or not hasattr(info, "properties"):
+        return None
+    inner = {str(key).strip("_").lower(): item for key, item in dict(info.properties).items()}
+    if np.size(inner.get("time", ())) > 1:
+        return np.squeeze(np.asarray(inner["time"]))
+    try:
+        start, step, count = (float(np.ravel(inner[key])[0]) for key in ("start", "increment", "length"))
+    except (KeyError, IndexError, TypeError, ValueError):
+        return None
+    usable = all(np.isfinite([start, step, count])) and 1 < count < 1e8
+    return start + step * np.arange(int(count)) if usable else None
+
+
+def _texts(attributes: Any) -> list[str]:
+    """Return the units of the variables of a table, empty where it says none."""
+    for key in ("VariableUnits", "varUnits"):
+        found = attributes.get(key) if hasattr(attributes, "get") else None
+        if found is not None and np.size(found):
+            return [str(text) for text in np.ravel(np.asarray(found, dtype=object))]
+    return []
 
 
 def _flatten(name: str, value: Any, arrays: dict[str, Any], labels: dict[str, list[str]], depth: int) -> None:

@@ -1,0 +1,108 @@
+"""Spreadsheets (Excel, OpenDocument) through python-calamine, which is an optional extra.
+
+The first sheet that holds a table is read, as a text table would be: names, perhaps a row of units, rows of numbers.
+Formulas count as the value that was stored with them; nothing is computed.
+"""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ground.errors import RecordingError
+from measurement.finding import Finding
+from measurement.reading.names import recognise
+from measurement.reading.raw import RawTable, column_from_cells, split_unit
+from measurement.reading.units import is_unit
+
+SUFFIXES = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
+SIGNATURES = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
+MOST_BYTES, MOST_ROWS = 200_000_000, 1_100_000
+HEAD_ROWS = 100
+
+
+def read(path: Path) -> RawTable:
+    """Return the columns of the table; raises RecordingError when there is none or python-calamine is missing."""
+    try:
+        import python_calamine
+    except ImportError as error:
+        raise RecordingError(
+            "spreadsheets need the package python-calamine, which is not installed",
+            where=str(path),
+            remedy="pip install 'exoid[excel]', or save the sheet as CSV",
+        ) from error
+    if path.stat().st_size > MOST_BYTES:
+        raise RecordingError("the spreadsheet is too large", where=str(path), remedy="save the sheet as CSV")
+    try:
+        with python_calamine.CalamineWorkbook.from_path(str(path)) as book:
+            for name in book.sheet_names:
+                rows = book.get_sheet_by_name(name).to_python(skip_empty_area=True, nrows=MOST_ROWS)
+                found = _table(rows, str(path))
+                if found is not None:
+                    what = f"sheet {name!r} was read"
+                    others = len(book.sheet_names) - 1
+                    note = Finding(
+                        "format", "info", what + (f", {others} others were not" if others else ""), str(path)
+                    )
+                    return replace(found, notes=(*found.notes, note)) if others else found
+    except (python_calamine.CalamineError, OSError, ValueError, TypeError, OverflowError) as error:
+        raise RecordingError(
+            f"the spreadsheet is damaged or incomplete ({error})", where=str(path), remedy="save it again, or as CSV"
+        ) from error
+    raise RecordingError(
+        "no sheet of the spreadsheet holds a table of numbers",
+        where=str(path),
+        remedy="one row of column names and one row of numbers per sample",
+    )
+
+
+def _table(rows: list[list[Any]], where: str) -> RawTable | None:
+    """Return the table in the cells of a sheet, None where there is none."""
+    first = next((i for i, row in enumerate(rows[:HEAD_ROWS]) if _is_data(row)), None)
+    if first is None or len(rows) - first < 2:
+        return None
+    width = max(len(row) for row in rows[first : first + 50])
+    head = [[str(cell).strip() for cell in row] for row in rows[:first]]
+    units = [""] * width
+    if len(head) > 1 and _share(head[-1], is_unit) > 0.6 and _share(head[-2], is_unit) < 0.5:
+        units = [cell.strip("[]() ") for cell in head.pop()]
+    named = head[-1] if head else [str(k + 1) for k in range(width)]
+    if head and not any(recognise(cell) for cell in named):
+        named = next((row for row in reversed(head) if any(recognise(cell) for cell in row)), named)
+    columns = []
+    for k in range(width):
+        cells = [_cell(row[k]) if k < len(row) else None for row in rows[first:]]
+        name, unit = split_unit(named[k] if k < len(named) else "")
+        if name or any(cell not in (None, "") for cell in cells):
+            columns.append(column_from_cells(name or str(k + 1), _numbers(cells), units[k] if k < len(units) else unit))
+            columns[-1] = replace(columns[-1], unit=columns[-1].unit or unit)
+    return RawTable(tuple(columns), np.arange(first + 1, len(rows) + 1))
+
+
+def _is_data(row: list[Any]) -> bool:
+    filled = [cell for cell in row if cell != ""]
+    kinds = (int, float, datetime.datetime, datetime.time, datetime.timedelta)
+    return len(filled) > 1 and sum(isinstance(c, kinds) and not isinstance(c, bool) for c in filled) > 0.6 * len(filled)
+
+
+def _share(row: list[str], test: Any) -> float:
+    filled = [cell for cell in row if cell]
+    return sum(bool(test(cell.strip("[]() "))) for cell in filled) / len(filled) if filled else 0.0
+
+
+def _cell(cell: Any) -> Any:
+    """Return a cell as a number or a text; a time of day is what a clock would show."""
+    if isinstance(cell, datetime.timedelta):
+        return cell.total_seconds()
+    return cell.isoformat() if isinstance(cell, (datetime.datetime, datetime.time, datetime.date)) else cell
+
+
+def _numbers(cells: list[Any]) -> Any:
+    """Return an array where every cell is a number or empty, else the cells as they are."""
+    if all(cell in (None, "") or (isinstance(cell, (int, float)) and not isinstance(cell, bool)) for cell in cells):
+        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells])
+    return cells
