@@ -14,6 +14,7 @@ from ground.errors import RecordingError
 from measurement.reading.formats import hdf5
 from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
+from measurement.reading.stamps import since_first
 
 SUFFIXES = (".mat",)
 SIGNATURES = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
@@ -167,7 +168,7 @@ def _object(
 
         kinds = (pd.DatetimeIndex, pd.TimedeltaIndex)
         if isinstance(value.index, kinds):
-            arrays[f"{name}.Time"] = np.asarray((value.index - value.index[0]) / np.timedelta64(1, "s"), dtype=float)
+            arrays[f"{name}.Time"] = since_first(pd.Series(value.index))
             units[f"{name}.Time"] = "s"
         told = _texts(value.attrs)
         for k, column in enumerate(value.columns):
