@@ -11,12 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from ground.errors import RecordingError
+from ground.files import sha256
 from ground.inputs import open_input
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
 from measurement.reading.columns import assign, legs
 from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
+from measurement.reading.join import joined
 from measurement.reading.mapping import FILE, Told, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
@@ -27,6 +29,7 @@ from measurement.recording import Recording, Source
 
 __all__ = ["find_formats", "open_table", "read_recording", "read_recordings", "read_table"]
 
+Joined = str | Path | tuple[str | Path, float | None]
 LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
@@ -38,6 +41,7 @@ def read_recording(
     leg: str | None = None,
     name: str = "",
     convention: str | Iterable[str] = (),
+    join: Sequence[Joined] = (),
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
 
@@ -47,12 +51,14 @@ def read_recording(
     ("left" or "right") says which one where both are in it, `convention` how angles and torques are counted
     ("flexion-positive", "absolute-shank,hip-from-upright"; `measurement.reading.conventions`). What is not given is
     taken from `exoid.toml` beside the file, if that knows its columns. Rows with a cell that is not a number are masked
-    in `valid`, never dropped. Raises RecordingError for anything that cannot be used, with the place and the remedy.
+    in `valid`, never dropped. `join` are further files of the same trial with clocks of their own, or pairs (file, what
+    its clock reads more in s); see `measurement.reading.join`. Raises RecordingError for anything that cannot be used,
+    with the place and the remedy.
     """
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
-    table, origin, name, told = _loaded(source, told, name)
+    table, origin, name, told = _whole(source, told, name, join)
     if told.leg == "both":
         raise RecordingError(
             "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
@@ -67,6 +73,7 @@ def read_recordings(
     *,
     leg: str | None = None,
     convention: str | Iterable[str] = (),
+    join: Sequence[Joined] = (),
 ) -> tuple[Recording, ...]:
     """Return the recordings that files, folders, patterns ("runs/*.csv") and ZIP archives hold, in order.
 
@@ -75,7 +82,7 @@ def read_recordings(
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
     out: list[Recording] = []
     for path in expand(sources):
-        table, origin, name, here = _loaded(path, told, "")
+        table, origin, name, here = _whole(path, told, "", join)
         if here.leg != "both":
             out.append(_finished(table, origin, name, here, convention))
             continue
@@ -90,6 +97,27 @@ def read_recordings(
             )
         out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention) for side in sides]
     return tuple(out)
+
+
+def _whole(source: Any, told: Told, name: str, others: Sequence[Joined]) -> tuple[RawTable, Source, str, Told]:
+    """Return what `_loaded` does, with the files that are joined to it."""
+    table, origin, name, here = _loaded(source, told, name)
+    if not others:
+        return table, origin, name, here
+    if here.leg == "both":
+        raise RecordingError(
+            "files are joined for one leg at a time", where=origin.path or name, remedy="--leg left or --leg right"
+        )
+    pieces: list[tuple[RawTable, str, float | None, Told]] = [(table, origin.path or name, None, here)]
+    sums = [origin.sha256]
+    for other in others:
+        file, lag = other if isinstance(other, tuple) else (other, None)
+        more, place, label, kept = _loaded(file, told, "")
+        pieces.append((more, place.path or label, lag, kept))
+        sums.append(place.sha256)
+    one = joined(pieces)
+    # Two recordings of the same files share their samples; with other files joined, they are another recording.
+    return one, Source(origin.path, sha256("".join(sums))), name, Told()
 
 
 def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, Told]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -67,10 +68,13 @@ def load(args: argparse.Namespace) -> Inputs:
     loads = payloads(getattr(args, "payload", []), [*given, *unseen])
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
     kept = conventions_of(args.convention, [*given, *unseen])
+    others = joins_of(args.join, [*given, *unseen])
 
     def all_of(paths: Sequence[str]) -> tuple[Recording, ...]:
         return tuple(
-            _loaded(one, loads.get(path, [])) for path in paths for one in read(path, **told, convention=kept[path])
+            _loaded(one, loads.get(path, []))
+            for path in paths
+            for one in read(path, **told, convention=kept[path], join=others[path])
         )
 
     recordings, verify = all_of(given), all_of(unseen)
@@ -90,6 +94,48 @@ def read(path: str, **told: Any) -> tuple[Recording, ...]:
             if finding.severity != "info" or finding.check == "mapping":
                 warn(str(finding))
     return recordings
+
+
+def joins_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[tuple[str, float | None]]]:
+    """Return {path: (file, lag in s or None) of every file joined to it} from FILE, FILE@LAG, REC=FILE or REC=FILE@LAG.
+
+    Without REC there must be one recording, or as many files as recordings, which are then taken in order.
+    """
+    found: dict[str, list[tuple[str, float | None]]] = {path: [] for path in paths}
+    plain: list[str] = []
+    for text in given:
+        name, _, rest = text.partition("=")
+        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        if not Path(text).exists() and rest and len(meant) == 1:
+            found[meant[0]].append(_with_lag(rest))
+        else:
+            plain.append(text)
+    if plain and len(paths) == 1:
+        found[paths[0]] += [_with_lag(text) for text in plain]
+    elif plain and len(plain) == len(paths):
+        for path, text in zip(paths, plain, strict=True):
+            found[path].append(_with_lag(text))
+    elif plain:
+        raise UsageError(
+            f"{plain[0]}: there are {len(paths)} recordings, and nothing says to which of them it belongs",
+            where="--join",
+            remedy=f"write for example {paths[0] if paths else 'REC'}={plain[0]}, or one file per recording, in order",
+        )
+    return found
+
+
+def _with_lag(text: str) -> tuple[str, float | None]:
+    """Return (file, lag) from FILE or FILE@LAG."""
+    file, at, lag = text.rpartition("@")
+    if not at or Path(text).exists():
+        return text, None
+    try:
+        value = float(lag)
+    except ValueError:
+        return text, None
+    if not math.isfinite(value):
+        raise UsageError(f"{lag} is not a lag in s", where="--join", remedy="write for example torque.csv@0.35")
+    return file, value
 
 
 def conventions_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[str]]:

@@ -53,6 +53,11 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         "tau1=Nm/A*0.123*6",
     )  # fmt: skip
     group.add_argument(
+        "--join", metavar="FILE[@LAG]", nargs="+", action="extend", default=[],
+        help="further files of the same trial with clocks of their own, for example torques beside motion capture; of "
+        "several recordings, REC=FILE says to which. They meet at the lag that physics says, or at LAG s",
+    )  # fmt: skip
+    group.add_argument(
         "--leg", choices=("left", "right", "both", "ipsi", "contra"),
         help="which leg, where a file holds both; both: two recordings of every file",
     )  # fmt: skip

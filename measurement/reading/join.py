@@ -1,0 +1,162 @@
+"""One trial in several files with clocks of their own: motion capture here, torque there.
+
+The clock of the file with the angles counts. What stands in another file comes onto it at the lag that was given, or
+that the two clocks share, or that physics says (`lag.py`); rows that the other file does not cover are masked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ground.errors import RecordingError
+from measurement.finding import Finding
+from measurement.reading import clock
+from measurement.reading.columns import SI, assign, canonical
+from measurement.reading.lag import Lag, lag_between
+from measurement.reading.mapping import Told
+from measurement.reading.raw import RawColumn, RawTable
+from measurement.reading.resample import onto
+from symbolic.motion import Float
+
+ABSOLUTE_MOST = 2.0
+"""s: how far physics looks around clocks that both count from 1970."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One of the files: its columns {canonical: (N,)} in SI, its clock in s, whether that counts from 1970."""
+
+    where: str
+    t: Float
+    columns: Mapping[str, Float]
+    absolute: bool
+    table: RawTable
+
+
+def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]]) -> RawTable:
+    """Return one table, with canonical names in SI, of (table, path, lag in s or None, what is told).
+
+    The first is the recording, the others are joined to it.
+
+    A lag is what the other clock reads more than that of the recording at the same instant. RecordingError where the
+    files do not complete each other, or nothing says how their clocks belong together.
+    """
+    pieces = [_piece(table, where, told) for table, where, _, told in tables]
+    base = next((piece for piece in pieces if {"q1", "q2"} <= set(piece.columns)), None)
+    if base is None:
+        raise RecordingError(
+            "none of the files has both angles",
+            where=pieces[0].where,
+            remedy="name the columns with --map q1=COLUMN,q2=COLUMN",
+        )
+    given = {id(piece): lag for piece, (_, _, lag, _) in zip(pieces, tables, strict=True)}
+    columns = dict(base.columns)
+    notes = [note for piece in pieces for note in piece.table.notes]
+    for piece in pieces:
+        if piece is base:
+            continue
+        # A lag that was given is that of a joined file behind the recording, which need not have the angles.
+        told = given[id(piece)] if base is pieces[0] else _opposite(given[id(base)]) if piece is pieces[0] else None
+        lag, note = _lag(base, piece, told)
+        notes.append(note)
+        for name, values in piece.columns.items():
+            if name not in columns:
+                columns[name] = onto(base.t + lag, piece.t, values)
+    covered = [np.isfinite(values) for name, values in columns.items() if name not in base.columns]
+    if covered and not np.any(np.all(covered, axis=0)):
+        raise RecordingError(
+            "the files do not overlap in time", where=base.where, remedy="are these files of the same trial?"
+        )
+    first = base.t[0]
+    made = [RawColumn("t", base.t - first, "s")]
+    made += [RawColumn(name, columns[name], SI[name.rstrip("0123456789")]) for name in canonical() if name in columns]
+    return RawTable(tuple(made), base.table.row, tuple(notes))
+
+
+def _opposite(lag: float | None) -> float | None:
+    return None if lag is None else -lag
+
+
+def _piece(table: RawTable, where: str, told: Told) -> Piece:
+    """Return the columns of one file that are recognised or mapped, in SI, with its clock."""
+    known = (*SI, *canonical())
+    mapping = {name: column for name, column in told.columns.items() if column.partition("#")[0] in table.names}
+    units = {name: unit for name, unit in told.units.items() if name in known or name in table.names}
+    found = assign(table, mapping, units, where=where, leg=told.leg or None, partial=True)
+    if "t" not in found or len(found) < 2:
+        lacks = "no time" if "t" not in found else "neither angles nor torques"
+        raise RecordingError(
+            f"{lacks} was found in the file",
+            where=where,
+            remedy="say which column it is: --map t=COLUMN, q1=COLUMN, ...",
+        )
+    columns = {name: item.column.values * item.factor for name, item in found.items()}
+    t = columns.pop("t")
+    epoch = None if found["t"].told else clock.epoch_unit(t)
+    if epoch:
+        t = t * epoch[1]
+    elif not found["t"].told:
+        t = t * _unit(t, columns, where)
+    return Piece(where, t, columns, epoch is not None, table)
+
+
+def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
+    """Return the factor to seconds of a clock without a unit."""
+    signals = np.column_stack(list(columns.values()))
+    good = np.isfinite(t) & np.isfinite(signals).all(axis=1)
+    if good.sum() < 10 or not np.any(np.diff(t[good]) > 0):
+        raise RecordingError("the clock does not run", where=where, remedy="is this the time? --map t=COLUMN")
+    unit, scale = clock.clock_unit(t[good], signals[good])
+    if unit == "index":
+        raise RecordingError(
+            "the time column counts 0, 1, 2, ...", where=where, remedy="say what one count is: --units 't=10 ms'"
+        )
+    return scale
+
+
+def _lag(base: Piece, piece: Piece, told: float | None) -> tuple[float, Finding]:
+    """Return the lag in s of the clock of `piece` behind that of `base`, and what to say about it."""
+    names = [name for name in ("tau1", "tau2", "q1", "q2") if name in piece.columns]
+    shared = base.absolute and piece.absolute
+    start = 0.0 if shared else float(np.nanmin(piece.t) - np.nanmin(base.t))
+    found = Lag(0.0, -np.inf, np.inf, 1.0, "the file holds neither torques nor angles")
+    if names:
+        signals = np.column_stack([piece.columns[name] for name in names])
+        angles = np.column_stack([base.columns["q1"], base.columns["q2"]])
+        origin = np.nanmin(base.t)
+        # Far apart by their start: searched around it, so that any two clocks can be compared.
+        far = start if abs(start) > 30.0 else 0.0
+        found = lag_between(base.t - origin, angles, piece.t - origin - far, signals, ABSOLUTE_MOST if shared else 60.0)
+        found = Lag(found.value + far, found.low + far, found.high + far, found.left, found.why)
+    seen = f"{found.value:.4f} s (95 %: {found.low:.4f} to {found.high:.4f})"
+    where = piece.where
+    if told is not None:
+        apart = not found.why and not found.low <= told <= found.high
+        more = f"; physics says {seen}" if not found.why else ""
+        return told, Finding(
+            "join", "warning" if apart else "repaired", f"joined to {base.where} at the given lag of {told:g} s{more}",
+            where, told, remedy="give the lag that physics says, or none" if apart else "nothing", repaired=not apart,
+        )  # fmt: skip
+    if shared:
+        apart = not found.why and not found.low <= 0.0 <= found.high
+        more = f"; physics says a lag of {seen}" if not found.why else f"; physics cannot check it: {found.why}"
+        return 0.0, Finding(
+            "join", "warning" if apart else "repaired", f"joined to {base.where} on the time since 1970{more}",
+            where, found.value, repaired=not apart,
+            remedy=f"do the clocks differ? --join {where}@{found.value:.4f}" if apart else "nothing",
+        )  # fmt: skip
+    if found.why:
+        raise RecordingError(
+            f"nothing says how its clock and that of {base.where} belong together: {found.why}",
+            where=where,
+            remedy=f"--join {where}@LAG, the seconds its clock reads more at the same instant (0: they share a clock)",
+        )
+    value = 0.0 if found.low <= 0.0 <= found.high else found.value
+    what = "on their common time, the lag by physics being" if value == 0.0 else "at the lag that physics says,"
+    return value, Finding(
+        "join", "repaired", f"joined to {base.where} {what} {seen}; {found.left:.1%} are left unexplained at it",
+        where, found.value, remedy=f"if it is known better: --join {where}@LAG", repaired=True, confidence="likely",
+    )  # fmt: skip
