@@ -17,6 +17,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import VARIABLES, Remainder, remainders
 from diagnosis.plots import against, over_time
 from ground.html import table
+from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
@@ -40,7 +41,7 @@ AT_LIMIT = 0.05
 
 
 @dataclass(frozen=True)
-class Where:
+class Where(AsJson):
     """One place the error sits at: `share` of the joint's squared error, said in `sentence`; `caution` if any."""
 
     joint: str
@@ -48,16 +49,6 @@ class Where:
     share: float
     sentence: str
     caution: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields."""
-        return {
-            "joint": self.joint,
-            "variable": self.variable,
-            "share": self.share,
-            "sentence": self.sentence,
-            "caution": self.caution,
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,18 +79,18 @@ class Comparison:
 
     def to_json(self) -> dict[str, Any]:
         """Return the comparison in plain types."""
-        return {
-            "rms": self.rms.tolist(),
-            "verify_rms": None if self.verify_rms is None else self.verify_rms.tolist(),
-            "signal_rms": self.signal_rms.tolist(),
-            "noise_floor": self.noise_floor.tolist(),
-            "sse_verify_rms": None if self.sse_verify_rms is None else self.sse_verify_rms.tolist(),
-            "where": [w.to_json() for w in self.where],
+        return plain_dict({
+            "rms": self.rms,
+            "verify_rms": self.verify_rms,
+            "signal_rms": self.signal_rms,
+            "noise_floor": self.noise_floor,
+            "sse_verify_rms": self.sse_verify_rms,
+            "where": self.where,
             "per_recording": {name: rms.tolist() for name, rms in self.per_recording},
             "filter": self.cutoff,
-            "parameters": {e.name: e.to_json() for e in self.fit.estimates},
-            "audit": [f.to_json() for f in self.audit],
-        }
+            "parameters": {e.name: e for e in self.fit.estimates},
+            "audit": self.audit,
+        })
 
     def to_frame(self) -> pd.DataFrame:
         """Return where the error is, one row each."""
@@ -201,7 +192,7 @@ class Verification:
 
     def to_json(self) -> dict[str, Any]:
         """Return both in plain types."""
-        return {"verify_rms": self.huber.tolist(), "sse_verify_rms": self.sse.tolist()}
+        return plain_dict({"verify_rms": self.huber, "sse_verify_rms": self.sse})
 
 
 def verification(fit: Fit, prepared: Prepared) -> Verification | None:

@@ -12,6 +12,7 @@ from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
 from ground.html import bullets, lines
+from ground.plain import plain_dict
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -46,11 +47,11 @@ class Waterfall:
 
     def to_json(self) -> dict[str, Any]:
         """Return the steps in plain types."""
-        return {
-            "steps": [s.to_json() for s in self.steps],
-            "noise_floor": self.noise_floor.tolist(),
+        return plain_dict({
+            "steps": self.steps,
+            "noise_floor": self.noise_floor,
             "stopped_because": self.stopped_because,
-        }
+        })
 
     def to_frame(self) -> Any:
         """Return one row per step."""

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ground.plain import AsJson
 
 SEVERITIES = ("refused", "warning", "repaired", "info")
 """Worst first. "repaired": mended without guessing and therefore only reported; "refused": cannot be used."""
 
 
 @dataclass(frozen=True)
-class Finding:
+class Finding(AsJson):
     """One observation about one recording.
 
     `what` is a sentence, `where` names file, column and rows, `value` the number seen and `limit` the number
@@ -35,14 +37,6 @@ class Finding:
     def __post_init__(self) -> None:
         if self.severity not in SEVERITIES:
             raise ValueError(f"severity {self.severity!r} is not one of {SEVERITIES}")
-
-    def to_json(self) -> dict[str, Any]:
-        """Return every field under its own name; numbers that are not finite become None."""
-        fields = asdict(self)
-        for key in ("value", "limit"):
-            number = fields[key]
-            fields[key] = float(number) if number is not None and np.isfinite(number) else None
-        return fields
 
     def __str__(self) -> str:
         place = f"{self.where}: " if self.where else ""

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from ground.html import table
+from ground.plain import plain_dict
 from optimisation.fitting.plots import run_figure
 from optimisation.linear.problem import Problem
 from symbolic.motion import Float
@@ -123,15 +124,15 @@ class Run:
 
     def to_json(self) -> dict[str, Any]:
         """Return everything but the history in plain types."""
-        return {
+        return plain_dict({
             "name": self.name,
-            "parameters": self.x.tolist(),
+            "parameters": self.x,
             "loss": self.fitness,
             "evaluations": self.evaluations,
             "seconds": self.seconds,
             "seed": self.seed,
             "gap": self.gap,
-        }
+        })
 
 
 def minimise(

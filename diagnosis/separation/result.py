@@ -13,6 +13,7 @@ import numpy as np
 from diagnosis.separation.distance import Truth
 from diagnosis.separation.indistinguishable import Same
 from diagnosis.separation.plots import separation_figure
+from ground.plain import plain_dict
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
@@ -115,7 +116,7 @@ class Separation:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""
-        return {
+        return plain_dict({
             "separable": self.separable,
             "smallest": self.smallest,
             "sentence": self.sentence,
@@ -124,20 +125,20 @@ class Separation:
             "present": None if self.present is None else _rows(self.present),
             "present_seconds": self.present_seconds,
             "at_random": _rows(self.usual),
-            "never": [one.to_json() for one in self.same],
+            "never": self.same,
             "trajectory": None if self.trajectory is None else trajectory_content(self.trajectory),
-            "limits": [use.to_json() for use in self.uses],
+            "limits": self.uses,
             "noise": {
-                "sd": self.noise.sd.tolist(),
-                "independent_per_second": self.noise.per_second.tolist(),
+                "sd": self.noise.sd,
+                "independent_per_second": self.noise.per_second,
                 "source": self.noise.source,
             },
             "duration": self.duration,
-            "needed": self.needed if math.isfinite(self.needed) else None,
+            "needed": self.needed,
             "cutoff": self.cutoff,
             "seed": self.seed,
             "seconds": self.seconds,
-        }
+        })
 
     def plot(self) -> Figure:
         """Draw the distances, and the motion."""

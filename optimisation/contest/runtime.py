@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ground.plain import AsJson, plain_dict
 from symbolic.motion import Float
 
 RESAMPLES = 2000
@@ -40,11 +41,11 @@ class Runtime:
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields and the success rate in plain types."""
-        return {**self.__dict__, "success": self.success}
+        return plain_dict({**self.__dict__, "success": self.success})
 
 
 @dataclass(frozen=True)
-class Difference:
+class Difference(AsJson):
     """Whether `first` differs from `second` in `question`: `wins` and `losses` of `first` over the pairs, p-values."""
 
     first: str
@@ -54,10 +55,6 @@ class Difference:
     losses: int
     p: float
     p_holm: float
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        return dict(self.__dict__)
 
 
 def expected_runtime(hits: Float, budget: float, target: float, rng: np.random.Generator) -> Runtime:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.html import lines, table
+from ground.plain import plain_dict
 from optimisation.contest.ioh_log import write_logs
 from optimisation.contest.plots import ECDF_TARGETS, Entrant, contest_figure
 from optimisation.contest.problem import Contest, Outcome
@@ -124,7 +125,11 @@ class Rivals:
         """Return one row per optimiser and target: ERT with interval, hits, runs, success rate."""
         import pandas as pd
 
-        rows = [(name, *r.to_json().values()) for name, all_ in self.runtimes.items() for r in all_]
+        rows = [
+            (name, r.target, r.ert, r.low, r.high, r.hits, r.runs, r.success)
+            for name, all_ in self.runtimes.items()
+            for r in all_
+        ]
         return pd.DataFrame(rows, columns=["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"])
 
     def runs_frame(self) -> pd.DataFrame:
@@ -137,30 +142,30 @@ class Rivals:
     def to_json(self) -> dict[str, Any]:
         """Return what was found in plain types."""
         contest = self.contest
-        return {
+        return plain_dict({
             "problem": contest.name,
             "individuals": contest.individuals,
             "generations": contest.generations,
-            "seeds": list(self.seeds),
-            "delta": contest.delta.tolist(),
+            "seeds": self.seeds,
+            "delta": contest.delta,
             "optimum": contest.certificate.primal,
-            "certificate": contest.certificate.to_json(),
+            "certificate": contest.certificate,
             "reference": self.reference,
             "optimisers": {
                 name: {
                     "settings": repr(self.searches[name].optimiser),
                     "whitened": self.searches[name].whitened,
-                    "gaps": self.gaps(name).tolist(),
-                    "median_gap": float(np.median(self.gaps(name))),
-                    "seconds": float(np.median([run.seconds for run in runs])),
-                    "runtimes": [one.to_json() for one in self.runtimes[name]],
+                    "gaps": self.gaps(name),
+                    "median_gap": np.median(self.gaps(name)),
+                    "seconds": np.median([run.seconds for run in runs]),
+                    "runtimes": self.runtimes[name],
                 }
                 for name, runs in self.outcomes.items()
             },
-            "differences": [one.to_json() for one in self.differences],
+            "differences": self.differences,
             "resumed": self.resumed,
             "seconds": self.seconds,
-        }
+        })
 
     def write_logs(self, folder: str | Path) -> Path:
         """Write all runs into `folder` in the format of IOHprofiler; return the folder."""

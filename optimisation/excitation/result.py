@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.plain import AsJson, plain_dict
 from measurement.trajectories.extremes import UNITS, Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
@@ -42,11 +43,11 @@ class Candidate:
 
     def to_json(self) -> dict[str, Any]:
         """Return the figures without the motion."""
-        return {key: value for key, value in self.__dict__.items() if key != "trajectory"}
+        return plain_dict({key: value for key, value in self.__dict__.items() if key != "trajectory"})
 
 
 @dataclass(frozen=True)
-class Precision:
+class Precision(AsJson):
     """How well one number will be known: standard `deviation` in `unit`, and `relative` to its size (None: it has
     none).
     """
@@ -56,10 +57,6 @@ class Precision:
     unit: str
     deviation: float
     relative: float | None
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields."""
-        return dict(self.__dict__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,24 +136,24 @@ class Excitation:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""
-        return {
+        return plain_dict({
             "model": self.model.name,
             "criterion": self.criterion,
             "value": self.value,
             "condition": self.condition,
             "condition_moving": self.condition_moving,
-            "creeping": list(self.creeping),
+            "creeping": self.creeping,
             "log_det": self.log_det,
             "chosen": self.chosen,
             "best_known": True,
             "feasible": self.feasible,
             "trajectory": trajectory_content(self.trajectory),
-            "candidates": [one.to_json() for one in self.candidates],
-            "limits": [use.to_json() for use in self.uses],
-            "precision": {p.name: p.to_json() for p in self.precision},
+            "candidates": self.candidates,
+            "limits": self.uses,
+            "precision": {p.name: p for p in self.precision},
             "noise": {
-                "sd": self.noise.sd.tolist(),
-                "independent_per_second": self.noise.per_second.tolist(),
+                "sd": self.noise.sd,
+                "independent_per_second": self.noise.per_second,
                 "source": self.noise.source,
             },
             "duration": self.duration,
@@ -164,9 +161,9 @@ class Excitation:
             "offsets": self.offsets,
             "rest": self.rest,
             "seed": self.seed,
-            "cautions": list(self.cautions),
+            "cautions": self.cautions,
             "seconds": self.seconds,
-        }
+        })
 
     def plot(self) -> Figure:
         """Draw angles, velocities and accelerations of both joints with their limits, as the paper's Fig. 4."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ground.html import bullets, lines, table
+from ground.plain import plain_dict
 from measurement.finding import Finding
 from optimisation.fitting.assemble import FittableModel
 from optimisation.fitting.plots import fit_figure
@@ -39,16 +39,16 @@ class Stage:
 
     def to_json(self) -> dict[str, Any]:
         """Return the stage in plain types."""
-        return {
+        return plain_dict({
             "kind": self.kind,
-            "parameters": self.linear.tolist(),
-            "shape": self.shape.tolist(),
-            "delta": [None if math.isinf(d) else float(d) for d in self.delta],
+            "parameters": self.linear,
+            "shape": self.shape,
+            "delta": self.delta,
             "loss": self.loss,
-            "runs": {name: run.to_json() for name, run in self.runs.items()},
-            "reference": None if self.reference is None else self.reference.to_json(),
-            "certificate": self.certificate.to_json(),
-        }
+            "runs": self.runs,
+            "reference": self.reference,
+            "certificate": self.certificate,
+        })
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,23 +146,23 @@ class Fit:
 
     def to_json(self) -> dict[str, Any]:
         """Return the fit in plain types; an interval the data do not determine is null."""
-        return {
+        return plain_dict({
             "model": self.model.name,
-            "recordings": list(self.recordings),
-            "parameters": {e.name: {k: _plain(v) for k, v in e.to_json().items()} for e in self.estimates},
-            "delta": self.delta.tolist(),
-            "rms": self.rms.tolist(),
+            "recordings": self.recordings,
+            "parameters": {e.name: e for e in self.estimates},
+            "delta": self.delta,
+            "rms": self.rms,
             "loss": self.loss,
             "best_known": self.best_known,
-            "starts_agreeing": None if self.agreeing is None else list(self.agreeing),
-            "runs": {name: run.to_json() for name, run in self.runs.items()},
-            "reference": None if self.reference is None else self.reference.to_json(),
-            "certificate": self.certificate.to_json(),
-            "sse": self.sse.to_json(),
-            "plausibility": [c.to_json() for c in self.plausibility],
+            "starts_agreeing": self.agreeing,
+            "runs": self.runs,
+            "reference": self.reference,
+            "certificate": self.certificate,
+            "sse": self.sse,
+            "plausibility": self.plausibility,
             "physical": None if self.held is None else self.held.to_json([p.name for p in self.model.parameters]),
             "seconds": self.seconds,
-        }
+        })
 
     def plot(self) -> Figure:
         """Draw parameters with intervals, residuals, and the convergence of the optimisers."""
@@ -176,7 +176,3 @@ class Fit:
             optimum=self.certificate.primal,
             tolerance=self.certificate.tolerance,
         )
-
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ground.errors import ExoidError
+from ground.plain import plain_dict
 from measurement.finding import Finding
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
@@ -73,13 +74,13 @@ class Neighbours:
     def to_json(self) -> dict[str, Any]:
         """Return cut-offs, values by parameter, and what moved, in plain types."""
         names = [e.name for e in self.fit.estimates]
-        return {
+        return plain_dict({
             "cutoff": self.cutoff,
-            "cutoffs": list(self.cutoffs),
+            "cutoffs": self.cutoffs,
             "parameters": {n: [float(row[k]) for row in self.values] for k, n in enumerate(names)},
             "agree": self.agree,
             "moved": [{"parameter": n, "cutoff": c, "value": v} for n, c, v in self.moved],
-        }
+        })
 
 
 def neighbours(fit: Fit, model: Model, prepared: Prepared, recordings: Sequence[Recording]) -> Neighbours:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from ground.plain import plain_dict
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from symbolic.motion import Float
@@ -49,7 +50,7 @@ class Certificate:
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields and `holds` in plain types."""
-        return {**self.__dict__, "holds": self.holds}
+        return plain_dict({**self.__dict__, "holds": self.holds})
 
     def __str__(self) -> str:
         word = "certified optimum" if self.holds else "NOT the optimum"

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ground.plain import AsJson
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from symbolic.motion import Float
@@ -29,7 +30,7 @@ OPTIONS: Any = {
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class Reference(AsJson):
     """What IPOPT returned: parameters `x` (P,), their `loss` (recomputed by us), its word."""
 
     x: Float
@@ -38,10 +39,6 @@ class Reference:
     seconds: float
     status: str
     gap: float | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        return {**self.__dict__, "x": self.x.tolist()}
 
 
 def solve_reference(data: LinearData, delta: Float, start: Float | None = None) -> Reference:

@@ -10,7 +10,8 @@ import time
 import numpy as np
 import pytest
 
-from workbench.command_line.files import OutputError, check_folder, make_folder, strict, to_json, write_text
+from ground.plain import plain
+from workbench.command_line.files import OutputError, check_folder, make_folder, to_json, write_text
 from workbench.terminal import progress as waiting
 from workbench.terminal.screen import Screen, bar
 
@@ -85,7 +86,7 @@ def test_json_is_strict():
     text = to_json(payload)
     assert json.loads(text, parse_constant=pytest.fail) == {"a": [1.0, None], "b": None, "c": 2.0, "d": [3, True]}
     with pytest.raises(TypeError, match="no JSON form"):
-        strict(object())
+        plain(object())
 
 
 def test_files_are_written_whole_or_refused(tmp_path):

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import errno
 import json
-import math
 import re
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ground.delivery import Delivery, current
 from ground.errors import ExoidError
 from ground.inputs import read_input
+from ground.plain import plain
 from workbench.terminal.encoding import spells
 
 LARGEST_JSON = 100_000_000
@@ -25,27 +25,9 @@ class OutputError(ExoidError):
     """A file or folder that cannot be written."""
 
 
-def strict(value: Any) -> Any:
-    """Return `value` in types JSON has: arrays become lists, numbers that are not finite become None."""
-    if isinstance(value, bool) or value is None or isinstance(value, (str, int)):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): strict(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, set, frozenset)):
-        return [strict(item) for item in value]
-    if isinstance(value, Path):
-        return str(value)
-    for convert in ("tolist", "to_json"):  # NumPy arrays and numbers; our own results
-        if hasattr(value, convert):
-            return strict(getattr(value, convert)())
-    raise TypeError(f"{type(value).__name__} has no JSON form")
-
-
 def to_json(payload: Any) -> str:
     """Return `payload` as strict JSON text that ends with a line feed."""
-    text = json.dumps(strict(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(plain(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 

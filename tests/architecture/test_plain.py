@@ -1,0 +1,34 @@
+"""Results become JSON in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ground.plain import AsJson, plain, plain_dict
+
+
+@dataclass(frozen=True)
+class Inner(AsJson):
+    name: str
+    value: float
+
+
+def test_everything_of_ours_becomes_what_json_has():
+    given = {
+        "array": np.array([1.0, np.inf]), "number": np.float64(2.0), "whole": np.int64(3), "flag": np.bool_(True),
+        "inside": [Inner("a", float("nan"))], "pair": (1, None), "path": Path("run.csv"), 4: "key",
+    }  # fmt: skip
+    assert plain_dict(given) == {
+        "array": [1.0, None], "number": 2.0, "whole": 3, "flag": True,
+        "inside": [{"name": "a", "value": None}], "pair": [1, None], "path": "run.csv", "4": "key",
+    }  # fmt: skip
+    assert type(plain(np.float64(2.0))) is float and plain(True) is True
+
+
+def test_what_has_no_json_form_is_refused():
+    with pytest.raises(TypeError, match="object has no JSON form"):
+        plain(object())
