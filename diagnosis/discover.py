@@ -11,8 +11,9 @@ from typing import cast
 import numpy as np
 
 from diagnosis.evidence.candidates import build_library
+from diagnosis.evidence.channels import doubts_after, doubts_before
 from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.stretches import searched, stretches
@@ -21,7 +22,15 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress, SearchContext, silent
 from diagnosis.search.engine import run
 from diagnosis.search.state import Extension
-from diagnosis.verdict import biased_parameters, check_channels, conclude, sentence_of
+from diagnosis.verdict import (
+    Conclusion,
+    biased_parameters,
+    check_channels,
+    conclude,
+    doubted,
+    sentence_of,
+    within_filter_error,
+)
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -57,13 +66,14 @@ def discover(
     most = rules.most_terms if most is None else most
     tick(0.02, "preparing the recordings")
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
+    base = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    answer = _before_any_search(base, rules)
+    if answer is not None:
+        return _write_up(prepared, prepared, (Extension(base),), (), None, answer, began)
     part = stretches(prepared, rules)
     library = build_library(model, part.all, own_effects(model, extra))
     context = SearchContext(part, library, seed, tick, most, rules)
-    started = context.fit(model)
-    if prepared.misread:
-        return _write_up(prepared, part, [started], (), None, recordings, verify, began, most)
-    found = run(context, started)
+    found = run(context, Extension(base) if part is prepared else context.fit(model))
     extensions = found.state.extensions
     if part is not prepared:
         tick(0.95, "fitting what was found to the whole of the recordings")
@@ -71,7 +81,13 @@ def discover(
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > most else found.state.left
     tick(0.97, "writing it down")
-    return _write_up(prepared, part, extensions, found.first, left, recordings, verify, began, most)
+    last = extensions[-1].fitted
+    doubt = doubts_after(base, last, rules)
+    if doubt is not None:
+        return _write_up(prepared, part, (Extension(base),), (), None, doubted(doubt), began)
+    accepted = _accepted(extensions)
+    answer = conclude(accepted, left, base, last, bool(verify), len(recordings), most, rules)
+    return _write_up(prepared, part, extensions, found.first, left, answer, began)
 
 
 def diagnose(
@@ -98,17 +114,20 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
     return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
 
 
-def _write_up(
-    prepared: Prepared,
-    part: Prepared,
-    extensions: Sequence[Extension],
-    first: Sequence[Score],
-    left: Remainder | None,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording],
-    began: float,
-    most: int,
-) -> Diagnosis:
+def _before_any_search(base: FittedModel, rules: Rules) -> Conclusion | None:
+    """Return the conclusion that needs no search: the channels cannot be right, or nothing is left but filter error."""
+    if base.prepared.misread:
+        return check_channels(base.prepared.misread)
+    doubt = doubts_before(base, rules)
+    if doubt is not None:
+        return doubted(doubt)
+    if np.all(base.judged_rms <= rules.filter_error * base.prepared.filter_error):
+        return within_filter_error(base)
+    return None
+
+
+def _accepted(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
+    """Return the effects that were added, with their numbers in the last model."""
     last = extensions[-1]
     accepted = []
     for before, extension in pairwise(extensions):
@@ -130,6 +149,20 @@ def _write_up(
                 sentence=sentence_of(term, numbers),
             )
         )
+    return tuple(accepted)
+
+
+def _write_up(
+    prepared: Prepared,
+    part: Prepared,
+    extensions: Sequence[Extension],
+    first: Sequence[Score],
+    left: Remainder | None,
+    conclusion: Conclusion,
+    began: float,
+) -> Diagnosis:
+    last = extensions[-1]
+    accepted = _accepted(extensions)
     steps = tuple(
         Step(
             "base" if s.added is None else f"+ {s.added.name}",
@@ -139,17 +172,15 @@ def _write_up(
         )
         for i, s in enumerate(extensions)
     )
-    if prepared.misread:
-        conclusion = check_channels(prepared.misread)
-    else:
-        conclusion = conclude(accepted, left, extensions[0].fitted, last.fitted, bool(verify), len(recordings), most)
     alike = {a.name: a.look_alikes for a in accepted}
-    told_apart = () if prepared.misread else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
+    told_apart = (
+        () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
+    )
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
         sentence=conclusion.sentence,
-        accepted=tuple(accepted),
+        accepted=accepted,
         suspects=tuple(_suspect(s, alike) for s in first if s.share > 0.0 or s.caution),
         steps=steps,
         noise_floor=prepared.noise_floor,
@@ -164,6 +195,7 @@ def _write_up(
         stopped_because=conclusion.stopped_because,
         biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
         differing=told_apart,
+        error=conclusion.error,
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.evidence.consistency import Differing
+from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.plots import falling_error, suspects
 from ground.html import lines, table
@@ -120,9 +121,9 @@ class Step:
 class Diagnosis:
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
-    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
-    to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
-    N·m. `differing` names what a single recording wants different from all the others.
+    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led to
+    it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m.
+    `differing` names what a single recording wants different from all the others.
     """
 
     verdict: str
@@ -143,6 +144,7 @@ class Diagnosis:
     stopped_because: str = ""
     biased: tuple[str, ...] = ()
     differing: tuple[Differing, ...] = ()
+    error: ModelError | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
@@ -156,6 +158,7 @@ class Diagnosis:
             "steps": [s.to_json() for s in self.steps],
             "noise_floor": self.noise_floor.tolist(),
             "unexplained": self._unexplained_json(),
+            "model_error": None if self.error is None else self.error.to_json(),
             "next_experiment": self.next_experiment,
             "biased": list(self.biased),
             "differing": [d.to_json() for d in self.differing],
@@ -168,6 +171,10 @@ class Diagnosis:
 
     def _unexplained_json(self) -> dict[str, Any]:
         one = self.unexplained
+        if one is None and self.error is not None and self.verdict == "unexplained":
+            share = 1.0 - self.error.times**-2.0
+            joint = self.error.joint
+            return {"significant": True, "joint": joint, "variables": [], "share": share, "suggested_terms": []}
         if one is None or not self.unexplained_significant:
             return {"significant": False, "joint": None, "variables": [], "share": 0.0, "suggested_terms": []}
         return {

@@ -31,6 +31,7 @@ PLACEBO = "placebos"
 ALIKE = "look-alikes"
 SEARCH = "the search"
 REMAINDER = "what is left"
+CHANNELS = "channels and error"
 CONSISTENCY = "consistency between recordings"
 LENGTH = "long recordings"
 
@@ -123,6 +124,34 @@ class Rules:
     beaten_share: float = _rule(REMAINDER, 0.02, "share of the loss by which a curve leads to unmask a proxy")
     superseded: float = _rule(REMAINDER, 0.5, "part of its gain a proxy adds to the curve that replaces it")
     as_good: float = _rule(REMAINDER, 0.97, "part of the gain with which a bump with fewer numbers unmasks a proxy")
+
+    near_noise: float = _rule(
+        CHANNELS, 3.0, "times the floor up to which an error is near the noise; beyond, a model is not called adequate"
+    )
+    unexplained_share: float = _rule(
+        CHANNELS, 1 / 3, "share of a torque's variance that the best model leaves: effects named for wrong channels"
+    )
+    base_share: float = _rule(
+        CHANNELS, 0.6, "the same of a rigid leg that could not exist: effects that make up for a wrong sign or zero"
+    )
+    late_least: float = _rule(CHANNELS, 0.008, "share of a torque's variance left from which its timing is questioned")
+    late_gain: float = _rule(
+        CHANNELS, 0.2, "part of the squared error left at another timing: a late torque passes for friction"
+    )
+    angle_noise: float = _rule(
+        CHANNELS, 0.15, "share of noise in the accelerations: inertias pulled to zero are reported with small intervals"
+    )
+    another_machine: float = _rule(
+        CHANNELS, 5.0, "times the fitted error that the held-out one is: a model called right for another machine"
+    )
+    own_machine: float = _rule(
+        CHANNELS,
+        0.25,
+        "part of the held-out squared error left by a fit of its own: an error of the model called a change",
+    )
+    filter_error: float = _rule(
+        CHANNELS, 2.0, "times the error of filter and derivatives: that error passes for a flexible drive"
+    )
 
     differing_share: float = _rule(CONSISTENCY, 0.05, "share of a recording's error that a difference explains")
     differing_change: float = _rule(CONSISTENCY, 0.25, "relative change of an effect's parameter that is named")

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from diagnosis.evidence.channels import Doubt
+from diagnosis.evidence.model_error import ModelError, model_error
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.results import Accepted
+from diagnosis.rules import RULES, Rules
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import catalogue
-from symbolic.quantity import Estimate
+from symbolic.quantity import JOINTS, Estimate
 from symbolic.term import Term
 
 if TYPE_CHECKING:
@@ -29,6 +32,7 @@ class Conclusion:
     sentence: str
     stopped_because: str
     next_experiment: str
+    error: ModelError | None = None
 
 
 def conclude(
@@ -39,8 +43,10 @@ def conclude(
     verified: bool,
     recordings: int,
     most: int,
+    rules: Rules = RULES,
 ) -> Conclusion:
     """Return the conclusion; `first` and `last` are the models at both ends, `most` the steps that were allowed."""
+    error = model_error(last, rules)
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
         where = "on held-out blocks of the only recording"
@@ -48,13 +54,25 @@ def conclude(
     if len(accepted) < most:
         stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
     advice = _advice(verified, recordings)
+    if not accepted and left is None and error is not None and not error.random:
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
+            f"The model is not as good as the sensors: {error.sentence}.",
+            stopped,
+            error.advice,
+            error,
+        )
     if not accepted and left is None:
         return Conclusion(
             "adequate",
-            f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do",
-            "The model explains these recordings; nothing that can be told from noise is missing.",
+            f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
+            f"{_times(last):.2g} times the noise floor",
+            "The model explains these recordings; nothing that can be told from noise is missing."
+            + ("" if error is None else f" Yet {error.sentence}."),
             stopped,
-            advice,
+            advice if error is None else error.advice,
+            error,
         )
     if not accepted and left is not None:
         return Conclusion(
@@ -64,13 +82,18 @@ def conclude(
             stopped,
             "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
+            error,
         )
+    if error is not None and left is None:
+        advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
     names = " and ".join(a.name for a in accepted)
     falls = _falls(first, last)
     text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
     if left is not None:
         text += f" Still unexplained: {left.sentence}."
+    elif error is not None:
+        text += f" Beyond that, {error.sentence}."
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
         texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
@@ -80,8 +103,36 @@ def conclude(
             text + " Which of the look-alikes it is, these recordings cannot say.",
             stopped,
             _deciding(alike) or advice,
+            error,
         )
-    return Conclusion("missing", rule, text, stopped, advice)
+    return Conclusion("missing", rule, text, stopped, advice, error)
+
+
+def doubted(doubt: Doubt) -> Conclusion:
+    """Return the conclusion where the channels cannot be what they say."""
+    stopped = "no effect is named on top of channels that cannot be what they say"
+    return Conclusion("check_channels", doubt.rule, f"Check the channels. {doubt.sentence}", stopped, doubt.remedy)
+
+
+def within_filter_error(base: FittedModel) -> Conclusion:
+    """Return the conclusion where a model leaves no more than filter and derivatives get wrong."""
+    errors = ", ".join(
+        f"{joint} {1e3 * e:.2g} of {1e3 * f:.2g} mN·m"
+        for joint, e, f in zip(JOINTS, base.judged_rms, base.prepared.filter_error, strict=True)
+    )
+    return Conclusion(
+        "adequate",
+        f"the error is what filter and derivatives get wrong by themselves ({errors})",
+        "The model explains these recordings as exactly as angles can be filtered and differentiated.",
+        "what is left is the error of the filter, of which nothing can be learnt",
+        "",
+    )
+
+
+def _times(last: FittedModel) -> float:
+    """Return how many times the noise floor the error is, at the worse joint."""
+    floor = last.prepared.noise_floor
+    return float(np.max(last.judged_rms[floor > 0.0] / floor[floor > 0.0], initial=0.0))
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:

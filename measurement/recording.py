@@ -17,6 +17,7 @@ from measurement.finding import Finding
 from measurement.plots import angles_and_torques
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
+from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +41,8 @@ class Recording:
     (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
     `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
     text files), for messages. `payloads` are known masses that hung on the leg meanwhile, `conventions` the
-    names of those it was converted from.
+    names of those it was converted from, `passive` the joints that had no drive meanwhile: their torque is zero,
+    whatever their channel reads.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Recording:
     row: NDArray[np.int64] = None  # type: ignore[assignment]
     payloads: tuple[Payload, ...] = ()
     conventions: tuple[str, ...] = ()
+    passive: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
@@ -102,6 +105,13 @@ class Recording:
         `link` "thigh"). PayloadError where such a mass cannot be.
         """
         return replace(self, payloads=(*self.payloads, Payload(mass, along, link)))
+
+    def with_passive(self, *joints: str) -> Recording:
+        """Return the same recording, made while `joints` had no drive, so that their torque is zero for certain."""
+        for joint in joints:
+            if joint not in JOINTS:
+                raise RecordingError(f"there is no joint {joint!r}", where=self.name, remedy=f"use {', '.join(JOINTS)}")
+        return replace(self, passive=tuple(j for j in JOINTS if j in (*self.passive, *joints)))
 
     def columns(self) -> dict[str, Float]:
         """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are

@@ -12,7 +12,7 @@ BETA = np.array([1.8, 0.4, 0.5, 0.2, 4.0, 2.0, 3.0, 1.2])
 """Φ1..Φ4, then Coulomb and viscous friction of hip and knee, of a plausible leg."""
 
 
-def motion(seed: int, seconds: float = 20.0, rate: float = 100.0, moving: tuple[bool, bool] = (True, True)) -> Motion:
+def motion(seed: int, seconds: float = 12.0, rate: float = 100.0, moving: tuple[bool, bool] = (True, True)) -> Motion:
     """Return a smooth random motion inside Table 1; a joint that is not `moving` stands where its range is halved."""
     rng = np.random.default_rng(seed)
     t = np.arange(int(seconds * rate)) / rate

@@ -19,6 +19,7 @@ from ground.errors import NotEnoughDataError
 from measurement.recording import Recording
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
+from symbolic.quantity import JOINTS
 
 ORDER = 4
 STRETCH = 48
@@ -33,7 +34,8 @@ SHORTEST = 2.0
 class EvenSignals:
     """A recording on an even clock: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
 
-    The logged time stamps are what it was interpolated from; `rate` is in Hz.
+    The logged time stamps are what it was interpolated from; `rate` is in Hz. `passive` (J,) are joints declared
+    to have no drive; their torque is zero.
     """
 
     t: Float
@@ -41,6 +43,7 @@ class EvenSignals:
     tau: Float
     gap: NDArray[np.bool_]
     rate: float
+    passive: NDArray[np.bool_]
     payloads: tuple[Payload, ...] = ()
 
     @cached_property
@@ -80,7 +83,8 @@ def even_clock(recording: Recording) -> EvenSignals:
         tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in (0, 1)])
     after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1]) > 2.5 * step
-    return EvenSignals(grid, q, tau, hole, 1.0 / step, recording.payloads)
+    passive = np.array([joint in recording.passive for joint in JOINTS])
+    return EvenSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
@@ -176,6 +180,14 @@ def derivatives(q: Float, rate: float) -> tuple[Float, Float]:
     ddq = np.empty_like(q)
     ddq[1:-1] = (q[2:] - 2.0 * q[1:-1] + q[:-2]) * rate**2
     ddq[0], ddq[-1] = ddq[1], ddq[-2]
+    return dq, ddq
+
+
+def fine_derivatives(q: Float, rate: float) -> tuple[Float, Float]:
+    """Return the same by differences of fourth order: what `derivatives` gets wrong shows in the difference."""
+    dq, ddq = derivatives(q, rate)
+    dq[2:-2] = (8.0 * (q[3:-1] - q[1:-3]) - (q[4:] - q[:-4])) * rate / 12.0
+    ddq[2:-2] = (16.0 * (q[3:-1] + q[1:-3]) - (q[4:] + q[:-4]) - 30.0 * q[2:-2]) * rate**2 / 12.0
     return dq, ddq
 
 

@@ -29,6 +29,7 @@ from measurement.signals.conditioning import (
     decimate,
     derivatives,
     even_clock,
+    fine_derivatives,
     low_pass,
     low_pass_at,
     noise_density,
@@ -97,7 +98,8 @@ class PreparedRecording:
     `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
     encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
     may be sticking; its torque there is bridged. `standing` (J,) are joints that never move enough to be free of dry
-    friction: their torque, where they have one to show, is used without friction and not bridged.
+    friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,) are
+    joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording.
     """
 
     name: str
@@ -113,6 +115,8 @@ class PreparedRecording:
     band: float
     stuck: Bool
     standing: Bool
+    driven: Bool
+    full_rate: float
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -121,6 +125,7 @@ class PreparedRecording:
         deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
         white = rng.standard_normal(self.motion.q.shape) * deviation
         dq, ddq = derivatives(low_pass(white, self.band, self.rate), self.rate)
+        dq, ddq = np.where(self.standing, 0.0, dq), np.where(self.standing, 0.0, ddq)
         old = self.motion
         q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band)
@@ -166,12 +171,16 @@ class Prepared:
     """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted.
 
     `misread` are those of the `findings` that say in which convention the recordings seem to be (`--convention`).
+    `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
+    what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations.
     """
 
     train: tuple[PreparedRecording, ...]
     verify: tuple[PreparedRecording, ...]
     choice: CutoffChoice
     noise_floor: Float
+    filter_error: Float
+    acceleration_noise: float
     findings: tuple[Finding, ...] = ()
     derivative: str = BUTTERWORTH
     misread: tuple[Finding, ...] = ()
@@ -235,11 +244,16 @@ def prepare(
     done = [_prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     misread = (*check_conventions(recordings), *check_conventions(verify))
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
+    wrong = np.sqrt(_mean_square(_torque_of_filter(base, beta, done), done))
     return Prepared(
         train=tuple(done[:count]),
         verify=tuple(done[count:]),
         choice=choice,
-        noise_floor=_noise_floor(done, choice.cutoff),
+        noise_floor=np.sqrt(
+            _noise_floor(done, choice.cutoff) ** 2 + wrong**2 + _mean_square(_torque_of_noise(base, beta, done), done)
+        ),
+        filter_error=wrong,
+        acceleration_noise=_noise_share(done[:count], even[:count], choice.cutoff),
         findings=(*known, *doubled, *(f for f in misread if f not in known), *_outlier_findings(done)),
         derivative=derivative,
         misread=misread,
@@ -260,6 +274,7 @@ def _prepare_one(
     Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
     """
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
+    driven = ~(even.passive | (np.ptp(even.tau, axis=0) == 0.0) & (np.abs(even.tau[0]) == 0.0))
     tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
     rate = even.rate / factor
     inner = min(INNER * cutoff, 0.4 * even.rate)
@@ -305,6 +320,8 @@ def _prepare_one(
         band=min(inner, 0.4 * rate),
         stuck=stuck,
         standing=standing,
+        driven=driven,
+        full_rate=even.rate,
     )
 
 
@@ -461,9 +478,49 @@ def _reason(
 def _noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
     """Return the RMS (J,) in N·m that sensor noise leaves below the cut-off, from the top of the torque's spectrum.
 
-    Estimated without a model. A torque sensor whose noise is not white has a floor of its own; this one is then low.
+    Estimated without a model, from recordings in which the joint is driven: a torque that is zero for certain has no
+    noise. A torque sensor whose noise is not white has a floor of its own; this one is then low.
     """
-    return np.sqrt(np.mean([quiet_noise(p.wide_tau, p.rate, cutoff) ** 2 for p in prepared], axis=0))
+    square = np.array([quiet_noise(p.wide_tau, p.rate, cutoff) ** 2 for p in prepared])
+    driven = np.array([p.driven for p in prepared])
+    return np.sqrt(np.sum(square, axis=0, where=driven) / np.maximum(driven.sum(axis=0), 1))
+
+
+def _torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
+    """Return for each recording what filter and derivatives get wrong, (K, J) N·m: the model's torque once more with
+    the angles filtered twice and differentiated more exactly.
+    """
+    out = []
+    for one in prepared:
+        q = low_pass(one.motion.q, one.band, one.rate)
+        dq, ddq = fine_derivatives(q, one.rate)
+        out.append(
+            _torque_change(base, beta, one, q, np.where(one.standing, 0.0, dq), np.where(one.standing, 0.0, ddq))
+        )
+    return out
+
+
+def _torque_of_noise(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
+    """Return for each recording what noise of the angles makes in the model's torque, (K, J) N·m."""
+    out = []
+    for index, one in enumerate(prepared):
+        other = one.noisier(np.random.default_rng(index)).motion
+        out.append(_torque_change(base, beta, one, other.q, other.dq, other.ddq))
+    return out
+
+
+def _torque_change(base: Model, beta: Float, one: PreparedRecording, q: Float, dq: Float, ddq: Float) -> Float:
+    old = one.motion
+    changed = Motion(old.t, q, dq, ddq, old.sign, old.payload)
+    return one.smooth(base.torque(changed, beta) - base.torque(old, beta))
+
+
+def _mean_square(change: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the mean square (J,) of changes (K, J) over the usable samples of all recordings."""
+    square = np.sum(
+        [np.sum(np.where(p.use, x, 0.0) ** 2, axis=0) for x, p in zip(change, prepared, strict=True)], axis=0
+    )
+    return np.asarray(square / np.maximum(np.sum([p.use.sum(axis=0) for p in prepared], axis=0), 1))
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording]) -> tuple[Finding, ...]:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose and show; a missing effect is an answer, so the status is 0."""
+    """Diagnose and show; a missing effect is an answer (0), channels that cannot be what they say are none (1)."""
     from diagnosis.discover import diagnose
 
     return ask(args, diagnose, "Which effect is missing")

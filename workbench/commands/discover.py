@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Discover and show; status 0 whatever the verdict."""
+    """Discover and show; 0 whatever is found, 1 where the channels cannot be what they say."""
     from diagnosis.discover import discover
 
     return ask(args, discover, "What the model was missing", write=args.write)

@@ -13,7 +13,7 @@ from workbench.terminal.screen import Screen, bar
 
 MOST_SUSPECTS = 8
 MOST_PLACES = 6
-VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad"}
+VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad", "check_channels": "bad"}
 
 
 def show_fit(screen: Screen, fit: Any) -> None:
@@ -92,7 +92,7 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         ]
         screen.table("Suspects", ("effect", "explains", "p-value", "look-alikes in these data"), rows)
     left = result.get("unexplained") or {}
-    if left.get("significant"):
+    if left.get("significant") and left["variables"]:
         screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
         for text in left.get("suggested_terms", ()):
             screen.say(f"  worth trying as an effect of your own: torque = {text!r}")

@@ -16,8 +16,8 @@ WORDS = {
     "adequate": "The model is adequate",
     "missing": "An effect is missing",
     "ambiguous": "An effect is missing, and these data cannot tell which of its look-alikes",
-    "check_channels": "Check the channels: they cannot be what they say",
     "unexplained": "Something is left that no known effect explains",
+    "check_channels": "Check the channels: they cannot be what they say",
 }
 """What each verdict means, in words."""
 

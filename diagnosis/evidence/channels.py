@@ -1,0 +1,252 @@
+"""Can the channels be what they say? If not, nothing is accepted: an effect named on top of them is nonsense.
+
+Asked before the search: whether the encoders' noise leaves accelerations worth the name, and whether the torque would
+fit far better if it were read earlier, or as what a slow filter made of it. Asked of the best model that the search
+finds: whether it leaves more of the torque than a third, and whether the held-out recordings are of the same machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.rules import RULES, Rules
+from optimisation.fitting.identify import identify
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import solve_sse
+from optimisation.preparation.prepare import Prepared, PreparedRecording
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
+"""Delays of the torque that are tried, s; smaller ones are left to the catalogue."""
+LAGS = (0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
+"""Time constants of a filter of first order on the torque that are tried, s."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why the channels cannot be what they say: the rule that fired, the sentence, and what to do."""
+
+    rule: str
+    sentence: str
+    remedy: str
+
+
+def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Return what makes a search pointless, judged with the model that is there; None where nothing does."""
+    return _noisy_angles(base, rules) or _late_torque(base, rules)
+
+
+def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
+    """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
+    return (
+        _unexplained_torque(last, rules)
+        or _impossible_base(base, rules)
+        or _another_machine(base if last.model.shapes else last, rules)
+    )
+
+
+def left_share(fitted: FittedModel) -> Float:
+    """Return the share (J,) of the variance of the torque that a model leaves, the larger of fitted and held out.
+
+    NaN for a joint that has no torque of its own to explain: undriven, or without a usable sample.
+    """
+    count = len(fitted.prepared.train)
+    parts = [slice(0, count)] + ([slice(count, None)] if fitted.verified else [])
+    out = np.full((len(parts), len(JOINTS)), np.nan)
+    for row, part in enumerate(parts):
+        pairs = list(zip(fitted.residuals[part], fitted.prepared.all[part], strict=True))
+        for joint in range(len(JOINTS)):
+            driven = [(r[joint][p.use[:, joint]], p.tau[p.use[:, joint], joint]) for r, p in pairs if p.driven[joint]]
+            tau = np.concatenate([t for _, t in driven]) if driven else np.zeros(0)
+            if tau.size and tau.var() > 0.0:
+                out[row, joint] = np.mean(np.concatenate([r for r, _ in driven]) ** 2) / tau.var()
+    seen = np.isfinite(out).any(axis=0)
+    return np.where(seen, np.max(np.where(np.isfinite(out), out, -np.inf), axis=0), np.nan)
+
+
+def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    share = base.prepared.acceleration_noise
+    if not share > rules.angle_noise:
+        return None
+    density = np.max([one.angle_noise * 0.5 * one.full_rate for one in base.prepared.train], axis=0)
+    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density))
+    return Doubt(
+        f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {base.prepared.choice.cutoff:g} Hz",
+        f"The angles are too noisy for their accelerations ({size} rad at hip and knee): at the slowest useful cut-off "
+        f"noise makes {100 * share:.0f} % of them, so every inertia comes out too small by about that part, and "
+        "whatever smooths the model looks like an effect.",
+        "check the encoders and the columns of the angles; record faster motion, or repeat one periodic motion many "
+        "times and use --derivative fourier",
+    )
+
+
+def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether the torque of both joints is late, early, or behind a slow filter, by more than a drive can be."""
+    share = left_share(base)
+    if not np.nanmax(share, initial=0.0) > rules.late_least or np.all(
+        base.judged_rms < 3.0 * base.prepared.noise_floor
+    ):
+        return None
+    model, train = base.model, base.prepared.train
+    reference = base.linear if model.needs_reference else None
+    raw = [model.columns(p.motion, s, reference) for p, s in zip(train, base.shapes, strict=False)]
+    still = _Readings(train, raw)
+    now = still.left(lambda x, rate: x)
+    tried: list[tuple[float, str, float]] = []
+    for kind, values in (("delay", DELAYS), ("lag", LAGS)):
+        losses = [(still.left(_change(kind, value)), value) for value in values]
+        best = min(losses)[1]
+        near = [best * factor for factor in (0.8, 0.87, 0.93, 1.07, 1.15, 1.25)]
+        least, value = min([*losses, *((still.left(_change(kind, v)), v) for v in near)])
+        tried.append((least, kind, value))
+    least, kind, value = min(tried)
+    if least > rules.late_gain * now:
+        return None
+    what = (
+        f"comes {abs(value):.2g} s {'after' if value > 0 else 'before'} the motion it belongs to"
+        if kind == "delay"
+        else f"is what a filter of first order with {1.0 / (2.0 * np.pi * value):.2g} Hz leaves of the true one"
+    )
+    mend = (
+        f"shift the torque columns by {abs(value):.2g} s, or find out why the logger is late"
+        if kind == "delay"
+        else "log the torque before this filter, or take the filter off the sensor's or drive's settings"
+    )
+    return Doubt(
+        f"the squared error falls to {100 * least / now:.0f} % of itself if the torque {what}",
+        f"The torque does not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
+        f"leaves {100 * least / now:.0f} % of the squared error it leaves now.",
+        mend,
+    )
+
+
+def _change(kind: str, value: float) -> Callable[[Float, float], Float]:
+    return (
+        (lambda x, rate: _delayed(x, value * rate)) if kind == "delay" else (lambda x, rate: _lagged(x, value * rate))
+    )
+
+
+def _delayed(x: Float, samples: float) -> Float:
+    """Return `x` (N, M) as it was so many samples before, its ends held."""
+    at = np.clip(np.arange(len(x)) - samples, 0, len(x) - 1)
+    low = np.minimum(at.astype(int), len(x) - 2)
+    part = (at - low)[:, None]
+    return np.asarray((1.0 - part) * x[low] + part * x[low + 1])
+
+
+def _lagged(x: Float, samples: float) -> Float:
+    """Return `x` (N, M) behind a filter of first order with a time constant of so many samples, settled at first."""
+    from scipy.signal import lfilter
+
+    pole = np.exp(-1.0 / samples)
+    out, _ = lfilter([1.0 - pole], [1.0, -pole], x, axis=0, zi=pole * x[:1])
+    return np.asarray(out)
+
+
+@dataclass(frozen=True, eq=False)
+class _Readings:
+    """Columns (J, N, P) of a model on recordings, to be read with other dynamics between torque and motion."""
+
+    prepared: Sequence[PreparedRecording]
+    raw: Sequence[Float]
+
+    def left(self, change: Callable[[Float, float], Float]) -> float:
+        """Return what a fit leaves of the torque if the columns are changed, the sum of the shares of both joints."""
+        parts = []
+        for one, raw in zip(self.prepared, self.raw, strict=True):
+            joints, samples, width = raw.shape
+            flat = change(np.moveaxis(raw, 0, 1).reshape(samples, -1), one.rate)
+            parts.append(np.moveaxis(one.smooth(flat.reshape(samples, joints, width)), 0, 1))
+        tau = np.concatenate([one.tau for one in self.prepared]).T
+        data = LinearData(
+            columns=np.concatenate(parts, axis=1),
+            tau=tau,
+            groups=np.zeros(tau.shape[1], dtype=int),
+            names=tuple(str(p) for p in range(parts[0].shape[2])),
+            units=("",) * parts[0].shape[2],
+            use=np.concatenate([one.use for one in self.prepared]).T,
+        )
+        square = np.sum(data.residual(solve_sse(data)) ** 2, axis=1)
+        size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(data.tau, data.use, strict=True)])
+        return float(np.sum(square[size > 0.0] / size[size > 0.0]))
+
+
+def _unexplained_torque(last: FittedModel, rules: Rules) -> Doubt | None:
+    share = left_share(last)
+    if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
+        return None
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+    return Doubt(
+        f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
+        f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
+        "variance unexplained. Nothing is named on top of that.",
+        _COLUMNS,
+    )
+
+
+_COLUMNS = (
+    "check the columns and their order (--map), units (--units), the signs and zeros of angles and torques, and "
+    "whether torque and motion are of the same run; draw them over time, or start with a slow motion of one joint"
+)
+
+
+def _impossible_base(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether an effect had to rescue a rigid leg that explains little and could not exist."""
+    share = left_share(base)
+    wrong = [
+        f for f in base.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
+    ]
+    if not np.nanmax(share, initial=0.0) > rules.base_share or not wrong:
+        return None
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+    return Doubt(
+        f"the rigid leg leaves {parts} of the torque's variance, and its numbers are impossible ({wrong[0].what})",
+        f"The channels do not fit a leg: weight, inertia and friction together leave {parts} of the torque's variance "
+        "unexplained, with numbers that no leg has. What then explains the rest only makes up for a wrong sign, zero "
+        "or column.",
+        _COLUMNS,
+    )
+
+
+def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether held-out recordings are well explained by numbers of their own, and badly by those fitted."""
+    unseen = last.verify_rms
+    if unseen is None:
+        return None
+    known = (last.train_rms > 0.0) & np.array([any(p.use[:, j].any() for p in last.prepared.verify) for j in range(2)])
+    if not known.any():
+        return None
+    worse = unseen[known] / last.train_rms[known]
+    if worse.max() < rules.another_machine or worse.min() < 2.0:
+        return None
+    swapped: Prepared = replace(last.prepared, train=last.prepared.verify, verify=())
+    alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)
+    if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.own_machine:
+        return None
+    own = {e.name: e for e in alone.fit.estimates}
+    moved = [
+        f"{e.name} {e.value:.3g} and {own[e.name].value:.3g} {e.unit}"
+        for e in last.fit.estimates
+        if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
+    ]
+    errors = ", ".join(
+        f"{joint} {a:.3g} N·m on fitted and {b:.3g} N·m on held-out motion"
+        for joint, a, b, k in zip(JOINTS, last.train_rms, unseen, known, strict=True)
+        if k
+    )
+    return Doubt(
+        f"the held-out error is {worse.max():.0f} times the fitted one, and a fit of the held-out recordings alone "
+        "leaves little of it",
+        f"The held-out recordings are not of the machine that was fitted: the model leaves {errors}, yet fitted alone "
+        f"they are explained. Fitted and held out want: {'; '.join(moved[:4])}.",
+        "verify with recordings of the same leg, with the same load (--payload) and the same zeros",
+    )
+
+
+def _finite(share: Float) -> Iterator[tuple[str, float]]:
+    return ((joint, float(x)) for joint, x in zip(JOINTS, share, strict=True) if np.isfinite(x))

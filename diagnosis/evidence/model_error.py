@@ -1,0 +1,96 @@
+"""How much of an error is more than noise, whether it comes again when the motion does, and what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.repeats import Repeats, repeats
+from diagnosis.rules import RULES, Rules
+from symbolic.quantity import JOINTS
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it.
+
+    `random` is one that the sensors do not explain, and that does not come again when the motion does.
+    """
+
+    joint: str
+    times: float
+    sentence: str
+    advice: str
+    repeating: float | None = None
+    random: bool = False
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields; `repeating` is the share of it that comes again where the motion does, None if unknown."""
+        return {
+            "joint": self.joint,
+            "times_noise": self.times,
+            "repeating": self.repeating,
+            "sentence": self.sentence,
+        }
+
+
+def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
+    """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
+
+    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
+    """
+    again = repeats(last)
+    floor = last.prepared.noise_floor if again is None else np.maximum(last.prepared.noise_floor, again.noise)
+    error = last.judged_rms
+    sensors = last.prepared.noise_floor
+    # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
+    times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
+    j = int(np.argmax(times))
+    beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
+    if times[j] <= rules.near_noise:
+        worst = int(np.argmax(beyond))
+        return (
+            None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
+        )
+    joint, kind = JOINTS[j], "unseen" if last.verified else "fitted"
+    text = (
+        f"the {joint} keeps {error[j]:.3g} N·m on {kind} motion, {times[j]:.2g} times the noise of {floor[j]:.2g} N·m. "
+        "It is not noise, and no function of angle, velocity, acceleration, load or time that was tried"
+    )
+    if again is None:
+        text += "; whether it repeats is not known, because no motion was recorded twice"
+        advice = (
+            "record one of these motions twice: what comes again is an error of the model, what does not is the "
+            "machine or its sensors; until then trust the parameters no further than this error"
+        )
+    elif again.share[j] > 0.5:
+        text += f"; {100 * again.share[j]:.0f} % of it comes again {again.what}, so it is an error of the model"
+        advice = (
+            "look at the figure over time for what the model lacks (a second contact, cables, a base that moves) and "
+            "write it as [[custom_effects]]; recording more of the same will not lower it"
+        )
+    else:
+        text += (
+            f"; only {100 * again.share[j]:.0f} % of it comes again {again.what}: what changes is the machine or its "
+            "sensors, not the motion"
+        )
+        advice = _CHANGES
+    return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]))
+
+
+def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
+    """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
+    text = (
+        f"the {JOINTS[j]} keeps {last.judged_rms[j]:.3g} N·m, {times:.2g} times what sensor noise explains, "
+        f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion"
+    )
+    return ModelError(JOINTS[j], float(times), text, _CHANGES, float(again.share[j]), random=True)
+
+
+_CHANGES = (
+    "look for what changes between repetitions: temperature, strapping, a loose mount, the torque sensor; no model of "
+    "the motion can explain it"
+)

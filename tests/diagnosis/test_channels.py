@@ -1,0 +1,155 @@
+"""Channels that cannot be what they say are named before any effect is; an error that is not noise is not adequate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from diagnosis.discover import discover
+from diagnosis.evidence.channels import Doubt, doubts_after, doubts_before, left_share
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.model_error import model_error
+from diagnosis.evidence.repeats import repeats
+from measurement.reading.read import read_recording
+from measurement.recording import Recording
+from measurement.signals.conditioning import low_pass
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.model import Model
+from tests.made_recordings import BETA, motion, recording
+
+MODEL = Model.standard()
+
+
+@pytest.fixture(scope="module")
+def good() -> list[Recording]:
+    return [recording(k) for k in range(3)]
+
+
+def base(recordings, verify=()) -> FittedModel:
+    prepared = prepare(MODEL, recordings, verify, cutoff=5.0)
+    return fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared)
+
+
+def doubt(recordings, verify=()) -> Doubt | None:
+    fitted = base(recordings, verify)
+    return doubts_before(fitted) or doubts_after(fitted, fitted)
+
+
+def with_torque(one: Recording, tau) -> Recording:
+    return replace(one, tau=tau)
+
+
+def test_a_good_recording_raises_no_doubt(good):
+    fitted = base(good[:2], good[2:])
+    assert doubts_before(fitted) is None and doubts_after(fitted, fitted) is None
+    assert np.all(left_share(fitted) < 0.01)
+    assert model_error(fitted) is None
+
+
+@pytest.mark.parametrize("cutoff", [None, 0.5])
+def test_noise_for_torque(good, cutoff):
+    rng = np.random.default_rng(0)
+
+    def noise(one):
+        raw = rng.normal(size=one.tau.shape)
+        raw = raw if cutoff is None else low_pass(raw, cutoff, one.rate)
+        return with_torque(one, raw / raw.std(axis=0) * one.tau.std(axis=0))
+
+    found = doubt([noise(one) for one in good])
+    assert found is not None and "variance unexplained" in found.sentence and "--map" in found.remedy
+
+
+def test_torque_of_another_motion(good):
+    found = doubt([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
+    assert found is not None
+
+
+@pytest.mark.parametrize("late", [0.3, -0.2])
+def test_torque_logged_late_or_early(good, late):
+    found = doubt([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
+    assert found is not None and ("after" if late > 0 else "before") in found.sentence
+    seconds = float(found.remedy.split(" s,")[0].rsplit(" ", 1)[1])
+    assert seconds == pytest.approx(abs(late), abs=0.03)
+
+
+def test_torque_behind_a_slow_filter(good):
+    pole = np.exp(-2.0 * np.pi / 100.0)
+
+    def slow(one):
+        filtered, _ = lfilter([1.0 - pole], [1.0, -pole], one.tau, axis=0, zi=pole * one.tau[:1])
+        return with_torque(one, filtered)
+
+    found = doubt([slow(one) for one in good])
+    assert found is not None and "filter of first order" in found.sentence
+
+
+def test_angles_too_noisy_for_accelerations(good):
+    rng = np.random.default_rng(1)
+    noisy = [replace(one, q=one.q + 0.05 * rng.normal(size=one.q.shape)) for one in good]
+    prepared = prepare(MODEL, noisy)
+    found = doubts_before(fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared))
+    assert found is not None and "rad at hip and knee" in found.sentence
+
+
+def test_held_out_recordings_of_another_leg(good):
+    other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
+    found = doubt(good[:2], [recording(9, beta=other)])
+    assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
+
+
+def test_nothing_is_accepted_and_the_verdict_says_what_to_check(good):
+    found = discover(MODEL, [with_torque(one, np.roll(one.tau, 30, axis=0)) for one in good], cutoff=5.0)
+    assert found.verdict == "check_channels" and not found.accepted and not found.suspects
+    told = found.to_json()
+    assert told["verdict"] == "check_channels" and "logger" in told["next_experiment"]
+
+
+def test_noise_free_recordings_with_nothing_hidden_are_adequate():
+    clean = [recording(k, noise=0.0, angle_noise=0.0) for k in range(3)]
+    found = discover(MODEL, clean[:2], clean[2:])
+    assert found.verdict == "adequate" and not found.accepted
+    assert np.all(found.noise_floor > 0.0) and "derivatives" in found.rule
+
+
+def hidden_error(seed: int, smooth_noise: bool) -> np.ndarray:
+    """Return a torque (N, 2) that no effect describes: the same for the same motion, or other in every run."""
+    path = motion(0)
+    if smooth_noise:
+        raw = low_pass(np.random.default_rng(seed).normal(size=path.q.shape), 2.0, 100.0)
+        return 1.5 * raw / raw.std(axis=0)
+    return 1.5 * np.sin(9.0 * path.q) * np.cos(4.0 * path.dq)
+
+
+@pytest.mark.parametrize(("other", "share"), [(False, 0.9), (True, 0.2)])
+def test_what_repeats_with_the_motion_is_told_from_what_does_not(other, share):
+    runs = [recording(0, extra=hidden_error(k, other), name=f"run {k}") for k in range(3)]
+    noisy = [
+        replace(one, tau=one.tau + 0.1 * np.random.default_rng(k).normal(size=one.tau.shape))
+        for k, one in enumerate(runs)
+    ]
+    fitted = base(noisy)
+    again = repeats(fitted)
+    assert again is not None and again.what == "from run to run"
+    assert np.all(again.share > share) if not other else np.all(again.share < share)
+    error = model_error(fitted)
+    if not other:
+        assert error is not None and "comes again" in error.sentence and error.times > 3.0
+    else:  # what differs from run to run of one motion is noise to a model of the motion
+        assert error is not None and error.random and "no function of the motion" in error.sentence
+
+
+@pytest.mark.parametrize(("folder", "thigh"), [("two_link_rig", 0.30), ("two_link_rig_c0", 0.20)])
+def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folder, thigh):
+    runs = [read_recording(path) for path in sorted((shared_data / folder).glob("*.csv"))]
+    model = Model.standard(thigh_length=thigh)
+    for aside in (slice(0, 2), slice(2, 4)):
+        verify = runs[aside]
+        prepared = prepare(model, [one for one in runs if one not in verify], verify, cutoff=5.0)
+        fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+        assert doubts_before(fitted) is None and doubts_after(fitted, fitted) is None
+        error = model_error(fitted)
+        assert error is not None and error.times > 5.0
