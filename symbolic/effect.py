@@ -85,6 +85,8 @@ class Effect:
     tells_apart: str = ""
     reference: str = "no reference given"
     custom: bool = False
+    drive: bool = False
+    """Whether it is an effect of the drive or of its torque sensor: a joint without a drive cannot have it."""
     deflection: Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:

@@ -109,14 +109,16 @@ class Library:
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
     """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
 
-    Terms that `model` already has are left out.
+    Terms that `model` already has are left out, and effects of a drive at a joint that has none in any recording.
     """
+    driven = [any(one.driven[j] for one in prepared) for j in range(len(JOINTS))]
     known = {term.name for term in model.terms}
     found = []
     for effect in (*catalogue().values(), *extra):
         for joint in (None,) if effect.on_both else effect.joints:
             term = Term(effect, joint)
-            if term.name not in known:
+            idle = effect.drive and joint is not None and not driven[JOINTS.index(joint)]
+            if term.name not in known and not idle:
                 tangent = not effect.coefficients
                 found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
     return Library(tuple(found))

@@ -43,9 +43,11 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
     """
     again = repeats(last)
-    floor = last.prepared.noise_floor if again is None else np.maximum(last.prepared.noise_floor, again.noise)
+    driven = np.any([one.driven for one in last.prepared.all], axis=0)
+    # A torque that is zero for certain has no noise; an error there is measured by what the other joint's sensor has.
+    sensors = np.where(driven, last.prepared.noise_floor, last.prepared.noise_floor.max())
+    floor = sensors if again is None else np.maximum(sensors, again.noise)
     error = last.judged_rms
-    sensors = last.prepared.noise_floor
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
     j = int(np.argmax(times))

@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="drive_gain",
     title="Drive gain",
     family="drive",
+    drive=True,
     torque="c * tau_model",
     shape={"c": Shape("1", min=-0.5, max=0.5, points=10, typical=0.1, explains="relative error of the gain")},
     explains="The torque constant or the gear ratio behind the torque reading is wrong by some per cent.",

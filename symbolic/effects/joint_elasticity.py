@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="joint_elasticity",
     title="Joint elasticity",
     family="drive",
+    drive=True,
     torque="c * ddt(ddt(tau_model))",
     shape={
         "c": Shape(

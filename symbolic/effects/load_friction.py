@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="load_friction",
     title="Load-dependent friction",
     family="friction",
+    drive=True,
     torque="c * abs(tau_rigid) * sgn(dtheta)",
     coefficients={"c": Coefficient("1", min=0.0, typical=0.07, explains="friction as a share of the load")},
     explains=("The more the gear carries, the harder it rubs: friction is a share of the torque passed on."),

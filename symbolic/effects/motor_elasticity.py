@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="motor_elasticity",
     title="Elastic drive, encoder at the motor",
     family="drive",
+    drive=True,
     deflection={"c": "tau_rigid"},
     coefficients={
         "c": Coefficient("rad/(N·m)", min=0.0, typical=0.001, explains="compliance 1/K of gear, belt or cable")

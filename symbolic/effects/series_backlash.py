@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="series_backlash",
     title="Backlash of the drive",
     family="drive",
+    drive=True,
     deflection={"h": "tanh(slow(tau_rigid, 1) / w)"},
     coefficients={"h": Coefficient("rad", min=0.0, typical=0.01, explains="half the width of the gap")},
     shape={

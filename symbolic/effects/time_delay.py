@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="time_delay",
     title="Time delay",
     family="sensor",
+    drive=True,
     torque="delay(tau_model, d) - tau_model",
     shape={
         "d": Shape(

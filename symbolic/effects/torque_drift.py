@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="torque_drift",
     title="Torque drift",
     family="drift",
+    drive=True,
     torque="c * t",
     coefficients={"c": Coefficient("N·m/s", typical=0.05, explains="drift of the reading")},
     explains="The zero of the torque sensor creeps while it is recorded, as it warms up or relaxes.",

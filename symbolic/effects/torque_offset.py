@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="torque_offset",
     title="Torque offset",
     family="sensor",
+    drive=True,
     torque="c",
     coefficients={"c": Coefficient("N·m", typical=3.0, explains="the offset")},
     explains=(

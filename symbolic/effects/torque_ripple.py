@@ -8,6 +8,7 @@ EFFECT = Effect(
     id="torque_ripple",
     title="Torque ripple",
     family="drive",
+    drive=True,
     torque="a * sin(n * theta) + b * cos(n * theta)",
     coefficients={
         "a": Coefficient("N·m", typical=2.0, explains="sine part"),

@@ -68,11 +68,12 @@ def load(args: argparse.Namespace) -> Inputs:
     loads = payloads(getattr(args, "payload", []), [*given, *unseen])
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
     kept = conventions_of(args.convention, [*given, *unseen])
+    idle = passive_joints(getattr(args, "passive", []), [*given, *unseen])
     others = joins_of(args.join, [*given, *unseen])
 
     def all_of(paths: Sequence[str]) -> tuple[Recording, ...]:
         return tuple(
-            _loaded(one, loads.get(path, []))
+            _loaded(one, loads.get(path, [])).with_passive(*idle[path])
             for path in paths
             for one in read(path, **told, convention=kept[path], join=others[path])
         )
@@ -146,6 +147,23 @@ def conventions_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list
         meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
         for path in meant or paths:
             found[path].append(names if meant else text)
+    return found
+
+
+def passive_joints(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[str]]:
+    """Return {path: its joints without a drive} from texts such as knee or run6.csv=knee; UsageError for others."""
+    found: dict[str, list[str]] = {path: [] for path in paths}
+    for text in given:
+        name, _, joint = text.rpartition("=")
+        meant = [p for p in paths if not name or p == name] or [p for p in paths if Path(p).name == name]
+        if joint not in JOINTS or not meant:
+            raise UsageError(
+                f"{text!r} does not name a joint{f' of a recording called {name}' if name else ''}",
+                where="--passive",
+                remedy=did_you_mean(name, paths) if name and not meant else "write for example knee, or run6.csv=knee",
+            )
+        for path in meant:
+            found[path].append(joint)
     return found
 
 

@@ -67,6 +67,10 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         "hip-from-upright, hip-from-horizontal, ... (docs/file_formats.md); several as A,B",
     )  # fmt: skip
     group.add_argument(
+        "--passive", metavar="[FILE=]JOINT", action="append", default=[],
+        help="the joint had no drive (in that recording), so its torque is zero for certain: knee, or run6.csv=knee",
+    )  # fmt: skip
+    group.add_argument(
         "--cutoff",
         metavar="HZ",
         type=positive,

@@ -7,10 +7,15 @@ import numpy as np
 from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
 from measurement.recording import Recording
+from symbolic.quantity import JOINTS
 
 STILL, LITTLE = 0.01, 0.15
 """Range of motion in rad (2nd to 98th percentile): below the first a joint stands, below the second it hardly
 moves."""
+
+
+NOTHING = 0.08
+"""A torque whose middle 80 % span less than this part of the other joint's reads next to nothing."""
 
 
 def check(recording: Recording) -> list[Finding]:
@@ -52,8 +57,11 @@ def check(recording: Recording) -> list[Finding]:
         what = f"both torques are constant ({first:.4g} and {second:.4g} N·m)"
         remedy = "are these the torque columns? --map tau1=COLUMN,tau2=COLUMN"
         return [*found, Finding("motion", "refused", what, where, 0.0, 0.0, remedy)]
+    found += _next_to_nothing(recording, dict(zip(JOINTS, reach, strict=True)))
     for channel in constant:
-        what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} N·m throughout"
+        still = reach[JOINTS.index(channel.label.split()[0])] < STILL
+        kind = "locked joint" if still else "passive joint, that is one without a drive"
+        what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} N·m throughout, as of a {kind}"
         consequence = "right for a joint without a drive; otherwise this joint's parameters mean nothing"
         remedy = f"if the joint has a drive, check the sensor and --map {channel.name}=COLUMN"
         found.append(
@@ -67,6 +75,28 @@ def check(recording: Recording) -> list[Finding]:
                 remedy,
                 False,
                 consequence,
+            )
+        )
+    return found
+
+
+def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Finding]:
+    """Note a joint that moves while its torque reads next to nothing: it may have no drive."""
+    torques = list(channels(recording, "tau"))
+    spans = [float(np.ptp(np.percentile(channel.values, [10, 90]))) for channel in torques]
+    found = []
+    for channel, span in zip(torques, spans, strict=True):
+        joint = channel.label.split()[0]
+        if np.ptp(channel.values) == 0.0 or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
+            continue
+        what = f"the {channel.label} reads next to nothing ({span:.2g} N·m, the other {max(spans):.2g} N·m)"
+        name = recording.source.path or recording.name
+        remedy = f"if the {joint} had no drive in this recording: --passive {name}={joint}"
+        consequence = "the torque of a passive joint is zero for certain; measured, it is noise"
+        where = place(recording, channel.name)
+        found.append(
+            Finding(
+                "motion", "info", what, where, span, NOTHING, remedy, consequence=consequence, confidence="possible"
             )
         )
     return found

@@ -1,0 +1,71 @@
+"""A joint without a drive: its torque is zero for certain, and nothing of a drive is suspected there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.evidence.candidates import build_library
+from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.model_error import model_error
+from ground.errors import RecordingError
+from measurement.auditing.checks.motion import check
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.model import Model
+from tests.made_recordings import recording
+from workbench.command_line.inputs import passive_joints
+from workbench.command_line.parser import UsageError
+
+KNEE = (False, True)
+
+
+def quiet(seed: int):
+    """Return a recording whose knee torque reads next to nothing, as of a drive that is commanded zero."""
+    one = recording(seed)
+    noise = 0.006 * np.random.default_rng(seed).normal(size=len(one))
+    return replace(one, tau=np.column_stack([one.tau[:, 0], noise]))
+
+
+def test_a_passive_joint_is_recognised_and_said():
+    zero = [f for f in check(recording(0, undriven=KNEE)) if "passive" in f.what]
+    assert zero and "knee" in zero[0].what
+    (nearly,) = [f for f in check(quiet(1)) if "next to nothing" in f.what]
+    assert nearly.severity == "info" and "--passive" in nearly.remedy and nearly.remedy.endswith("=knee")
+    assert not [f for f in check(recording(2)) if "next to nothing" in f.what]
+
+
+def test_a_declared_zero_is_a_fact_without_sensor_noise():
+    declared = [quiet(k).with_passive("knee") for k in range(2)]
+    prepared = prepare(Model.standard(), declared, cutoff=5.0)
+    for one in prepared.train:
+        assert not one.driven[1] and one.driven[0]
+        assert not one.tau[:, 1].any() and one.use[:, 1].any()
+    fitted = fitted_model(identify(Model.standard(), prepared.train, optimisers=()), prepared)
+    error = model_error(fitted)  # in units of a noise that is one, not of a sensor that read zero
+    assert error is None or error.times < 100.0
+
+
+def test_nothing_of_a_drive_is_suspected_at_a_joint_without_one():
+    model = Model.standard()
+    prepared = prepare(model, [quiet(k).with_passive("knee") for k in range(2)], cutoff=5.0)
+    library = build_library(model, prepared.all)
+    names = {c.name for c in library.candidates}
+    at_drives = {c.term.effect.id for c in library.candidates if c.term.effect.drive and c.term.joint == "hip"}
+    assert "drive_gain" in at_drives
+    assert not names & {f"{effect}:knee" for effect in at_drives}
+    assert "stribeck:knee" in names  # friction of the joint itself needs no drive
+    mixed = prepare(model, [quiet(0).with_passive("knee"), recording(3)], cutoff=5.0)
+    assert "drive_gain:knee" in {c.name for c in build_library(model, mixed.all).candidates}
+
+
+def test_the_option_names_all_recordings_or_one():
+    assert passive_joints(["knee"], ["a/x.csv", "y.csv"]) == {"a/x.csv": ["knee"], "y.csv": ["knee"]}
+    assert passive_joints(["x.csv=hip"], ["a/x.csv", "y.csv"]) == {"a/x.csv": ["hip"], "y.csv": []}
+    for wrong in ("ankel", "z.csv=knee"):
+        with pytest.raises(UsageError):
+            passive_joints([wrong], ["a/x.csv"])
+    with pytest.raises(RecordingError):
+        recording(0).with_passive("elbow")
