@@ -114,6 +114,13 @@ class Effect:
         return f"first-order change of both torques where the link stays behind its encoder by {angle} (rad)"
 
     @property
+    def reach(self) -> str:
+        """Whose torque the effect changes: "own" joint, "own and next", or "all" joints."""
+        if self.derive is not None or self.deflection is not None:
+            return "all"
+        return "own and next" if self.on_both else "own"
+
+    @property
     def on_both(self) -> bool:
         """Whether the effect acts on both joints at once."""
         return self.joints == ("both",)

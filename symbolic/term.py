@@ -156,11 +156,9 @@ class Term:
     @property
     def reaches(self) -> tuple[int, ...]:
         """Indices of the joints whose torque the effect changes."""
-        if self.effect.deflection is not None or self.effect.derive is not None:
+        if self.effect.reach == "all":
             return tuple(range(len(self.among)))
-        if self.effect.on_both:
-            return self.first, self.first + 1
-        return (self.first,)
+        return (self.first,) if self.effect.reach == "own" else (self.first, self.first + 1)
 
 
 def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str, ...]:
