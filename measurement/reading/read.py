@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from ground.errors import RecordingError
@@ -19,6 +20,7 @@ from measurement.reading.columns import assign, legs
 from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
 from measurement.reading.join import joined
+from measurement.reading.large import Progress, in_stretches
 from measurement.reading.mapping import FILE, Told, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
@@ -30,6 +32,9 @@ from measurement.recording import Recording, Source
 __all__ = ["find_formats", "open_table", "read_recording", "read_recordings", "read_table"]
 
 Joined = str | Path | tuple[str | Path, float | None]
+LARGE, PIECES, SMALL = 400_000_000, 16, 1_000_000
+"""Bytes of text that are still read as a whole; into how many pieces so many are cut where they are not; and the least
+that is worth a look."""
 LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
@@ -74,14 +79,21 @@ def read_recordings(
     leg: str | None = None,
     convention: str | Iterable[str] = (),
     join: Sequence[Joined] = (),
+    most_bytes: int = LARGE,
+    progress: Progress | None = None,
 ) -> tuple[Recording, ...]:
     """Return the recordings that files, folders, patterns ("runs/*.csv") and ZIP archives hold, in order.
 
-    `leg` "both" gives two recordings of every file with both legs. Otherwise as `read_recording`.
+    `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
+    read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
+    (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`.
     """
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
     out: list[Recording] = []
     for path in expand(sources):
+        if not join and (parts := _in_pieces(Path(path), told, convention, most_bytes, progress)):
+            out += parts
+            continue
         table, origin, name, here = _whole(path, told, "", join)
         if here.leg != "both":
             out.append(_finished(table, origin, name, here, convention))
@@ -97,6 +109,44 @@ def read_recordings(
             )
         out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention) for side in sides]
     return tuple(out)
+
+
+def _in_pieces(
+    path: Path, told: Told, convention: str | Iterable[str], most: int, progress: Progress | None
+) -> tuple[Recording, ...]:
+    """Return the stretches of a file that is too long for memory; nothing where it is not, or cannot be cut."""
+    with opened(path) as real:
+        chosen = None if real.is_dir() or real.stat().st_size < SMALL else _format_of(real)
+        if chosen is None or not hasattr(chosen, "pieces") or not chosen.is_large(real, most):
+            return ()
+        if told.leg == "both":
+            raise RecordingError(
+                "a file so long is read for one leg at a time", where=str(path), remedy="--leg left or --leg right"
+            )
+        origin, home = Source(str(path), digest(real)), folder_of(path)
+        said: list[Finding] = []
+        kept: Told | None = None
+
+        def finish(table: RawTable) -> Recording:
+            nonlocal kept
+            table = join_split(table)
+            if kept is None:
+                found = remembered(home, table.names)
+                kept = told.over(found) if found else told
+                if found:
+                    said.append(_note(home, found, path))
+            return _finished(table, origin, path.stem, kept, convention)
+
+        size = max(SMALL, most // PIECES)
+        out = in_stretches(chosen.pieces(real, size), finish, name=path.stem, where=str(path), progress=progress)
+        return (out[0].with_findings((*said, *out[0].findings)), *out[1:])
+
+
+def _note(home: Path, kept: Told, path: Path) -> Finding:
+    return Finding(
+        "mapping", "info", f"columns as kept in {home / FILE}: {kept}", str(path),
+        remedy="--map, --units and --leg come before it",
+    )  # fmt: skip
 
 
 def _whole(source: Any, told: Told, name: str, others: Sequence[Joined]) -> tuple[RawTable, Source, str, Told]:
@@ -131,11 +181,7 @@ def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, 
     home = folder_of(path)
     kept = remembered(home, table.names)
     if kept:
-        note = Finding(
-            "mapping", "info", f"columns as kept in {home / FILE}: {kept}", str(path),
-            remedy="--map, --units and --leg come before it",
-        )  # fmt: skip
-        table = replace(table, notes=(*table.notes, note))
+        table = replace(table, notes=(*table.notes, _note(home, kept, path)))
     return table, origin, name or path.stem, told.over(kept) if kept else told
 
 
@@ -182,27 +228,32 @@ def read_table(path: Path, where: str = "") -> RawTable:
         ) from error
 
 
+def _format_of(path: Path) -> ModuleType:
+    """Return the module that reads the file; RecordingError where there is none."""
+    head, suffix = b"", path.suffix.lower()
+    if path.is_dir():
+        suffix = ".mcap"  # nothing but a folder that ROS 2 wrote comes so far
+    else:
+        with open_input(path, remember=False) as stream:
+            head = stream.read(1024)
+    by_content = [m for m in find_formats() if any(head.startswith(s) for s in m.SIGNATURES)]
+    by_suffix = [m for m in find_formats() if suffix in m.SUFFIXES]
+    chosen = by_content or by_suffix
+    if len(by_content) > 1:
+        chosen = [m for m in by_content if m in by_suffix] or by_content
+    if not chosen:
+        known = ", ".join(suffix for module in find_formats() for suffix in module.SUFFIXES)
+        raise RecordingError(
+            f"files of type {path.suffix or '(no suffix)'} are not read",
+            where=str(path),
+            remedy=f"known: {known}",
+        )
+    return chosen[0]
+
+
 def _read_table(path: Path) -> RawTable:
     try:
-        head, suffix = b"", path.suffix.lower()
-        if path.is_dir():
-            suffix = ".mcap"  # nothing but a folder that ROS 2 wrote comes so far
-        else:
-            with open_input(path, remember=False) as stream:
-                head = stream.read(1024)
-        by_content = [m for m in find_formats() if any(head.startswith(s) for s in m.SIGNATURES)]
-        by_suffix = [m for m in find_formats() if suffix in m.SUFFIXES]
-        chosen = by_content or by_suffix
-        if len(by_content) > 1:
-            chosen = [m for m in by_content if m in by_suffix] or by_content
-        if not chosen:
-            known = ", ".join(suffix for module in find_formats() for suffix in module.SUFFIXES)
-            raise RecordingError(
-                f"files of type {path.suffix or '(no suffix)'} are not read",
-                where=str(path),
-                remedy=f"known: {known}",
-            )
-        table: RawTable = chosen[0].read(path)
+        table: RawTable = _format_of(path).read(path)
         return table
     except OSError as error:
         raise RecordingError(

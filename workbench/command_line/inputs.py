@@ -14,6 +14,7 @@ from ground.suggest import did_you_mean
 from symbolic.quantity import JOINTS
 from workbench.command_line.options import merged
 from workbench.command_line.parser import UsageError
+from workbench.terminal.progress import progress
 from workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
@@ -75,21 +76,23 @@ def load(args: argparse.Namespace) -> Inputs:
         return tuple(
             _loaded(one, loads.get(path, [])).with_passive(*idle[path])
             for path in paths
-            for one in read(path, **told, convention=kept[path], join=others[path])
+            for one in read(path, **told, convention=kept[path], join=others[path], quiet=args.quiet)
         )
 
     recordings, verify = all_of(given), all_of(unseen)
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
 
 
-def read(path: str, **told: Any) -> tuple[Recording, ...]:
+def read(path: str, *, quiet: bool = False, **told: Any) -> tuple[Recording, ...]:
     """Read one file, which holds a recording or one of each leg; say on stderr what its audit warns of or has repaired.
 
     `told` is what `read_recordings` takes. A mapping that was remembered is said too, every time.
     """
     from measurement.reading.read import read_recordings
 
-    recordings = read_recordings([path], **told)
+    # Only a file that takes more than a glance is worth a bar.
+    with progress(f"reading {Path(path).name}", quiet=quiet) as report:
+        recordings = read_recordings([path], **told, progress=report)
     for recording in recordings:
         for finding in recording.findings:
             if finding.severity != "info" or finding.check == "mapping":

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import RecordingError
+from ground.inputs import open_input
 from measurement.finding import Finding, row_ranges
 from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, column_from_cells
@@ -26,6 +28,8 @@ SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
 SIGNATURES: tuple[bytes, ...] = ()
 APART = "\u2009"
 """Stands for a delimiter inside quotes: a thin space, which also parts thousands."""
+HEAD = 1_000_000
+"""Bytes in which the header of a long text ends."""
 UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
 
 
@@ -39,7 +43,39 @@ def read(path: Path, skip: int = 0) -> RawTable:
     budget.take(2 * path.stat().st_size, "the text")
     data = path.read_bytes()
     above = data[:skip].count(b"\n")
-    text, notes = decode(data[skip:], where=str(path))
+    return _table(data[skip:], above, path, budget)
+
+
+def is_large(path: Path, most: int) -> bool:
+    """Whether the text has more than `most` bytes."""
+    return path.stat().st_size > most
+
+
+def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
+    """Yield (share that is read, table) of pieces of about `size` bytes, each read as a table under the same header.
+
+    Only for UTF-8, ASCII and Latin text with line feeds; RecordingError for any other.
+    """
+    total = path.stat().st_size
+    with open_input(path) as stream:
+        first = stream.read(HEAD)
+        text, _ = decode(first, where=str(path))
+        if b"\x00" in first or b"\n" not in first:
+            raise RecordingError("a text so long must be UTF-8 with line feeds", where=str(path), remedy="convert it")
+        above = sniff(text, where=str(path)).first_line - 1
+        stream.seek(0)
+        header = b"".join(stream.readline(HEAD) for _ in range(above))
+        row = 0
+        while body := stream.read(size):
+            body += stream.readline(HEAD)
+            table = _table(header + body, 0, path, Budget(str(path)))
+            yield min(1.0, stream.tell() / total), replace(table, row=table.row + row)
+            row += body.count(b"\n")
+
+
+def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
+    """Return the columns of a text; `above` lines of the file stand before it."""
+    text, notes = decode(data, where=str(path))
     del data
     layout = sniff(text, where=str(path))
     layout = replace(layout, first_line=layout.first_line + above)

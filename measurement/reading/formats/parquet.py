@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from measurement.reading.raw import RawTable, column_from_cells, split_unit
 
 SUFFIXES = (".parquet", ".pq")
 SIGNATURES = (b"PAR1",)
+MOST_GROUP = 500_000_000
+"""Bytes of a row group, which is unpacked as a whole."""
 LONGEST_TEXTS = 10_000_000
 """Bytes of a group of rows of texts, beyond which a single cell of it could be too long."""
 
@@ -51,6 +54,54 @@ def read(path: Path) -> RawTable:
     if not columns or not table.num_rows:
         raise RecordingError("the table has no rows", where=str(path), remedy="record again")
     return RawTable(columns, np.arange(1, table.num_rows + 1))
+
+
+def is_large(path: Path, most: int) -> bool:
+    """Whether the numbers of the table take more than a third of `most` bytes; False where it cannot be told."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+
+        with pyarrow.parquet.ParquetFile(path) as file:
+            return bool(file.metadata.num_rows * file.metadata.num_columns * 8 > most / 3)
+    except (ImportError, OSError, ValueError):
+        return False  # refused with its reason when it is read
+
+
+def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
+    """Yield (share that is read, table) of pieces whose numbers take about `size` bytes; texts are left out."""
+    import pyarrow
+    import pyarrow.parquet
+
+    try:
+        with pyarrow.parquet.ParquetFile(path) as file:
+            fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type)]
+            groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+            if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
+                raise RecordingError(
+                    "a row group of the file is too large",
+                    where=str(path),
+                    remedy="write it with row_group_size=1000000",
+                )
+            rows = max(1000, size // (8 * max(1, len(fields))))
+            done = 0
+            for batch in file.iter_batches(batch_size=rows, columns=[one.name for one in fields]):
+                table = pyarrow.Table.from_batches([batch])
+                columns = tuple(
+                    column_from_cells(
+                        "time" if _is_index_of_time(one) else split_unit(one.name)[0],
+                        table.column(i).to_pandas(),
+                        _unit(one.metadata) or split_unit(one.name)[1],
+                    )
+                    for i, one in enumerate(table.schema)
+                )
+                row = np.arange(done + 1, done + table.num_rows + 1)
+                done += table.num_rows
+                yield done / file.metadata.num_rows, RawTable(columns, row)
+    except (pyarrow.ArrowException, OSError, KeyError, TypeError) as error:
+        raise RecordingError(
+            f"the Parquet file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
+        ) from error
 
 
 def _affordable(file: Any, where: str) -> list[str]:

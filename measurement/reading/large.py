@@ -1,0 +1,139 @@
+"""Recordings too long for memory: audited piece by piece, and represented by stretches spread over them.
+
+A day at 1 kHz is 8 GB of text. It is read in pieces of some minutes, each of which passes the same audit as a recording
+of its own; what the audit says is added up. Of every twelfth of the file the piece with most motion is kept, at most
+`STRETCH` s of it: half an hour in all, as recordings of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ground.errors import RecordingError
+from measurement.finding import SEVERITIES, Finding
+from measurement.reading.raw import RawTable
+from measurement.recording import Recording
+
+STRETCHES, STRETCH = 12, 150.0
+"""How many recordings a long file becomes, and how many s each of them at most."""
+Progress = Callable[[float, str], None]
+
+
+@dataclass(eq=False)
+class _Tally:
+    """What the audits of all pieces say: per (check, severity) the first finding and in how many pieces it stands."""
+
+    first: dict[tuple[str, str], Finding] = field(default_factory=dict)
+    count: dict[tuple[str, str], int] = field(default_factory=dict)
+
+    def add(self, findings: Iterable[Finding]) -> None:
+        """Count each kind of finding once."""
+        for key, finding in {(one.check, one.severity): one for one in findings}.items():
+            self.first.setdefault(key, finding)
+            self.count[key] = self.count.get(key, 0) + 1
+
+    def findings(self, pieces: int) -> tuple[Finding, ...]:
+        """Return one finding per kind, worst first, which says in how many pieces it stands."""
+        kinds = sorted(self.first, key=lambda key: SEVERITIES.index(key[1]))
+        return tuple(
+            replace(
+                self.first[key], what=f"{self.first[key].what} (and the like in {self.count[key]} of {pieces} pieces)"
+            )
+            for key in kinds
+            if key[1] != "info"
+        )
+
+
+def in_stretches(
+    pieces: Iterable[tuple[float, RawTable]],
+    finish: Callable[[RawTable], Recording],
+    *,
+    name: str,
+    where: str,
+    progress: Progress | None = None,
+) -> tuple[Recording, ...]:
+    """Return the stretches that stand for a recording in `pieces` (share of the file that is read, table).
+
+    `finish` makes an audited recording of one piece. The first stretch carries what the audits of all pieces found.
+    RecordingError when no piece can be used, with the reason of the first.
+    """
+    best: dict[int, tuple[float, Recording]] = {}
+    tally, refused = _Tally(), []
+    count, rows, last = 0, 0, -np.inf
+    backwards = 0
+    for share, table in pieces:
+        count += 1
+        rows += table.row.size
+        if progress is not None:
+            progress(share, f"auditing {name}: {rows / 1e6:.1f} million rows")
+        try:
+            recording = finish(table)
+        except RecordingError as error:
+            refused.append(error)
+            continue
+        tally.add(recording.findings)
+        start = float(recording.t[0])
+        backwards += start < last and start != 0.0
+        last = float(recording.t[-1])
+        place = min(STRETCHES - 1, int(share * STRETCHES - 1e-9))
+        cut = _liveliest(recording)
+        content = _motion(cut)
+        if place not in best or content > best[place][0]:
+            best[place] = (content, cut)
+    if not best:
+        raise refused[0] if refused else RecordingError("the file holds no rows", where=where, remedy="record again")
+    kept = [recording for _, (_, recording) in sorted(best.items())]
+    seconds = sum(one.duration for one in kept)
+    said = [
+        Finding(
+            "large", "repaired", f"{rows} rows in {count} pieces were audited; {len(kept)} stretches of them, "
+            f"{seconds / 60:.0f} min in all, stand for it: of each part of the file that with most motion", where,
+            remedy="cut out what matters most, if that is not it", repaired=True,
+        )
+    ]  # fmt: skip
+    if refused:
+        said.append(
+            Finding(
+                "large", "warning", f"{len(refused)} of {count} pieces cannot be used, for example: {refused[0].what}",
+                refused[0].where, remedy=refused[0].remedy,
+            )
+        )  # fmt: skip
+    if backwards:
+        what = f"time goes back between {backwards} pieces: the file holds more than one recording"
+        said.append(Finding("large", "warning", what, where, remedy="cut it into one file per recording"))
+    out = [replace(one, name=_named(name, one), findings=()) for one in kept]
+    out[0] = out[0].with_findings((*said, *tally.findings(count)))
+    return tuple(out)
+
+
+def _named(name: str, one: Recording) -> str:
+    return f"{name} from row {int(one.row[0])}"
+
+
+def _liveliest(recording: Recording) -> Recording:
+    """Return the part of `recording`, at most STRETCH s long, in which the angles move most."""
+    if recording.duration <= STRETCH:
+        return recording
+    starts = recording.t[0] + np.arange(0.0, recording.duration - STRETCH, STRETCH / 2)
+    parts = [_between(recording, start, start + STRETCH) for start in starts]
+    return max(parts, key=_motion)
+
+
+def _between(one: Recording, start: float, stop: float) -> Recording:
+    first, last = np.searchsorted(one.t, [start, stop])
+    cut: dict[str, object] = {}
+    for key in ("t", "q", "tau", "valid", "dq", "ddq", "force", "row"):
+        value = getattr(one, key)
+        cut[key] = None if value is None else value[first:last]
+    return replace(one, **cut)  # type: ignore[arg-type]
+
+
+def _motion(one: Recording) -> float:
+    """Return how much the angles move in the rows that can be used, in rad, summed over the joints."""
+    if not one.valid.any():
+        return 0.0
+    spread: Sequence[float] = one.q[one.valid].std(axis=0)
+    return float(np.sum(spread) * one.valid.mean())
