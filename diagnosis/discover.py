@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
 
 import numpy as np
 
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.channels import doubts_after, doubts_before
 from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
+from diagnosis.evidence.stability import splits_of
 from diagnosis.evidence.stretches import searched, stretches
-from diagnosis.results import Accepted, Diagnosis, Step, Suspect
+from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress, SearchContext, silent
-from diagnosis.search.engine import run
-from diagnosis.search.state import Extension
+from diagnosis.search.doubt import too_short
+from diagnosis.search.engine import Found, run
+from diagnosis.search.possible import agreements_of, possible_of
+from diagnosis.search.state import Extension, State
 from diagnosis.verdict import (
     Conclusion,
     biased_parameters,
@@ -31,6 +35,8 @@ from diagnosis.verdict import (
     sentence_of,
     within_filter_error,
 )
+from ground.errors import ExoidError, NotEnoughDataError
+from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -38,6 +44,10 @@ from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
+from symbolic.quantity import Estimate
+
+LINEARISED, ALL = "linearised", "all"
+"""Ways to repeat the decision over splits of the recordings."""
 
 
 def discover(
@@ -52,42 +62,53 @@ def discover(
     progress: Progress | None = None,
     most: int | None = None,
     rules: Rules = RULES,
+    splits: str = LINEARISED,
 ) -> Diagnosis:
     """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
     `rules`, the thresholds that decide, say).
 
     `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue and
     the model's own (`[[custom_effects]]` of its file), which are suspected anyway. Every random number comes
-    from `seed`. Refuses recordings that are too short, too slow or do not determine the model.
+    from `seed`. `splits` is how the decision is repeated over splits of the recordings: "linearised", about the models
+    that were found, or "all", the whole search from scratch in each split, which takes as many times as long as there
+    are splits. Refuses recordings that are too short, too slow or do not determine the model.
     """
     began = time.perf_counter()
+    if splits not in (LINEARISED, ALL):
+        raise ExoidError(f"splits cannot be repeated as {splits!r}", remedy=f"use {LINEARISED} or {ALL}")
     model = cast("Model", model.model) if isinstance(model, Fit) else model
     tick = progress or silent
     most = rules.most_terms if most is None else most
-    tick(0.02, "preparing the recordings")
-    prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
-    base = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
-    answer = _before_any_search(base, rules)
-    if answer is not None:
-        return _write_up(prepared, prepared, (Extension(base),), (), None, answer, began)
-    part = stretches(prepared, rules)
-    library = build_library(model, part.all, own_effects(model, extra))
-    context = SearchContext(part, library, seed, tick, most, rules)
-    found = run(context, Extension(base) if part is prepared else context.fit(model))
-    extensions = found.state.extensions
-    if part is not prepared:
-        tick(0.95, "fitting what was found to the whole of the recordings")
+    question = _Question(model, seed, cutoff, derivative, tuple(extra), most, rules)
+    whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
+    done = question.search(recordings, verify, whole)
+    prepared, state = done.prepared, done.found.state
+    if done.answer is not None:
+        return _write_up(done, (Extension(done.base),), (), None, (), done.answer, began)
+    extensions = state.extensions
+    if done.context.prepared is not prepared:
+        whole(0.95, "fitting what was found to the whole of the recordings")
         extensions = _on_all_of(prepared, extensions)
-    # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
-    left = None if len(extensions) > most else found.state.left
-    tick(0.97, "writing it down")
     last = extensions[-1].fitted
-    doubt = doubts_after(base, last, rules)
+    doubt = doubts_after(done.base, last, rules)
     if doubt is not None:
-        return _write_up(prepared, part, (Extension(base),), (), None, doubted(doubt), began)
-    accepted = _accepted(extensions)
-    answer = conclude(accepted, left, base, last, bool(verify), len(recordings), most, rules)
-    return _write_up(prepared, part, extensions, found.first, left, answer, began)
+        return _write_up(done, (Extension(done.base),), (), None, (), doubted(doubt), began)
+    several = len(recordings) + len(verify) > 1
+    agreements = agreements_of(done.context, state) if several else {}
+    possible = possible_of(done.context, state, several)
+    if splits == ALL and several:
+        agreements, possible = _from_scratch(question, recordings, verify, state.names, _part(tick, 0.5, 0.96))
+    tick(0.97, "writing it down")
+    # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
+    left = None if len(extensions) > most else state.left
+    names = [one.name for one in done.context.prepared.all]
+    accepted = tuple(
+        replace(one, agreement=found, against=tuple(names[k] for k in found.against))
+        for one in _accepted(extensions)
+        for found in (agreements.get(one.name, Agreement()),)
+    )
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), most, rules)
+    return _write_up(done, extensions, accepted, left, possible, answer, began)
 
 
 def diagnose(
@@ -106,6 +127,108 @@ def diagnose(
         model, recordings, verify, seed=seed, cutoff=cutoff, derivative=derivative, extra=extra, progress=progress,
         most=1,
     )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
+
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed.
+    """
+
+    prepared: Prepared
+    base: FittedModel
+    context: SearchContext
+    found: Found
+    answer: Conclusion | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """What is asked of recordings, whichever of them are fitted."""
+
+    model: Model
+    seed: int
+    cutoff: float | None
+    derivative: str
+    extra: tuple[Effect, ...]
+    most: int
+    rules: Rules
+
+    def search(self, recordings: Sequence[Recording], verify: Sequence[Recording], tick: Progress) -> _Searched:
+        """Prepare the recordings and search."""
+        tick(0.02, "preparing the recordings")
+        prepared = prepare(self.model, recordings, verify, cutoff=self.cutoff, derivative=self.derivative)
+        base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+        answer = _before_any_search(base, self.rules)
+        part = prepared if answer is not None else stretches(prepared, self.rules)
+        library = build_library(self.model, part.all, own_effects(self.model, self.extra))
+        context = SearchContext(part, library, self.seed, tick, self.most, self.rules)
+        if answer is not None:
+            return _Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
+        start = Extension(base) if part is prepared else context.fit(self.model)
+        return _Searched(prepared, base, context, run(context, start))
+
+
+def _part(tick: Progress, low: float, high: float) -> Progress:
+    """Return a progress that moves `tick` from `low` to `high`."""
+    return lambda fraction, text: tick(low + fraction * (high - low), text)
+
+
+def _from_scratch(
+    question: _Question,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    accepted: Sequence[str],
+    tick: Progress,
+) -> tuple[dict[str, Agreement], tuple[Possible, ...]]:
+    """Search anew in every split; return how often each of the `accepted` was, and what else some splits accept."""
+    everything = [*recordings, *verify]
+    found: dict[str, list[tuple[Score, dict[str, Estimate]]]] = {}
+    lost: dict[str, list[int]] = {}
+    count = 0
+    splits = splits_of(len(everything), len(verify), question.rules, question.seed)
+    for number, aside in enumerate(splits):
+        tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
+        fitted = [r for k, r in enumerate(everything) if k not in aside]
+        try:
+            state = question.search(fitted, [everything[k] for k in aside], silent).found.state
+        except NotEnoughDataError:  # these recordings alone do not determine the model: this split cannot tell
+            continue
+        count += 1
+        for score in state.accepted:
+            found.setdefault(score.name, []).append((score, _numbers_of(state.last.fitted.fit, score.name)))
+        for name in set(accepted) - set(state.names):
+            lost.setdefault(name, []).extend(aside)
+    agreements = {}
+    for name, entries in found.items():
+        values = [numbers for _, numbers in entries]
+        ranges = {key: (min(v[key].value for v in values), max(v[key].value for v in values)) for key in values[0]}
+        agreements[name] = Agreement(len(entries), count, ranges, tuple(dict.fromkeys(lost.get(name, ()))))
+    possible = [
+        Possible(
+            score.candidate.term.effect.id,
+            score.candidate.term.joint,
+            agreements[name],
+            {
+                k: replace(e, low=agreements[name].ranges[k][0], high=agreements[name].ranges[k][1])
+                for k, e in own.items()
+            },
+            score.share,
+            f"accepted in {len(entries)} of {count} splits of the recordings, each searched from scratch",
+        )
+        for name, entries in found.items()
+        for score, own in entries[:1]
+        if name not in accepted
+    ]
+    never = {name: Agreement(0, count, {}, tuple(dict.fromkeys(lost[name]))) for name in accepted if name not in found}
+    return agreements | never, tuple(sorted(possible, key=lambda p: -(p.agreement.share or 0.0)))
+
+
+def _numbers_of(fit: Fit, name: str) -> dict[str, Estimate]:
+    """Return the estimates of a term under their names without that of the term."""
+    prefix = f"{name}."
+    return {e.name.removeprefix(prefix): e for e in fit.estimates if e.name.startswith(prefix)}
 
 
 def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
@@ -134,8 +257,7 @@ def _accepted(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
         score = extension.added
         assert score is not None
         term = score.candidate.term
-        prefix = f"{term.name}."
-        numbers = {e.name.removeprefix(prefix): e for e in last.fitted.fit.estimates if e.name.startswith(prefix)}
+        numbers = _numbers_of(last.fitted.fit, term.name)
         accepted.append(
             Accepted(
                 effect=term.effect.id,
@@ -153,16 +275,16 @@ def _accepted(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
 
 
 def _write_up(
-    prepared: Prepared,
-    part: Prepared,
+    done: _Searched,
     extensions: Sequence[Extension],
-    first: Sequence[Score],
+    accepted: tuple[Accepted, ...],
     left: Remainder | None,
+    possible: tuple[Possible, ...],
     conclusion: Conclusion,
     began: float,
 ) -> Diagnosis:
-    last = extensions[-1]
-    accepted = _accepted(extensions)
+    prepared, last = done.prepared, extensions[-1]
+    first = () if conclusion.verdict == "check_channels" else done.found.first
     steps = tuple(
         Step(
             "base" if s.added is None else f"+ {s.added.name}",
@@ -186,7 +308,7 @@ def _write_up(
         noise_floor=prepared.noise_floor,
         unexplained=left,
         unexplained_significant=left is not None,
-        audit=(*prepared.findings, *searched(prepared, part)),
+        audit=(*prepared.findings, *searched(prepared, done.context.prepared), *_short(prepared, done.context.rules)),
         seconds=time.perf_counter() - began,
         next_experiment=conclusion.next_experiment,
         model=last.fitted.model,
@@ -196,7 +318,18 @@ def _write_up(
         biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
         differing=told_apart,
         error=conclusion.error,
+        possible=possible,
+        rules=done.context.rules,
     )
+
+
+def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
+    """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
+    text = too_short(prepared, rules)
+    if not text:
+        return ()
+    remedy = f"record at least {rules.least_seconds:g} s of motion to fit, in two recordings or more"
+    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
 
 
 def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Extension, ...]:

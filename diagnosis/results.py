@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import Differing
 from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.plots import falling_error, suspects
+from diagnosis.rules import RULES, Rules
 from ground.html import lines, table
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
@@ -67,6 +69,8 @@ class Accepted:
     rms_before: Float
     rms_after: Float
     sentence: str
+    agreement: Agreement = field(default_factory=Agreement)
+    against: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -85,7 +89,69 @@ class Accepted:
             "rms_before": self.rms_before.tolist(),
             "rms_after": self.rms_after.tolist(),
             "sentence": self.sentence,
+            "accepted_in": self.agreement.share,
+            "splits": self.agreement.of,
+            "ranges": {name: list(ends) for name, ends in self.agreement.ranges.items()},
+            "against": list(self.against),
+            "stability": self.stability,
         }
+
+    @property
+    def stability(self) -> str:
+        """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
+        return stability_of(self.agreement, {name: e.unit for name, e in self.parameters.items()}, self.against)
+
+
+@dataclass(frozen=True, eq=False)
+class Possible:
+    """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
+
+    `parameters` have the range over the splits as `low` and `high`.
+    """
+
+    effect: str
+    joint: str | None
+    agreement: Agreement
+    parameters: Mapping[str, Estimate]
+    explained_share: float
+    reason: str
+
+    @property
+    def name(self) -> str:
+        """Full name, e.g. "stribeck:knee"."""
+        return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    @property
+    def sentence(self) -> str:
+        """The effect and why it is only possible, in words."""
+        return f"{self.name}: {self.reason}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields under the names of the schema."""
+        return {
+            "effect": self.effect,
+            "joint": self.joint,
+            "accepted_in": self.agreement.share,
+            "splits": self.agreement.of,
+            "parameters": {name: e.to_json() for name, e in self.parameters.items()},
+            "explained_share": self.explained_share,
+            "reason": self.reason,
+        }
+
+
+def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = ()) -> str:
+    """Return e.g. "accepted in 83 of 84 splits, c = 0.0031 to 0.0042 kg·m²", and which recordings disagree."""
+    if agreement.share is None:
+        return ""
+    text = f"accepted in {agreement.accepted} of {agreement.of} splits of the recordings"
+    for name, (low, high) in agreement.ranges.items():
+        if low == high:  # a choice
+            continue
+        unit = "" if units.get(name, "1") in ("1", "") else f" {units[name]}"
+        text += f", {name} = {low:.3g} to {high:.3g}{unit}"
+    if against and agreement.accepted < agreement.of:
+        text += f"; it loses where {', '.join(against)} are set aside"
+    return text
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +187,10 @@ class Step:
 class Diagnosis:
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
-    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led to
-    it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,) N·m.
-    `differing` names what a single recording wants different from all the others.
+    `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
+    to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
+    N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
+    help and are not accepted. `rules` are the thresholds that decided.
     """
 
     verdict: str
@@ -145,6 +212,8 @@ class Diagnosis:
     biased: tuple[str, ...] = ()
     differing: tuple[Differing, ...] = ()
     error: ModelError | None = None
+    possible: tuple[Possible, ...] = ()
+    rules: Rules = field(default=RULES, repr=False)
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
@@ -155,6 +224,7 @@ class Diagnosis:
             "sentence": self.sentence,
             "accepted": [a.to_json() for a in self.accepted],
             "suspects": [s.to_json() for s in self.suspects],
+            "possible": [p.to_json() for p in self.possible],
             "steps": [s.to_json() for s in self.steps],
             "noise_floor": self.noise_floor.tolist(),
             "unexplained": self._unexplained_json(),
@@ -224,6 +294,8 @@ class Diagnosis:
         for step in self.steps:
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, step.judged_rms, strict=True))
             lines.append(f"  {step.label:<28} {step.judged} error [N·m]: {numbers}")
+        lines += [f"  {a.name}: {a.stability}" for a in self.accepted if a.stability]
+        lines += [f"  possible, {p.sentence}" for p in self.possible]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -236,6 +308,8 @@ class Diagnosis:
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
             + steps_table(self.steps, self.noise_floor)
             + (ranking if rows else "")
+            + lines(*(f"{a.name}: {a.stability}" for a in self.accepted if a.stability))
+            + lines(*(f"possible, {p.sentence}" for p in self.possible))
             + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )

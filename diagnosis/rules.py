@@ -27,6 +27,7 @@ def _rule(group: str, value: Any, prevents: str) -> Any:
 
 EVIDENCE = "evidence on unseen motion"
 ACCEPTANCE = "from candidate to suspect"
+STABILITY = "stability over splits of the recordings"
 PLACEBO = "placebos"
 ALIKE = "look-alikes"
 SEARCH = "the search"
@@ -59,9 +60,20 @@ class Rules:
         ACCEPTANCE, 0.01, "least share of the weighted unseen loss: errors of the filter pass for small effects below"
     )
     harmless: float = _rule(
-        ACCEPTANCE, 0.3, "part of the average gain that a recording may lose: a term that helps one and harms another"
+        ACCEPTANCE,
+        0.3,
+        "part of what some recordings gain that others may lose, where splits cannot tell: one that helps one file",
     )
     false_discovery_rate: float = _rule(ACCEPTANCE, 0.05, "entries named by chance, over the catalogue at every step")
+    small_gain: float = _rule(
+        ACCEPTANCE, 0.15, "share below which a term is only possible while the error is far above the noise: it mops up"
+    )
+    far_above: float = _rule(ACCEPTANCE, 3.0, "times the noise floor from which an error is far above it")
+    at_bound: float = _rule(
+        ACCEPTANCE,
+        1e-3,
+        "distance from a bound, of the range, at which a parameter says it is another effect",
+    )
     least_novelty: float = _rule(ACCEPTANCE, 1e-6, "share of a column new to the model: the rest its parameters absorb")
     least_active: float = _rule(ACCEPTANCE, 0.003, "share of samples on which a column is not zero: a lucky burst")
     least_seen: float = _rule(
@@ -69,8 +81,24 @@ class Rules:
         0.01,
         "share of a column on fitted samples: a peak inside the sticking speeds is credited with its edge",
     )
+    least_seconds: float = _rule(
+        ACCEPTANCE, 15.0, "seconds of fitted motion below which nothing is accepted: what is not there looks real"
+    )
     tangent_reach: float = _rule(
         ACCEPTANCE, 2.0, "times a bound that a tangent may reach: of a large delay it shows only direction and size"
+    )
+
+    most_splits: int = _rule(STABILITY, 100, "splits of the recordings at most; random ones where there are more")
+    least_possible: float = _rule(STABILITY, 0.2, "share of splits from which a term is listed as possible: noise")
+    most_possible: int = _rule(STABILITY, 6, "terms listed as possible at most")
+    least_splits: float = _rule(STABILITY, 0.8, "share of splits that must agree: a verdict that depends on the split")
+    split_keeps: float = _rule(
+        STABILITY, 0.3, "part of the expected gain that a split must show to agree: terms that only mop up"
+    )
+    split_shows: float = _rule(
+        STABILITY,
+        0.1,
+        "part of the average information with which a split can tell: a stop met in few files is lost",
     )
 
     placebos: int = _rule(PLACEBO, 1499, "placebos of a candidate; no p-value can be below one over one more")

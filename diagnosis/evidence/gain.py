@@ -110,15 +110,15 @@ class Evidence:
         gram = np.einsum("jkp,jkq->pq", weighted, block.columns, optimize=True)
         return gram, np.einsum("jkp,jk->p", weighted, block.residual), float(np.sum(weight * block.residual**2))
 
-    def _sum(self, units: Sequence[int]) -> tuple[Float, Float, float]:
+    def summed(self, units: Sequence[int]) -> tuple[Float, Float, float]:
         """Return G, b and c of several units together."""
         parts = [self._base[u] for u in units]
         return np.sum([p[0] for p in parts], axis=0), np.sum([p[1] for p in parts], axis=0), sum(p[2] for p in parts)
 
     def _normal(self, units: Sequence[int]) -> tuple[Float, Float]:
         """Return G⁻¹, the prior included, and b of several units that are fitted together."""
-        gram, slope, _ = self._sum(units)
-        return _inverse(gram + np.diag(self.prior)), slope
+        gram, slope, _ = self.summed(units)
+        return inverse_of(gram + np.diag(self.prior)), slope
 
     def _make_splits(self) -> list[tuple[list[int], list[int], Float, Float, tuple[Float, Float, float], float]]:
         """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
@@ -134,7 +134,7 @@ class Evidence:
         for fit, held in splits:
             inverse, b = self._normal(fit)
             step = inverse @ b
-            g, b, c = self._sum(held)
+            g, b, c = self.summed(held)
             loss = float(c - 2.0 * step @ b + step @ g @ step)
             out.append((fit, held, inverse, step, (g, b, c), loss))
         return out
@@ -217,7 +217,7 @@ class Evidence:
         folds, unseen, coefficients = [], None, None
         count = self.folds
         for number, split in enumerate(self._splits):
-            fall, fitted = _split_gain(split, grams, self._ridge(ridge))
+            fall, fitted = _split_gain(split, grams, self.ridge(ridge))
             if number < count:
                 folds.append(fall)
             else:
@@ -227,6 +227,11 @@ class Evidence:
             unseen = np.zeros(len(coefficients))
         return Gain(np.array(folds), np.asarray(unseen), coefficients)
 
+    @property
+    def count(self) -> int:
+        """How many units there are."""
+        return len(self._units)
+
     def unit(self, number: int) -> tuple[int, Float]:
         """Return the recording index and the weights (J, K) of a unit."""
         return self._units[number]
@@ -235,21 +240,21 @@ class Evidence:
         """Return (unit, base step (P,), candidate coefficients (m,)) for every judged unit, fitted on the others."""
         out = []
         for fit, held, inverse, step, _, _ in self._splits:
-            coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], self._ridge(ridge))
+            coefficients, base, _ = fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))
             out += [(unit, base[0], coefficients[0]) for unit in held]
         return out
 
     def leave_one_out(self, grams: Sequence[Gram], ridge: float | None = None) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
         count = self.folds
-        return np.array([_split_gain(split, grams, self._ridge(ridge))[1][0] for split in self._splits[:count]])
+        return np.array([_split_gain(split, grams, self.ridge(ridge))[1][0] for split in self._splits[:count]])
 
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
         """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
         units = [u for u in range(len(self._units)) if self._units[u][0] == index]
         inverse, slope = self._normal(units)
         step = inverse @ slope
-        return _fit_candidate(inverse, step, [grams[u] for u in units], self._ridge(None))[::2]
+        return fit_candidate(inverse, step, [grams[u] for u in units], self.ridge(None))[::2]
 
     def pick(self, grams_by_node: Sequence[Sequence[Gram]], nodes: np.ndarray) -> list[Gram]:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; `grams_by_node` is [node][unit]."""
@@ -272,7 +277,7 @@ class Evidence:
         # Two columns of one entry may resemble each other; what counts is that the best of them is new.
         return np.linalg.eigvalsh(left)[:, -1] / np.maximum(np.linalg.eigvalsh(whole)[:, -1], 1e-300)
 
-    def _ridge(self, ridge: float | None) -> tuple[float, float]:
+    def ridge(self, ridge: float | None = None) -> tuple[float, float]:
         """Return the relative ridge and the least scale it is relative to."""
         return self.rules.ridge if ridge is None else ridge, self.rules.least_scale
 
@@ -280,7 +285,7 @@ class Evidence:
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
         inverse, slope = self._normal(fit)
         step = inverse @ slope
-        return _fit_candidate(inverse, step, [grams[u] for u in fit], self._ridge(ridge))[0]
+        return fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))[0]
 
 
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
@@ -318,14 +323,14 @@ def _draw_shifts(blocks: Sequence[Block], draws: int, rng: np.random.Generator, 
     return out
 
 
-def _inverse(gram: Float) -> Float:
+def inverse_of(gram: Float) -> Float:
     """Return the inverse of a Gram matrix, pseudo where columns depend on each other; scaled first."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     norm = np.outer(scale, scale)
     return np.linalg.pinv(gram / norm, rcond=1e-11, hermitian=True) / norm
 
 
-def _fit_candidate(
+def fit_candidate(
     inverse: Float, step: Float, grams: Sequence[Gram], ridge: tuple[float, float]
 ) -> tuple[Float, Float, Float]:
     """Return candidate coefficients (D, m), the base step (D, P) refitted with them, and the gain (D,) on the fit."""
@@ -346,7 +351,7 @@ def _fit_candidate(
 
 def _split_gain(split: tuple, grams: Sequence[Gram], ridge: tuple[float, float]) -> tuple[Float, Float]:
     fit, held, inverse, step, (gram, slope, constant), loss = split
-    coefficients, base, _ = _fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
+    coefficients, base, _ = fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
     g = sum(grams[u].g for u in held)
     h = sum(grams[u].h for u in held)
     a = sum(grams[u].a for u in held)

@@ -1,20 +1,22 @@
 """All candidates against one model, best first: which of them counts.
 
 A candidate counts when its coefficients have a physical sign, it lowers the error on held-out recordings and on the
-verification recordings too, and hardly any placebo does as well. Over the catalogue the false-discovery rate is
-controlled (Benjamini, Hochberg 1995).
+verification recordings too, enough splits of the recordings agree, and hardly any placebo does as well. Over the
+catalogue the false-discovery rate is controlled (Benjamini, Hochberg 1995).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from diagnosis.evidence.candidates import Library
+from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.score import Score, weigh
+from diagnosis.evidence.stability import Splits
 
 
 def rank(
@@ -33,12 +35,27 @@ def rank(
         if tick:
             tick(0.6 * (number + 1) / len(todo), candidate.name)
     scores.sort(key=lambda s: -s.share)
-    promising = [s for s in scores if s.helps][: evidence.rules.placebo_for]
+    scores = agreed(evidence, scores, columns)
+    promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
     for number, score in enumerate(promising):
         scores[scores.index(score)] = placebo(evidence, score, columns[score.name])
         if tick:
             tick(0.6 + 0.4 * (number + 1) / len(promising), score.name)
     return _mark_significant(scores, evidence.rules.false_discovery_rate)
+
+
+def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Sequence[Columns]]) -> list[Score]:
+    """Return `scores` with what splits of the recordings say about those that gain enough to matter."""
+    splits, rules = Splits(evidence), evidence.rules
+    out = []
+    for score in scores:
+        if score.share >= rules.least_share:
+            best = [c.node(int(n)) for c, n in zip(columns[score.name], score.nodes, strict=True)]
+            agreement = splits.candidate(score, best)
+            steady = score.steady if agreement.share is None else agreement.enough(rules)
+            score = replace(score, agreement=agreement, steady=steady)
+        out.append(score)
+    return out
 
 
 def _mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
@@ -47,7 +64,4 @@ def _mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
     values = sorted(s.p_value for s in scores if s.p_value is not None)
     passed = [p for k, p in enumerate(values, start=1) if p <= rate * k / total]
     limit = max(passed, default=0.0)
-    return [
-        replace(s, significant=s.p_value is not None and s.p_value <= limit and s.helps and not s.caution)
-        for s in scores
-    ]
+    return [replace(s, significant=s.p_value is not None and s.p_value <= limit and s.eligible) for s in scores]

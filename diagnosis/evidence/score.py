@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Evidence, Gain, Gram
@@ -21,7 +22,9 @@ class Score:
 
     `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
     present model: `share` on held-out training units, `folds` (F,) on each, `unseen` on verification
-    recordings (None without). `helps`: it lowers the error where it was not fitted.
+    recordings (None without). `helps`: it lowers the error where it was not fitted. `agreement`
+    is what splits of the recordings say, None where they were not asked, `steady` whether enough of them agree (where
+    they cannot tell, whether the held-out recordings do).
     `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
     """
 
@@ -33,6 +36,8 @@ class Score:
     coefficients: Float
     novelty: float
     helps: bool = False
+    agreement: Agreement | None = None
+    steady: bool = True
     p_value: float | None = None
     significant: bool = False
     caution: str = ""
@@ -41,6 +46,11 @@ class Score:
     def name(self) -> str:
         """Full name of the candidate."""
         return self.candidate.name
+
+    @property
+    def eligible(self) -> bool:
+        """Whether it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
+        return self.helps and self.steady and not self.caution
 
     @property
     def shape(self) -> Float:
@@ -79,17 +89,30 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / evidence.fold_losses
-    helps = _helps(rules, share, folds, unseen)
+    helps = share >= rules.least_share and (unseen is None or unseen >= 0.5 * rules.least_share)
+    steady = _harmless(rules, gain.folds[:, 0])
     return Score(
-        candidate, nodes, share, folds, unseen, gain.coefficients[0], float(novelty[nodes[0]]), helps, caution=text
+        candidate,
+        nodes,
+        share,
+        folds,
+        unseen,
+        gain.coefficients[0],
+        float(novelty[nodes[0]]),
+        helps,
+        steady=steady,
+        caution=text,
     )
 
 
-def _helps(rules: Rules, share: float, folds: Float, unseen: float | None) -> bool:
-    """Whether a candidate lowers the error where it was not fitted: in total, on verification, and hurts nothing."""
-    harmless = np.all(folds > -rules.harmless * share)
-    fresh = unseen is None or unseen >= 0.5 * rules.least_share
-    return share >= rules.least_share and bool(harmless) and fresh
+def _harmless(rules: Rules, gains: Float) -> bool:
+    """Whether what held-out recordings lose is small beside what the others gain.
+
+    `gains` (F,) are in units of the pooled residual, so that a quiet recording, which can only lose little torque, does
+    not outvote loud ones. Where splits of the recordings can tell, they decide instead.
+    """
+    lost, won = float(-gains[gains < 0.0].sum()), float(gains[gains > 0.0].sum())
+    return lost <= rules.harmless * won
 
 
 def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.ndarray:

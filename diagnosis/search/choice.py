@@ -39,7 +39,7 @@ def choose(
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
         out = banned | failed
         # A rival need not beat its own placebos: that something is missing is certain, the question is what.
-        rivals = [s for s in scores if s.helps and not s.caution and s.name not in out and s is not good[0]]
+        rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.close * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
         found = refitted(context, extension, evidence, near, alike)
@@ -67,11 +67,15 @@ def refitted(
 
     Linearised and on a grid they were too close to call; those in `alike` stay look-alikes unless a refit
     distinguishes them. None where none of them helps unseen recordings, or where what they gain is made by the noise of
-    the angles.
+    the angles, or something speaks against each (`doubt`).
     """
     rules, scale = context.rules, extension.fitted.scale
     tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
-    tried = [(score, found) for score, found in tried if context.unseen_gain(extension, found) > 0.0]
+    tried = [
+        (score, found)
+        for score, found in tried
+        if context.unseen_gain(extension, found) > 0.0 and not context.doubt(extension, found)
+    ]
     if not tried:
         return None
     losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}

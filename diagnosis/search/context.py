@@ -13,9 +13,10 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import columns_at, refine
 from diagnosis.evidence.placebo import placebo
-from diagnosis.evidence.ranking import rank
+from diagnosis.evidence.ranking import agreed, rank
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
+from diagnosis.search.doubt import doubt
 from diagnosis.search.state import Extension, State
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared
@@ -42,6 +43,8 @@ class SearchContext:
     rules: Rules = RULES
     ranked: dict[tuple[str, ...], Ranked] = field(default_factory=dict)
     """What was found against a model with these terms, for when the search comes back to it."""
+    doubts: dict[tuple[tuple[str, ...], str], str] = field(default_factory=dict)
+    """Why a candidate was not accepted beside a model with these terms, although it helps."""
 
     # -- models -----------------------------------------------------------------------------------------------
 
@@ -99,7 +102,7 @@ class SearchContext:
 
     def rank(self, extension: Extension, step: int) -> Ranked:
         """Return the evidence against the model of `extension`, and all candidates weighed by it, best first."""
-        key = tuple(term.name for term in extension.fitted.model.terms)
+        key = self.key(extension)
         if key not in self.ranked:
             low, high = _span(step)
             evidence = self.evidence(extension)
@@ -108,8 +111,25 @@ class SearchContext:
         return self.ranked[key]
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
-        """Weigh a candidate against the model of `extension`, without placebos."""
+        """Weigh a candidate against the model of `extension`, without placebos and splits."""
         return weigh(evidence, candidate, self.library.columns(candidate, extension.fitted))
+
+    def agreed(self, extension: Extension, evidence: Evidence, scores: Sequence[Score]) -> list[Score]:
+        """Return `scores` with what splits of the recordings say about them."""
+        columns = {s.name: self.library.columns(s.candidate, extension.fitted) for s in scores}
+        return agreed(evidence, scores, columns)
+
+    def doubt(self, before: Extension, after: Extension) -> str:
+        """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against it."""
+        text = doubt(before, after, self.prepared.noise_floor, self.rules)
+        if text and after.added is not None:
+            self.doubts[self.key(before), after.added.name] = text
+        return text
+
+    @staticmethod
+    def key(extension: Extension) -> tuple[str, ...]:
+        """Return the names of the terms of a model: what was found against it is kept under them."""
+        return tuple(term.name for term in extension.fitted.model.terms)
 
     def tested(self, extension: Extension, score: Score) -> Score:
         """Weigh the candidate of `score` anew against the model of `extension`, with placebos."""

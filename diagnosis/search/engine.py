@@ -1,7 +1,8 @@
 """The search for what a model is missing: moves, applied until nothing changes.
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
-the place of two, `exchange` compares each with its rivals, `take_back` takes back proxies. A new move is a file with
+the place of two, `exchange` compares each with its rivals, `drop_unsteady`
+drops terms that only some splits of the recordings support, `take_back` takes back proxies. A new move is a file with
 one function, and a place in `run`.
 """
 
@@ -11,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from diagnosis.evidence.score import Score
 from diagnosis.search.context import SearchContext
+from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
 from diagnosis.search.merge import merge
@@ -50,8 +52,10 @@ def until_no_proxy(context: SearchContext, state: State) -> State:
     """Search, take back proxies, and search on without them: what they stood in front of may now be seen."""
     for _ in range(context.rules.rounds):
         state = to_and_fro(context, state)
-        shorter = take_back(context, state)
-        if shorter.banned == state.banned:
+        shorter = drop_unsteady(context, state)
+        if shorter.unsteady == state.unsteady:
+            shorter = take_back(context, state)
+        if shorter.names == state.names:
             return shorter
         state = shorter
     return replace(state, left=left_over(context, state.last))

@@ -20,10 +20,10 @@ def exchange(context: SearchContext, state: State) -> State:
         context.tick(0.87, f"comparing {score.name} with its rivals once more")
         without = context.without(state.last, [score])
         evidence = context.evidence(without, draws=0)
-        taken = {*state.names, *state.banned} - {score.name}
+        taken = {*state.names, *state.banned, *state.unsteady} - {score.name}
         wanted = [score.name, *(name for name in _rivals(context, score) if name not in taken)]
         weighed = [context.weighed(without, evidence, context.library.find(name)) for name in wanted]
-        helping = [s for s in weighed if s.helps and not s.caution]
+        helping = [s for s in context.agreed(without, evidence, weighed) if s.eligible]
         if not helping:
             continue
         near, alike = shortlist(context, without, evidence, helping)

@@ -22,7 +22,7 @@ def merge(context: SearchContext, state: State) -> State:
         names = {score.name for score in pair}
         shorter = context.replay(state, [name for name in state.names if name not in names])
         evidence, ranked = context.rank(shorter.last, len(shorter.extensions))
-        found = choose(context, shorter.last, evidence, ranked, state.banned).found
+        found = choose(context, shorter.last, evidence, ranked, state.banned | state.unsteady).found
         fresh = found is not None and found.added is not None and found.added.name not in names
         if found is not None and fresh and context.unseen_gain(state.last, found) > -2.0 * rules.least_share:
             return merge(context, shorter.grown(*shorter.extensions, found))
@@ -36,6 +36,12 @@ def _one_would_do(context: SearchContext, state: State, pair: Sequence[Score]) -
     columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in pair]
     together = evidence.plain([stacked(each) for each in zip(*columns, strict=True)])
     wanted = context.rules.merged * float(evidence.gain(together).total[0]) / float(evidence.fold_losses.sum())
-    taken = {term.name for term in without.fitted.model.terms} | state.banned | {score.name for score in pair}
+    taken = (
+        {term.name for term in without.fitted.model.terms}
+        | state.banned
+        | state.unsteady
+        | {score.name for score in pair}
+    )
     scores = [context.weighed(without, evidence, c) for c in context.library.candidates if c.name not in taken]
-    return any(s.share >= wanted and s.helps and not s.caution for s in scores)
+    enough = [s for s in scores if s.share >= wanted]
+    return any(s.eligible for s in context.agreed(without, evidence, enough))

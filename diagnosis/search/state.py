@@ -36,12 +36,14 @@ class State:
     """Where a search stands. Moves return another one.
 
     `extensions` begin with the model that was given. `banned` candidates turned out to be proxies and are not tried
-    again; `dropped` ones became superfluous beside others. `left` is what the last model leaves, once that is known.
+    again; `dropped` ones became superfluous beside others, `unsteady` ones too few splits support. `left` is what the
+    last model leaves, once that is known.
     """
 
     extensions: tuple[Extension, ...]
     banned: frozenset[str] = frozenset()
     dropped: frozenset[str] = frozenset()
+    unsteady: frozenset[str] = frozenset()
     left: Remainder | None = None
 
     @property

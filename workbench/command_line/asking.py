@@ -17,13 +17,16 @@ Question = Callable[..., Any]
 """`diagnose` or `discover` of `diagnosis.discover`."""
 
 
-def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None) -> int:
-    """Read what `args` name, put the `question`, show and write the answer; return 1 if channels are in doubt."""
+def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None, **more: Any) -> int:
+    """Read what `args` name, put the `question`, show and write the answer; return 1 if channels are in doubt.
+
+    `more` goes to the question.
+    """
     check_places(args)
     if write:
         check_new_model(write, args.model)
     given = load(args)
-    found, comparison = answer(args, question, given)
+    found, comparison = answer(args, question, given, **more)
     screen = Screen.of(args)
     show_diagnosis(screen, found)
     show_steps(screen, Steps.of(found))
@@ -36,12 +39,12 @@ def ask(args: argparse.Namespace, question: Question, title: str, *, write: str 
     return 1 if found.verdict == "check_channels" else 0
 
 
-def answer(args: argparse.Namespace, question: Question, given: Inputs) -> tuple[Any, Any]:
+def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: Any) -> tuple[Any, Any]:
     """Return the answer, and the Comparison of the model it started from where a report is asked for."""
     with progress("fitting the model", quiet=args.quiet) as report:
         found = question(
             given.model, given.recordings, verify=given.verify, seed=args.seed, **given.filter,
-            progress=part(report, 0.0, 0.95),
+            progress=part(report, 0.0, 0.95), **more,
         )  # fmt: skip
         comparison = None
         if args.out:

@@ -18,6 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_derivative(parser)
     add_model(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
+    parser.add_argument(
+        "--splits", choices=("linearised", "all"), default="linearised",
+        help="repeat the decision over splits of the recordings about the models that were found, or search all of "
+        "them from scratch, which takes as many times as long (linearised)",
+    )  # fmt: skip
     add_common(parser)
 
 
@@ -25,4 +30,4 @@ def run(args: argparse.Namespace) -> int:
     """Discover and show; 0 whatever is found, 1 where the channels cannot be what they say."""
     from diagnosis.discover import discover
 
-    return ask(args, discover, "What the model was missing", write=args.write)
+    return ask(args, discover, "What the model was missing", write=args.write, splits=args.splits)

@@ -84,6 +84,10 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         never = one.get("never_separable") or ()
         alike += f"; no motion can tell it from {', '.join(never)}" if never else ""
         screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
+        if one.get("stability"):
+            screen.say(f"    {one['stability']}", "faint")
+    for one in result.get("possible", ()):
+        screen.say(f"  possible: {term(one)}: {one['reason']}")
     suspects = result["suspects"][:MOST_SUSPECTS]
     if suspects:
         rows = [

@@ -35,6 +35,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "sentence": material.answer or ("" if found is None else found.sentence),
         "rule": "" if found is None else found.rule,
         "accepted": [accepted_entry(one, material.model) for one in accepted],
+        "possible": [] if found is None else [f"{term(p)}: {p['reason']}" for p in found.to_json().get("possible", ())],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
         "differing": [] if found is None else [d["sentence"] for d in found.to_json().get("differing", ())],

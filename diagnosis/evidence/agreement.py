@@ -1,0 +1,30 @@
+"""What splits of the recordings say about a term: in how many it would be accepted, and with which values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from diagnosis.rules import Rules
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """In how many splits a term is `accepted`, of those that can tell (`of`), and the `ranges` of its parameters there.
+
+    `against` are indices of the recordings that, set aside, lose by it.
+    """
+
+    accepted: int = 0
+    of: int = 0
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    against: tuple[int, ...] = ()
+
+    @property
+    def share(self) -> float | None:
+        """The share of splits in which the term is accepted; None where no split can tell."""
+        return self.accepted / self.of if self.of else None
+
+    def enough(self, rules: Rules) -> bool:
+        """Whether so many splits agree that the term may be accepted; without splits nothing speaks against it."""
+        return self.share is None or self.share >= rules.least_splits

@@ -1,0 +1,99 @@
+"""What speaks against a term after the refit, however much it gains: its parameters, and what it leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.rules import Rules
+from diagnosis.search.state import Extension
+from optimisation.fitting.shapes import to_unit
+from optimisation.preparation.prepare import Prepared
+from symbolic.motion import Float
+from symbolic.quantity import JOINTS
+
+
+def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
+    """Return why the term that `after` adds must not be accepted, in words; "" where nothing speaks against it.
+
+    `floor` (J,) is the noise floor in N·m.
+    """
+    if after.added is None:
+        return ""
+    name = after.added.name
+    return (
+        too_short(after.fitted.prepared, rules)
+        or on_bound(after.fitted, name, rules)
+        or undetermined(after.fitted, name)
+        or small_while_far(after, floor, rules)
+    )
+
+
+def too_short(prepared: Prepared, rules: Rules) -> str:
+    """Return that the fitted recordings are too short to accept anything, and how long would be enough."""
+    seconds = sum(float(one.t[-1] - one.t[0]) for one in prepared.train)
+    if seconds >= rules.least_seconds:
+        return ""
+    return (
+        f"the fitted recordings hold {seconds:.1f} s of motion, on which effects that are not there look real: "
+        f"{rules.least_seconds:g} s are enough to accept one"
+    )
+
+
+def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
+    """Return which parameter of the term `name` sits on a bound, and what that would mean."""
+    for entry, value in zip(fitted.model.shapes, fitted.shape, strict=True):
+        shape = entry.shape
+        if entry.term != name or shape.choices or shape.per_recording:
+            continue
+        unit = to_unit(shape, float(value))
+        if min(unit, 1.0 - unit) < rules.at_bound:
+            side, limit = ("lowest", shape.min) if unit < 0.5 else ("highest", shape.max)
+            return (
+                f"{entry.name} = {value:.3g} {shape.unit} is the {side} value this effect can have ({limit:g}): "
+                "these data cannot tell it from something slower, wider or stronger, so it is not this effect"
+            )
+    for parameter, value in zip(fitted.model.parameters, fitted.linear, strict=True):
+        if parameter.term != name:
+            continue
+        low = parameter.min is not None and value <= parameter.min
+        high = parameter.max is not None and value >= parameter.max
+        if low or high:
+            return f"{parameter.name} = {value:.3g} {parameter.unit} is at a limit of what this effect can be"
+    return ""
+
+
+def undetermined(fitted: FittedModel, name: str) -> str:
+    """Return that the interval of every coefficient of the term `name` contains zero: the data do not show it.
+
+    Of a term without coefficients it is the interval of its first number, where zero is one of its values.
+    """
+    known = {e.name: e for e in fitted.fit.estimates}
+    wanted = [p.name for p in fitted.model.parameters if p.term == name]
+    if not wanted:
+        first = next((s for s in fitted.model.shapes if s.term == name), None)
+        wanted = [first.name] if first is not None and first.shape.min <= 0.0 <= first.shape.max else []
+    found = [known[n] for n in wanted]
+    if not found or not all(not np.isfinite([e.low, e.high]).all() or e.low <= 0.0 <= e.high for e in found):
+        return ""
+    text = ", ".join(f"{e.name} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}".rstrip() for e in found)
+    return f"{text}: the interval contains zero"
+
+
+def small_while_far(after: Extension, floor: Float, rules: Rules) -> str:
+    """Return that the term gains little while the error of its joints stays far above the noise floor (J,)."""
+    score = after.added
+    if score is None:
+        return ""
+    share = max(score.share, score.unseen or 0.0)
+    if share >= rules.small_gain:
+        return ""
+    joints = list(score.candidate.joints)
+    ratio = after.fitted.judged_rms[joints] / np.maximum(floor[joints], 1e-12)
+    if ratio.max() < rules.far_above:
+        return ""
+    joint = JOINTS[joints[int(np.argmax(ratio))]]
+    return (
+        f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise floor: "
+        "something larger is missing, and small terms may only take up part of it"
+    )

@@ -1,0 +1,53 @@
+"""What a finished search says about stability: the splits that accept each term, and what else is only possible."""
+
+from __future__ import annotations
+
+from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.score import Score
+from diagnosis.evidence.stability import Splits
+from diagnosis.results import Possible
+from diagnosis.search.context import SearchContext
+from diagnosis.search.state import State
+from symbolic.quantity import Estimate
+
+
+def agreements_of(context: SearchContext, state: State) -> dict[str, Agreement]:
+    """Return for each accepted term in how many splits it is accepted beside the others."""
+    if not state.accepted:
+        return {}
+    splits = Splits(context.evidence(state.last, draws=0))
+    return {name: splits.term(state.last.fitted, name) for name in state.names}
+
+
+def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Possible, ...]:
+    """Return what still helps beside the last model and is not accepted, largest gain first.
+
+    It was doubted after the refit, or too few splits support it; with a single recording (not `several`) only the
+    former.
+    """
+    rules, key = context.rules, context.key(state.last)
+    out = []
+    for score in context.ranked[key][1] if key in context.ranked else ():
+        if score.name in state.banned or score.caution or score.share < rules.least_share:
+            continue
+        reason = context.doubts.get((key, score.name)) or _too_few(score, several)
+        agreement = score.agreement or Agreement()
+        if reason and (agreement.share is None or agreement.share >= rules.least_possible):
+            out.append(_possible(score, agreement, reason))
+    return tuple(out[: rules.most_possible])
+
+
+def _too_few(score: Score, several: bool) -> str:
+    agreement = score.agreement
+    if not several or agreement is None or score.steady or not agreement.accepted:
+        return ""
+    return f"supported by {agreement.accepted} of {agreement.of} splits of the recordings, too few to accept it"
+
+
+def _possible(score: Score, agreement: Agreement, reason: str) -> Possible:
+    term = score.candidate.term
+    numbers = {}
+    for value, (name, entry) in zip(score.coefficients, term.effect.coefficients.items(), strict=False):
+        low, high = agreement.ranges.get(name, (float(value), float(value)))
+        numbers[name] = Estimate(name, float(value), entry.unit, low, high)
+    return Possible(term.effect.id, term.joint, agreement, numbers, score.share, reason)

@@ -1,0 +1,124 @@
+"""Each move of the search alone, on a library of a few candidates: what it changes, and that it returns a new state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from synthetic import search, state_with
+
+from diagnosis.rules import RULES
+from diagnosis.search.drop_unsteady import drop_unsteady
+from diagnosis.search.engine import run
+from diagnosis.search.exchange import exchange
+from diagnosis.search.forward import forward
+from diagnosis.search.merge import merge
+from diagnosis.search.prune import prune
+from diagnosis.search.take_back import take_back
+
+STRIBECK = {"stribeck:hip": ([1.5], [0.15])}
+OFFSET = {"torque_offset:knee": ([0.6], [])}
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A Stribeck friction at the hip and an offset at the knee, and candidates that resemble the friction."""
+    names = ["stribeck:hip", "viscous_quadratic:hip", "viscous_cubic:hip", "torque_offset:knee"]
+    return search({**STRIBECK, **OFFSET}, names)
+
+
+def test_forward_adds_what_is_hidden_and_stops(plain):
+    start = state_with(plain)
+    found = forward(plain, start)
+    assert set(found.names) == {"stribeck:hip", "torque_offset:knee"}
+    assert start.names == ()
+
+
+def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
+    start = replace(state_with(plain), banned=frozenset({"torque_offset:knee"}))
+    assert "torque_offset:knee" not in forward(plain, start).names
+    assert len(forward(replace(plain, most=1), state_with(plain)).names) == 1
+
+
+def test_prune_drops_what_the_later_terms_made_superfluous(plain):
+    state = state_with(plain, "viscous_cubic:hip", "stribeck:hip")
+    assert prune(plain, state).names == ("stribeck:hip",)
+    assert state.names == ("viscous_cubic:hip", "stribeck:hip")
+
+
+def test_prune_leaves_two_real_terms_alone(plain):
+    state = state_with(plain, "torque_offset:knee", "stribeck:hip")
+    assert prune(plain, state) is state
+
+
+def test_merge_puts_one_term_in_the_place_of_two_and_bans_nothing(plain):
+    state = state_with(plain, "torque_offset:knee", "viscous_quadratic:hip", "viscous_cubic:hip")
+    found = merge(plain, state)
+    assert set(found.names) == {"torque_offset:knee", "stribeck:hip"}
+    assert found.banned == state.banned == frozenset()
+
+
+def test_exchange_takes_the_rival_that_is_better_beside_the_others():
+    names = ["viscous_quadratic:hip", "viscous_cubic:hip", "torque_offset:knee"]
+    context = search({"viscous_cubic:hip": ([1.2], []), **OFFSET}, names)
+    state = state_with(context, "viscous_quadratic:hip", "torque_offset:knee")
+    context.rank(state.extensions[0], 1)
+    assert set(exchange(context, state).names) == {"viscous_cubic:hip", "torque_offset:knee"}
+
+
+def test_exchange_keeps_the_right_term(plain):
+    state = state_with(plain, "stribeck:hip", "torque_offset:knee")
+    plain.rank(state.extensions[0], 1)
+    assert exchange(plain, state).names == state.names
+
+
+def test_take_back_unmasks_the_nearest_thing_to_what_the_catalogue_does_not_have():
+    context = search({"end_stop:hip": ([25.0], [0.62, 1.0])}, ["hardening_spring:hip", "viscous_cubic:hip"])
+    state = state_with(context, "hardening_spring:hip")
+    found = take_back(context, state)
+    assert found.names == ()
+    assert "hardening_spring:hip" in found.banned
+    assert found.left is not None
+    assert found.left.joint == "hip"
+
+
+def test_take_back_leaves_the_right_term_alone(plain):
+    state = state_with(plain, "torque_offset:knee", "stribeck:hip")
+    found = take_back(plain, state)
+    assert found.names == state.names
+    assert found.left is None
+
+
+def test_what_only_some_recordings_support_is_dropped():
+    context = search({"torque_offset:hip": ([1.0], [])}, ["torque_offset:hip"], scales=(2.0, 1.5, -0.5, 1.0, -1.0))
+    state = state_with(context, "torque_offset:hip")
+    found = drop_unsteady(context, state)
+    assert found.names == ()
+    assert found.unsteady == {"torque_offset:hip"}
+
+
+def test_what_every_recording_supports_stays(plain):
+    state = state_with(plain, "torque_offset:knee", "stribeck:hip")
+    assert drop_unsteady(plain, state) is state
+
+
+def test_a_quiet_recording_does_not_veto_what_loud_ones_show():
+    """One recording hardly moves: it loses much of its own small error, and nearly nothing in N·m."""
+    names = ["torque_offset:knee", "stribeck:hip"]
+    context = search(OFFSET, names, scales=(1.0, 1.0, 1.0, 1.0, 0.8, 1.2), noise=0.1)
+    assert run(context, context.fit(state_with(context).last.fitted.model)).state.names == ("torque_offset:knee",)
+
+
+def test_the_engine_finds_nothing_where_nothing_is_hidden():
+    context = search({}, ["stribeck:hip", "torque_offset:knee", "viscous_cubic:hip"])
+    found = run(context, state_with(context).last)
+    assert found.state.names == ()
+    assert found.state.left is None
+
+
+def test_a_small_gain_far_above_the_noise_is_only_possible():
+    """An offset of a few per cent beside a large torque that no candidate explains."""
+    hidden = {"end_stop:knee": ([30.0], [-0.8, 1.0]), "torque_offset:knee": ([0.5], [])}
+    context = search(hidden, ["torque_offset:knee"], rules=replace(RULES, small_gain=0.9))
+    found = run(context, state_with(context).last)
+    assert found.state.names == ()

@@ -1,0 +1,144 @@
+"""The decision over splits: the algebra against a plain refit, which splits there are, what speaks against a term."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import comb
+
+import numpy as np
+import pytest
+from synthetic import search, state_with
+
+from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.gain import robust_weight
+from diagnosis.evidence.stability import Splits, splits_of
+from diagnosis.results import stability_of
+from diagnosis.rules import RULES
+from diagnosis.search.doubt import doubt, on_bound, small_while_far, too_short, undetermined
+from diagnosis.search.possible import agreements_of, possible_of
+
+OFFSET = {"torque_offset:knee": ([0.6], [])}
+
+
+def test_all_splits_where_there_are_few_and_random_ones_where_there_are_many():
+    assert splits_of(1, 0, RULES) == ()
+    assert splits_of(2, 1, RULES) == ((0,), (1,))
+    assert splits_of(5, 0, RULES) == ((0,), (1,), (2,), (3,), (4,))
+    assert len(splits_of(9, 3, RULES)) == comb(9, 3)
+    many = splits_of(30, 10, RULES)
+    assert len(many) == len(set(many)) == RULES.most_splits
+    assert splits_of(30, 10, RULES) == many
+
+
+def weighted(blocks, sigma, columns, which):
+    """Return the weighted columns and residual of the recordings `which`."""
+    rows, right = [], []
+    for k in which:
+        root = np.sqrt(robust_weight(blocks[k], sigma)) / sigma[:, None]
+        rows.append((columns[k] * root[:, :, None]).reshape(-1, columns[k].shape[2]))
+        right.append((blocks[k].residual * root).ravel())
+    return np.concatenate(rows), np.concatenate(right)
+
+
+def test_a_split_is_a_refit_without_the_recordings_set_aside():
+    context = search(OFFSET, ["torque_offset:knee"], scales=(1.0, 0.9, -0.2, 1.1))
+    start = state_with(context).last
+    evidence = context.evidence(start, draws=0)
+    score = context.weighed(start, evidence, context.library.find("torque_offset:knee"))
+    columns = context.columns_of(score, start.fitted)
+    agreement = Splits(evidence).candidate(score, columns)
+    values = []
+    for aside in range(4):
+        fit = [k for k in range(4) if k != aside]
+        both = [np.concatenate([b.columns, c.full(0)], axis=2) for b, c in zip(evidence.blocks, columns, strict=True)]
+        a, y = weighted(evidence.blocks, evidence.sigma, both, fit)
+        values.append(np.linalg.lstsq(a, y, rcond=None)[0][-1])
+    assert agreement.ranges["c"] == pytest.approx((min(values), max(values)), rel=1e-6)
+    assert agreement.of == 4
+    assert agreement.accepted == 3
+    assert 2 in agreement.against
+
+
+def test_a_term_is_judged_like_the_candidate_it_was():
+    context = search(OFFSET, ["torque_offset:knee"])
+    state = state_with(context, "torque_offset:knee")
+    term = agreements_of(context, state)["torque_offset:knee"]
+    assert (term.accepted, term.of) == (4, 4)
+    assert term.ranges["c"][0] <= state.last.fitted.linear[-1] <= term.ranges["c"][1]
+    assert 0.5 < term.ranges["c"][0] <= term.ranges["c"][1] < 0.7
+
+
+def test_a_split_that_cannot_tell_does_not_count():
+    """The effect is in one recording alone: what is fitted or what is judged never shows it."""
+    context = search({"end_stop:hip": ([25.0], [1.0, 1.0])}, ["end_stop:hip"], scales=(1.0, 1.0, 1.0, 1.0))
+    state = state_with(context, "end_stop:hip")
+    agreement = agreements_of(context, state)["end_stop:hip"]
+    assert agreement.of <= 4
+    assert Agreement().share is None and Agreement().enough(RULES)
+
+
+def test_a_single_recording_has_no_splits():
+    context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,), verify=0)
+    state = state_with(context, "torque_offset:knee")
+    assert agreements_of(context, state)["torque_offset:knee"].share is None
+
+
+def test_what_splits_say_in_words():
+    text = stability_of(Agreement(83, 84, {"c": (0.0031, 0.0042)}, (5,)), {"c": "kg·m²"}, ["run_05"])
+    assert text == (
+        "accepted in 83 of 84 splits of the recordings, c = 0.0031 to 0.0042 kg·m²; it loses where run_05 are set aside"
+    )
+    assert stability_of(Agreement(), {}) == ""
+
+
+def test_a_number_on_its_bound_is_another_effect():
+    context = search({"stribeck:hip": ([1.5], [0.15])}, ["stribeck:hip"])
+    after = state_with(context, "stribeck:hip").last
+    assert on_bound(after.fitted, "stribeck:hip", RULES) == ""
+    shape = after.fitted.model.shapes[0].shape
+    for end, word in ((shape.min, "lowest"), (shape.max, "highest")):
+        moved = replace(after.fitted, fit=replace(after.fitted.fit, shape=np.array([end])))
+        assert f"is the {word} value" in on_bound(moved, "stribeck:hip", RULES)
+
+
+def test_an_interval_around_zero_is_nothing():
+    context = search(OFFSET, ["torque_offset:knee", "torque_offset:hip"])
+    assert undetermined(state_with(context, "torque_offset:knee").last.fitted, "torque_offset:knee") == ""
+    hip = state_with(context, "torque_offset:hip").last
+    estimate = hip.fitted.fit.estimate("torque_offset:hip.c")
+    fit = replace(hip.fitted.fit, estimates=(replace(estimate, low=-1.0, high=1.0),))
+    assert "contains zero" in undetermined(replace(hip.fitted, fit=fit), "torque_offset:hip")
+
+
+def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
+    context = search(OFFSET, ["torque_offset:knee"])
+    after = state_with(context, "torque_offset:knee").last
+    small = replace(after, added=replace(after.added, share=0.05, unseen=0.05))
+    floor = after.fitted.judged_rms
+    assert small_while_far(small, floor, RULES) == ""
+    assert "times the noise floor" in small_while_far(small, floor / 10.0, RULES)
+    assert small_while_far(after, floor / 10.0, RULES) == ""
+    assert doubt(small, small, floor / 10.0, RULES) == small_while_far(small, floor / 10.0, RULES)
+
+
+def test_what_few_splits_support_is_listed_as_possible():
+    context = search(OFFSET, ["torque_offset:knee"], scales=(1.0, 1.0, 1.0, 1.0, -0.7, -0.7), verify=2)
+    state = state_with(context)
+    context.rank(state.last, 1)
+    possible = possible_of(context, state, True)
+    assert [p.name for p in possible] == ["torque_offset:knee"]
+    assert 0.2 <= possible[0].agreement.share < 0.8
+    entry = possible[0].to_json()
+    assert set(entry) >= {"effect", "joint", "accepted_in", "parameters"}
+    assert entry["parameters"]["c"]["low"] < entry["parameters"]["c"]["high"]
+    assert possible_of(context, state, False) == ()
+
+
+def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
+    context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,), verify=0)
+    text = too_short(context.prepared, RULES)
+    assert "s of motion" in text
+    assert "15 s are enough" in text
+    assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
+    after = state_with(context, "torque_offset:knee").last
+    assert doubt(after, after, context.prepared.noise_floor, RULES) == text
