@@ -23,6 +23,7 @@ from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
+from optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -71,6 +72,7 @@ class Comparison:
     audit: tuple[Finding, ...]
     now: FittedModel = field(repr=False)
     curves: tuple[Remainder, ...] = field(repr=False)
+    thigh_length: ThighLength | None = None
 
     @property
     def misread(self) -> tuple[Finding, ...]:
@@ -89,6 +91,7 @@ class Comparison:
             "per_recording": {name: rms.tolist() for name, rms in self.per_recording},
             "filter": self.cutoff,
             "parameters": {e.name: e for e in self.fit.estimates},
+            "thigh_length": None if self.thigh_length is None else self.thigh_length.to_json(),
             "audit": self.audit,
         })
 
@@ -163,6 +166,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = fitted_model(fit, prepared)
     unseen = verification(fit, prepared)
+    length = wanted_thigh_length(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
     shown = prepared.verify or prepared.train
     square = np.sum([np.sum(np.where(p.use, p.tau, 0.0) ** 2, axis=0) for p in shown], axis=0)
@@ -177,7 +181,8 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         where=_where(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
-        audit=prepared.findings,
+        audit=(*prepared.findings, *(() if length is None else (length.finding(),))),
+        thigh_length=length,
         now=now,
         curves=tuple(curves),
     )

@@ -41,6 +41,7 @@ from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
+from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
@@ -298,6 +299,7 @@ def _write_up(
     told_apart = (
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     )
+    length = wanted_thigh_length(last.fitted.fit, prepared)
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
@@ -308,7 +310,13 @@ def _write_up(
         noise_floor=prepared.noise_floor,
         unexplained=left,
         unexplained_significant=left is not None,
-        audit=(*prepared.findings, *searched(prepared, done.context.prepared), *_short(prepared, done.context.rules)),
+        audit=(
+            *prepared.findings,
+            *searched(prepared, done.context.prepared),
+            *_short(prepared, done.context.rules),
+            *(() if length is None else (length.finding(),)),
+        ),
+        thigh_length=length,
         seconds=time.perf_counter() - began,
         next_experiment=conclusion.next_experiment,
         model=last.fitted.model,

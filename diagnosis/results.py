@@ -17,6 +17,7 @@ from diagnosis.rules import RULES, Rules
 from ground.html import lines, table
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
+from optimisation.fitting.thigh_length import ThighLength
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate
@@ -214,6 +215,7 @@ class Diagnosis:
     error: ModelError | None = None
     possible: tuple[Possible, ...] = ()
     rules: Rules = field(default=RULES, repr=False)
+    thigh_length: ThighLength | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
@@ -235,6 +237,7 @@ class Diagnosis:
             "filter": self.cutoff,
             "stopped_because": self.stopped_because,
             "parameters": {e.name: e.to_json() for e in self.fit.estimates},
+            "thigh_length": None if self.thigh_length is None else self.thigh_length.to_json(),
             "audit": [f.to_json() for f in self.audit],
             "seconds": self.seconds,
         }

@@ -147,3 +147,25 @@ def test_the_page_on_the_paper_was_written_by_its_script(monkeypatch):
     template = (ROOT / "benchmarks" / "paper_page.md").read_text(encoding="utf-8")
     for words in re.split(r"\{\w+\}", template):
         assert words in page, "run python benchmarks/paper.py"
+
+
+@pytest.mark.slow
+def test_commands_of_the_page_on_real_recordings_run(shared_data, tmp_path, monkeypatch, capsys):
+    folder = shared_data / "two_link_rig_c0"
+    if not folder.is_dir():
+        pytest.skip("the recordings are not there")
+    monkeypatch.chdir(tmp_path)
+    for recording in folder.glob("run_*.csv"):
+        shutil.copy(recording, tmp_path)
+    page = (ROOT / "docs" / "real_recordings.md").read_text(encoding="utf-8")
+    Path("rig.toml").write_text(re.findall(r"^```toml\n(.*?)^```", page, flags=re.S | re.M)[0], encoding="utf-8")
+    lines = re.findall(r"^\$ (exoid .*)$", page, flags=re.M)
+    assert len(lines) == 4
+    said = []
+    for line in lines:
+        status = main(shlex.split(line)[1:])
+        out = capsys.readouterr()
+        assert status in (0, 1), f"{line}: {out.err}"
+        said.append(" ".join(out.out.split()))
+    assert "not the 0.4 m of the model" in said[0] and "not the 0.2 m of the model" not in said[1]
+    assert "Which numbers can I trust?" in said[2]

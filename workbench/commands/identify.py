@@ -27,6 +27,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--shape-search", metavar="HOW", default="multistart",
         help="how shape parameters are looked for: multistart (a grid), nfo, or another optimiser (multistart)",
     )  # fmt: skip
+    parser.add_argument(
+        "--per-recording", action="store_true",
+        help="every parameter from every recording alone: which numbers can be trusted, and what to record",
+    )  # fmt: skip
     parser.add_argument("--write", metavar="FILE", help="write the model with its identified numbers to FILE")
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
@@ -55,16 +59,20 @@ def run(args: argparse.Namespace) -> int:
 
         from diagnosis.compare import verification
         from optimisation.fitting.neighbours import neighbours
+        from optimisation.fitting.thigh_length import wanted_thigh_length
         from workbench.terminal.showing import of_the_set
 
         unseen = verification(fit, prepared)
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
-        together = (*prepared.misread, *of_the_set(prepared.findings))
+        length = wanted_thigh_length(fit, prepared)
+        found = () if length is None else (length.finding(),)
+        together = (*prepared.misread, *of_the_set((*prepared.findings, *found)))
         fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
+    from optimisation.fitting.by_recording import by_recording
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.terminal.screen import per_joint
-    from workbench.terminal.showing import above, show_fit
+    from workbench.terminal.showing import above, show_by_recording, show_fit
 
     screen = Screen.of(args)
     show_fit(screen, fit)
@@ -73,6 +81,9 @@ def run(args: argparse.Namespace) -> int:
     if near.cutoffs and near.agree:
         tried = " and ".join(f"{cutoff:g}" for cutoff in near.cutoffs)
         screen.say(f"cut-off {near.cutoff:g} Hz; at {tried} Hz every parameter stays within its interval")
+    alone = by_recording(fit)
+    if args.per_recording:
+        show_by_recording(screen, alone)
     if args.write:
         from symbolic.model_file import write_model
 
@@ -84,10 +95,13 @@ def run(args: argparse.Namespace) -> int:
     checked = {} if unseen is None else unseen.to_json()
     beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
+    payload["by_recording"] = alone.to_json()
+    payload["thigh_length"] = None if length is None else length.to_json()
     deliver(args, screen, payload, lambda: Material(
         title="Identified parameters",
         answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
+        by_recording=alone,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
         seconds=fit.seconds,
     ))  # fmt: skip

@@ -64,6 +64,7 @@ class Material:
     verify: tuple[Recording, ...] = ()
     model: Any = None
     fit: Any = None
+    by_recording: Any = None
     comparison: Any = None
     diagnosis: Any = None
     steps: Steps | None = None

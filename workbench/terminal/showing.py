@@ -14,6 +14,7 @@ from workbench.terminal.screen import Screen, bar
 MOST_SUSPECTS = 8
 MOST_PLACES = 6
 VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad", "check_channels": "bad"}
+MOST_BESIDE = 2
 
 
 def show_fit(screen: Screen, fit: Any) -> None:
@@ -34,9 +35,23 @@ def show_fit(screen: Screen, fit: Any) -> None:
         screen.say(f"careful: {finding}", "warn")
 
 
+def show_by_recording(screen: Screen, found: Any) -> None:
+    """Show every parameter from every recording alone, whether they agree, and what to record where they do not."""
+    side = ["unit", "together", *found.recordings, "verdict"]
+    for first in range(0, len(found.rows), MOST_BESIDE):
+        part = found.rows[first : first + MOST_BESIDE]
+        columns = [side, *([row.unit, *found.cells(row)[2:]] for row in part)]
+        title = "" if first else "Which numbers can I trust? Each recording alone"
+        screen.table(title, ("recording", *(row.name for row in part)), list(zip(*columns, strict=True)))
+    for row in found.rows:
+        if row.advice:
+            screen.say(f"{row.name}: {row.verdict}; {row.advice}", "warn")
+
+
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
     """Return what an audit says of recordings together, which reading one by one could not tell."""
-    return [finding for finding in audit if finding.check in ("overlap", "thigh_length")]
+    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length")]
+    return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
 
 
 def show_comparison(screen: Screen, found: Any) -> None:

@@ -1,0 +1,161 @@
+"""Which thigh length do the data want? The leg's equations contain it, so recordings of good motion can tell.
+
+The weight of the shank and its coupling with the thigh have the ratio e = g / a_th. With a weight of its own for the
+shank (one more column, sin(θ1 + θ2) on both joints) the torque stays linear, and the ratio of both numbers is the thigh
+length, with Fieller's interval (Fieller 1954) from the covariance that is valid under autocorrelated residuals.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from measurement.finding import Finding
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import solve_huber
+from optimisation.linear.uncertainty import covariance
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from optimisation.fitting.fit import Fit
+    from optimisation.preparation.prepare import Prepared, PreparedRecording
+    from symbolic.model import Model
+
+COUPLING = "Phi3"
+FAR, HELPS = 0.2, 0.1
+"""A length is called wrong when it is so far (as a share) from what the data want, outside the interval, and the other
+one lowers a joint's squared error by so much: what else the model misses moves the estimate by a tenth (measured on two
+rigs of known length)."""
+VAGUE = 2.0
+"""An interval whose ends differ by more than this factor cannot tell."""
+
+
+@dataclass(frozen=True)
+class ThighLength:
+    """The thigh length in m that was `assumed`, and the `value` that the data want with its 95 % interval.
+
+    `high` is infinite where the data set no limit. `gain` (J,) is the share by which a free length lowers the squared
+    error.
+    """
+
+    assumed: float
+    value: float
+    low: float
+    high: float
+    gain: tuple[float, ...]
+
+    @property
+    def told(self) -> bool:
+        """Whether these data can tell the length."""
+        return math.isfinite(self.value) and 0.0 < self.high < VAGUE * self.low
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the data contradict the length that was assumed."""
+        outside = not self.low <= self.assumed <= self.high
+        far = abs(self.value - self.assumed) > FAR * self.assumed
+        return self.told and outside and far and max(self.gain) > HELPS
+
+    @property
+    def sentence(self) -> str:
+        """The answer in words."""
+        if not self.told:
+            return f"these recordings cannot tell the thigh length; {self.assumed:g} m is assumed"
+        text = f"these recordings want a thigh length of {self.value:.3g} m ({self.low:.3g} to {self.high:.3g})"
+        if self.wrong:
+            return f"{text}, not the {self.assumed:g} m of the model; the squared error falls by {max(self.gain):.0%}"
+        inside = self.low <= self.assumed <= self.high
+        return f"{text}; the {self.assumed:g} m of the model {'agree' if inside else 'are near enough'}"
+
+    def finding(self) -> Finding:
+        """Return the answer as a finding: a warning where the length seems to be wrong."""
+        remedy = f"measure it, and give it in a model file: [geometry] thigh_length = {self.value:.3g}"
+        return Finding(
+            "thigh_length",
+            "warning" if self.wrong else "info",
+            self.sentence,
+            "all recordings",
+            self.value if self.told else None,
+            self.assumed,
+            remedy if self.wrong else "",
+            consequence="Φ1 to Φ4 and every torque of weight are wrong" if self.wrong else "",
+            confidence="likely" if self.wrong else "certain",
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields in plain types, what is not finite as None."""
+        numbers = {"value": self.value, "low": self.low, "high": self.high}
+        return {
+            "assumed": self.assumed,
+            **{name: float(x) if math.isfinite(x) else None for name, x in numbers.items()},
+            "told": bool(self.told),
+            "wrong": bool(self.wrong),
+            "sentence": self.sentence,
+        }
+
+
+def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
+    """Return the thigh length that the fitted recordings of `prepared` want; None for models that have none to tell,
+    and for recordings that keep another convention.
+
+    The torque sensors may have zeros of their own meanwhile, which would otherwise pass for weight.
+    """
+    model, names = cast("Model", fit.model), list(fit.data.names)
+    payload = any(one.motion.payload is not None for one in prepared.train)
+    if prepared.misread or COUPLING not in names or payload or getattr(model, "gravity", 0.0) <= 0.0:
+        return None
+    weight = np.concatenate([_weight(one) for one in prepared.train]).T[:, :, None]
+    zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
+    with_zeros = _data(fit, zeros, "zero")
+    data = _data(fit, np.concatenate([zeros, weight], axis=2), "zero")
+    linear = solve_huber(data, fit.delta)
+    left = with_zeros.rms(solve_huber(with_zeros, fit.delta))
+    gain = 1.0 - (data.rms(linear) / np.maximum(left, 1e-300)) ** 2
+    spread = covariance(data.columns, data.residual(linear), fit.delta, data.groups, factor=data.factor)
+    pick = [names.index(COUPLING), linear.size - 1]
+    value, low, high = math.nan, 0.0, math.inf
+    if not set(pick) & set(spread.undetermined):
+        e = model.gravity / model.thigh_length
+        coupling, extra = linear[pick]
+        area = spread.critical**2 * spread.matrix[np.ix_(pick, pick)]
+        value = float(model.gravity / (e + extra / coupling)) if e * coupling + extra else math.nan
+        low, high = _fieller(coupling, extra + e * coupling, _shifted(area, e), model.gravity)
+    return ThighLength(model.thigh_length, value, low, high, tuple(float(x) for x in gain))
+
+
+def _data(fit: Fit, extra: Float, name: str) -> LinearData:
+    """Return the data of `fit` with columns `extra` (J, K, E) more."""
+    data, count = fit.data, extra.shape[2]
+    names = (*data.names, *(f"{name} {k}" for k in range(count)))
+    return LinearData(
+        np.concatenate([data.columns, extra], axis=2), data.tau, data.groups, names, (*data.units, *("N·m",) * count),
+        data.use,
+    )  # fmt: skip
+
+
+def _shifted(area: Float, e: float) -> Float:
+    """Return the covariance (2, 2) of (coupling, weight) from that of (coupling, weight - e coupling)."""
+    turn = np.array([[1.0, 0.0], [e, 1.0]])
+    return turn @ area @ turn.T
+
+
+def _fieller(coupling: float, weight: float, area: Float, gravity: float) -> tuple[float, float]:
+    """Return the interval of gravity · coupling / weight; (0, inf) where it has no end."""
+    # all lengths x with (coupling - x weight / g)² ≤ its variance
+    a = weight**2 - area[1, 1]
+    b = weight * coupling - area[0, 1]
+    c = coupling**2 - area[0, 0]
+    root = b * b - a * c
+    if a <= 0.0 or root < 0.0:
+        return 0.0, math.inf
+    ends = sorted(float(gravity) * float((b + sign * math.sqrt(root)) / a) for sign in (-1.0, 1.0))
+    return (max(ends[0], 0.0), ends[1]) if ends[1] > 0.0 else (0.0, math.inf)
+
+
+def _weight(one: PreparedRecording) -> Float:
+    """Return the column (K, J) of a weight at the shank, filtered like the torque."""
+    column = np.sin(one.motion.q.sum(axis=1))
+    return one.smooth(np.repeat(column[:, None], one.motion.q.shape[1], axis=1))
