@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from symbolic.effect import Coefficient, Effect, Shape
 from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json, write_text
 from workbench.command_line.inputs import split_joint
@@ -16,6 +15,7 @@ from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, width
 
 if TYPE_CHECKING:
+    from symbolic.effect import Coefficient, Effect, Shape
     from symbolic.model import Model
 
 WIDE = 110

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from symbolic.effect import Effect
+if TYPE_CHECKING:
+    from symbolic.effect import Effect
 
 
 def effect_of(name: str, model: Any = None) -> Effect | None:
     """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
     from symbolic.catalogue import catalogue
+    from symbolic.effect import Effect
 
     id = name.partition(":")[0]
     own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
