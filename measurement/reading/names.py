@@ -50,19 +50,20 @@ FILLERS = frozenset(
         "joint", "joints", "measured", "meas", "actual", "act", "sensor", "motor", "of", "in", "the", "encoder", "data",
         "value", "values", "signal", "output", "link", "leg", "exo", "exoskeleton", "robot", "drive", "axis",
         "actuator", "applied", "filtered", "filt", "estimate", "estimated", "est", "state", "states", "feedback", "fbk",
-        "node", "jnt", "channel", "sagittal", "raw",
+        "node", "jnt", "channel", "sagittal", "raw", "pitch",
     }
 )  # fmt: skip
 PLANES = frozenset({"s"})
 """Words that may stand beside a joint and mean the sagittal plane."""
 FOREIGN = frozenset(
     {
+        "roll", "yaw", "adduction", "abduction", "rotation", "frontal", "transverse",
         "ref", "reference", "desired", "des", "cmd", "command", "commanded", "setpoint", "target", "error", "err",
         "model", "simulated", "predicted", "feedforward", "goal", "commands", "targets", "references", "setpoints",
         "goals", "demand", "setpt", "std", "variance",
     }
 )  # fmt: skip
-"""Anywhere in a name, also in that of its group, these say that it is not a measurement."""
+"""Anywhere in a name, also in its group, these say that it is no measurement, or not in the plane of the leg."""
 RATES = frozenset({"angle", "angles", "angular", "flexion", "ang"})
 """Beside another quantity these only say which: OpenSim's `knee_angle_r_moment` is a moment."""
 COUNTED = frozenset({"joint", "axis", "motor", "drive", "actuator", "node", "jnt"})
@@ -119,7 +120,10 @@ def recognise(name: str, joints: Sequence[str] = JOINTS) -> Reading | None:
     if len(path) > 1 and path[-1].lower() == "stamp":
         return Reading("t", rank=-1)  # the instant of the measurement, before that of its arrival
     whole = _text(" ".join(path) if len(path) < 4 else path[-1], joints)
-    return whole or (_in_groups(path, joints) if len(path) > 1 else None)
+    found = whole or (_in_groups(path, joints) if len(path) > 1 else None)
+    # Programs for controllers put the type in front of a name: fHipAngle, lrKneeTorque.
+    typed = re.sub(r"(?<![A-Za-z0-9])(f|lr)(?=[A-Z][a-z])", "", name)
+    return found or (recognise(typed, joints) if typed != name else None)
 
 
 def weak_time(name: str) -> bool:
@@ -202,6 +206,8 @@ def _sorted_out(parts: Sequence[str], joints: Sequence[str]) -> _Part:
     if not quantity and plain:
         bare = [word for word in plain if word not in RATES]
         quantity = _QUANTITY.get("".join(bare), "") if bare else "q" if plain != ["angular"] else ""
+        if bare and (quantity not in ("tau", "dq", "ddq") or len("".join(bare)) == 1):
+            quantity = ""  # "fHipAngle" is an angle in the notation of a controller, no force
     # The side a drive pushes on and the side the joint turns on are not the same: the joint's own is taken first.
     rank = len(lower) - len(kept) + 2 * lower.count("motor") - lower.count("output")
     return _Part(quantity, found, sides, rank, bool(plain) and not quantity)

@@ -28,6 +28,9 @@ NAMES = {
     "run.hip.angle": "q1",
     "leg/run1/q2": "q2",
     "measured_q1": "q1",
+    "MAIN.fHipAngle": "q1",
+    "GVL.lrKneeTorque": "tau2",
+    "left_hip_pitch_joint/position": "q1",
 }
 STRANGERS = (
     "q1_ref",
@@ -39,6 +42,8 @@ STRANGERS = (
     "hip",
     "hip_adduction_r",
     "shank_angle",
+    "left_hip_roll_joint/position",
+    "u_angle_1",
     "hip_flexion_r_beta",
     "run1/position",
     "left_right_hip_angle",
