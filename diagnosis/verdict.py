@@ -78,7 +78,7 @@ def conclude(
         return Conclusion(
             "unexplained",
             f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
-            f"Something is missing that the catalogue does not know: {left.sentence}.",
+            f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}.",
             stopped,
             "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
@@ -91,7 +91,7 @@ def conclude(
     falls = _falls(first, last)
     text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
     if left is not None:
-        text += f" Still unexplained: {left.sentence}."
+        text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
@@ -127,6 +127,11 @@ def within_filter_error(base: FittedModel) -> Conclusion:
         "what is left is the error of the filter, of which nothing can be learnt",
         "",
     )
+
+
+def _size(error: ModelError | None) -> str:
+    """Return how much is left beside the structure that was found, in words."""
+    return "" if error is None else f"; the error of the {error.joint} is {error.times:.2g} times the noise"
 
 
 def _times(last: FittedModel) -> float:
