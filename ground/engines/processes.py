@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any
@@ -26,6 +29,19 @@ class _Here(Executor):
         return future
 
 
+def end_with(master: int) -> None:
+    """End this process as soon as `master`, which started it, is gone: killed, it cannot say so."""
+    if os.getppid() != master:
+        return  # started by a helper of joblib: it ends after `IDLE`
+
+    def look() -> None:
+        while os.getppid() == master:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=look, daemon=True).start()
+
+
 def processes(jobs: int = 0) -> Engine:
     """Return an engine of `jobs` processes with one thread of linear algebra each; 0 means one per
     core, 1 this process itself.
@@ -38,7 +54,9 @@ def processes(jobs: int = 0) -> Engine:
     count = jobs or cpu_count()
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
-    executor = ProcessPoolExecutor(count, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"))
+    executor = ProcessPoolExecutor(
+        count, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"), initializer=end_with, initargs=(os.getpid(),)
+    )
 
     def close(wait: bool) -> None:
         executor.shutdown(wait=wait, kill_workers=not wait)

@@ -49,6 +49,10 @@ class BenchError(ExoidError):
     """A simulation that makes no sense: impossible settings, or a leg that ran away."""
 
 
+LONGEST, FASTEST, MOST_SAMPLES = 1e5, 1e5, 1e7
+"""s, Hz, and samples of one run."""
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """One run of the bench: the `recording` a user gets, and what only the bench knows.
@@ -87,6 +91,11 @@ class Bench:
             )
         if not (math.isfinite(self.duration) and self.duration * self.rate >= 2):
             raise BenchError(f"{self.duration} s at {self.rate} Hz is less than two samples")
+        if self.duration * self.rate > MOST_SAMPLES or self.duration > LONGEST or self.rate > FASTEST:
+            raise BenchError(
+                f"{self.duration:g} s at {self.rate:g} Hz",
+                remedy=f"give at most {LONGEST:g} s, {FASTEST:g} Hz and {MOST_SAMPLES:g} samples",
+            )
 
     @property
     def steps_per_sample(self) -> int:

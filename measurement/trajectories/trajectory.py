@@ -40,6 +40,12 @@ class TrajectoryError(ExoidError):
     """A trajectory that cannot be brought inside the limits, or whose numbers do not fit together."""
 
 
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-3, 1e6
+"""s; a joint does not swing faster, and nobody records longer."""
+LARGEST = 1e3
+"""rad; beyond it is another unit, or damage."""
+
+
 @dataclass(frozen=True, eq=False)
 class Fourier:
     """A periodic motion: `offset` (J,) and coefficients `sine`, `cosine` (J, K) in rad, `period` in s."""
@@ -57,8 +63,14 @@ class Fourier:
                 f"offset {self.offset.shape}, sine {self.sine.shape}, cosine {self.cosine.shape} do not fit",
                 remedy="give offset (2,), and sine and cosine of the same shape (2, harmonics)",
             )
-        if not self.period > 0:
-            raise TrajectoryError(f"the period is {self.period} s, it must be positive")
+        if not SHORTEST_PERIOD <= self.period <= LONGEST_PERIOD:
+            raise TrajectoryError(
+                f"the period is {self.period} s, it must be positive",
+                remedy=f"give {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s",
+            )
+        largest = max(float(np.max(np.abs(x), initial=0.0)) for x in (self.offset, self.sine, self.cosine))
+        if not largest <= LARGEST:
+            raise TrajectoryError(f"a coefficient of {largest:g} rad", remedy=f"give numbers within ±{LARGEST:g} rad")
 
     def at(self, t: NDArray[np.floating[Any]]) -> Motion:
         """Return angle, velocity and acceleration at times `t` (N,) in s."""

@@ -11,6 +11,7 @@ Runs are spread over processes of this machine, or over any other of `ground.eng
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,6 +82,12 @@ def rivals(
     tasks = [(name, k) for k in range(seed, seed + seeds) for name in searches]
     store = Store(folder, contest)
     done = {task: kept for task in tasks if (kept := store.read(task[0], searches[task[0]], task[1])) is not None}
+    if store.damaged:
+        warnings.warn(
+            f"{store.damaged} of the runs kept in {folder} are damaged or were altered; they are run again",
+            UserWarning,
+            stacklevel=2,
+        )
     missing = [task for task in tasks if task not in done]
     resumed = len(done)
     report = progress or _silent

@@ -19,6 +19,7 @@ from types import MappingProxyType
 import numpy as np
 
 from measurement.bench.sensors import Sensors
+from measurement.trajectories.trajectory import TrajectoryError
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
@@ -26,6 +27,10 @@ TINY = 1e-300
 
 LOST = 1e-13
 """Share of the largest eigenvalue (columns scaled alike) below which a direction carries no information."""
+
+
+LEAST_NOISE, MOST_NOISE = 1e-6, 1e6
+"""N·m; no torque sensor is better or worse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,12 @@ class Noise:
     def white(cls, sd: tuple[float, float] | float | None = None, rate: float = 100.0) -> Noise:
         """Return white noise on samples at `rate` Hz; default the torque sensors of the virtual bench, 0.5 N·m."""
         source = "as given"
+        given = np.ravel(np.asarray(1.0 if sd is None else sd, dtype=float))
+        if not (np.all((given >= LEAST_NOISE) & (given <= MOST_NOISE)) and 1e-3 <= rate <= 1e7):
+            raise TrajectoryError(
+                f"noise of {', '.join(f'{x:g}' for x in given)} N·m at {rate:g} Hz",
+                remedy=f"give {LEAST_NOISE:g} to {MOST_NOISE:g} N·m, and a rate of 0.001 to 1e7 Hz",
+            )
         if sd is None:
             sd, source = Sensors().torque_noise, "the torque sensors of the virtual bench"
         return cls(np.broadcast_to(np.asarray(sd, dtype=float), (2,)), np.full(2, float(rate)), source)

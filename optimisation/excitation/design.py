@@ -234,7 +234,9 @@ def _without_creep(info: Information, motion: Fourier) -> tuple[tuple[float, flo
     kept = np.concatenate([rows[j][~slow[:, j]] for j in range(len(JOINTS))])
     size = np.linalg.svd(kept, compute_uv=False)
     share = slow.mean(axis=0)
-    return (float(share[0]), float(share[1])), float(size[0] / size[-1]) if size[-1] > 0.0 else float("inf")
+    return (float(share[0]), float(share[1])), float(size[0] / size[-1]) if size.size and size[-1] > 0.0 else float(
+        "inf"
+    )
 
 
 def _limits(room: Float) -> Any:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from measurement.trajectories.trajectory import CENTRE, Fourier, TrajectoryError
+from measurement.trajectories.trajectory import CENTRE, LONGEST_PERIOD, SHORTEST_PERIOD, Fourier, TrajectoryError
 from symbolic.codegen.information import largest_factor
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -105,10 +105,10 @@ def motion_space(
     `offsets` is one of OFFSETS; `rest` makes velocity and acceleration zero at the start. TrajectoryError where no
     motion is left or the paper's centre is outside the limits.
     """
-    if not (np.isfinite(period) and period > 0.0 and 1 <= harmonics <= 20):
+    if not (SHORTEST_PERIOD <= period <= LONGEST_PERIOD and 1 <= harmonics <= 20):
         raise TrajectoryError(
             f"a motion of {period:g} s with {harmonics} harmonics",
-            remedy="give a positive period and 1 to 20 harmonics",
+            remedy=f"give a period of {SHORTEST_PERIOD:g} to {LONGEST_PERIOD:g} s and 1 to 20 harmonics",
         )
     if rest and harmonics < 2:
         raise TrajectoryError(

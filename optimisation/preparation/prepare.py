@@ -89,6 +89,9 @@ further but never faster than `STICK` creeps: of its dry friction nothing is kno
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
+LEAST_CYCLES = 2.0
+"""Cycles of the cut-off that the shortest recording must hold: below, the filter leaves a line."""
+
 
 @dataclass(frozen=True, eq=False)
 class PreparedRecording:
@@ -230,6 +233,12 @@ def prepare(
     if cutoff is not None and not 0.0 < cutoff <= 0.4 * slowest:
         raise RecordingError(
             f"a cut-off of {cutoff:g} Hz does not fit recordings sampled at {slowest:.4g} Hz",
+            remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
+        )
+    shortest = min(float(e.t[-1] - e.t[0]) for e in even)
+    if cutoff is not None and cutoff * shortest < LEAST_CYCLES:
+        raise RecordingError(
+            f"a cut-off of {cutoff:g} Hz leaves nothing of a recording of {shortest:.3g} s",
             remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
         )
     count = len(recordings)

@@ -150,7 +150,8 @@ def test_files_that_are_broken_or_of_other_settings_are_not_believed(fit, tmp_pa
     one.write_text("{", "utf-8")
     content = json.loads(two.read_text("utf-8"))
     two.write_text(json.dumps({**content, "key": "0" * 64}), "utf-8")
-    assert rivals(fit, folder=tmp_path, **small).resumed == 0
+    with pytest.warns(UserWarning, match="2 of the runs"):
+        assert rivals(fit, folder=tmp_path, **small).resumed == 0
     assert rivals(fit, folder=tmp_path, **small).resumed == 2
     assert rivals(fit, folder=tmp_path, **{**small, "generations": 16}).resumed == 0
     other = identify(Leg(), [record(noise=5.0, samples=500, step=0.07, seed=1)], optimisers=())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from workbench.command_line.parser import UsageError
 
@@ -128,6 +128,30 @@ def positive(text: str) -> float:
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text} is not above zero")
     return value
+
+
+def between(low: float, high: float, unit: str = "") -> Callable[[str], float]:
+    """Return what reads a number from `low` to `high`."""
+
+    def read(text: str) -> float:
+        value = number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} is not between {low:g} and {high:g}{unit and ' '}{unit}")
+        return value
+
+    return read
+
+
+def count_to(most: int) -> Callable[[str], int]:
+    """Return what reads a whole number from 0 to `most`."""
+
+    def read(text: str) -> int:
+        value = whole_number(text)
+        if value > most:
+            raise argparse.ArgumentTypeError(f"{text} is more than {most}")
+        return value
+
+    return read
 
 
 def limits(text: str) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import add_common, add_reading, number, positive, whole_number
+from workbench.command_line.options import add_common, add_reading, between, count_to, number
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, warn
@@ -39,36 +39,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--criterion", choices=CRITERIA, default="condition",
         help="condition: cond(Y), as the paper (default); d_optimal: log det; worst: largest relative deviation",
     )  # fmt: skip
-    motion.add_argument("--period", metavar="S", type=positive, default=10.0, help="period in s (10)")
-    motion.add_argument("--harmonics", metavar="K", type=whole_number, default=5, help="number of harmonics (5)")
+    motion.add_argument("--period", metavar="S", type=between(0.01, 1e5, "s"), default=10.0, help="period in s (10)")
+    motion.add_argument("--harmonics", metavar="K", type=count_to(20), default=5, help="number of harmonics (5)")
     motion.add_argument("--middle", action="store_true", help="centre the motion in the middle of the angle range")
     motion.add_argument("--free", action="store_true", help="let the search choose the centre of the motion")
     motion.add_argument("--rest", action="store_true", help="start and end at rest: no velocity, no acceleration")
     motion.add_argument(
-        "--use", metavar="SHARE", type=positive, default=1.0,
+        "--use", metavar="SHARE", type=between(1e-3, 10.0), default=1.0,
         help="share of the limits that may be used (1); 0.9 leaves room for tracking errors",
     )  # fmt: skip
     motion.add_argument(
-        "--rate", metavar="HZ", type=positive, default=100.0, help="rate of the sampled table in Hz (100)"
+        "--rate",
+        metavar="HZ",
+        type=between(0.1, 1e6, "Hz"),
+        default=100.0,
+        help="rate of the sampled table in Hz (100)",
     )
     motion.add_argument(
         "--target", metavar="VALUE", type=number, help="exit with status 1 when the criterion is above VALUE"
     )
     search = parser.add_argument_group("the search")
     search.add_argument(
-        "--generations", metavar="N", type=whole_number, default=40, help="with --separate: generations of NFO (40)"
+        "--generations",
+        metavar="N",
+        type=count_to(100_000),
+        default=40,
+        help="with --separate: generations of NFO (40)",
     )
-    search.add_argument("--starts", metavar="N", type=whole_number, default=3, help="starts of IPOPT (3); 0 for none")
+    search.add_argument("--starts", metavar="N", type=count_to(1000), default=3, help="starts of IPOPT (3); 0 for none")
     search.add_argument("--printed", action="store_true", help="NFO as the paper prints it: Inf outside the limits")
     search.add_argument(
-        "--box", metavar="B", type=positive, default=1.0, help="with --printed: half-width of its box (1)"
+        "--box", metavar="B", type=between(1e-6, 1e6), default=1.0, help="with --printed: half-width of its box (1)"
     )
     noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
         "--noise", metavar="NM", type=_noise,
         help="standard deviation of a torque sample in N·m, one or hip,knee (0.5: the virtual bench's sensors)",
     )  # fmt: skip
-    noise.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of the recording in s (30)")
+    noise.add_argument(
+        "--duration", metavar="S", type=between(0.1, 1e7, "s"), default=30.0, help="length of the recording in s (30)"
+    )
     add_reading(parser)
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 

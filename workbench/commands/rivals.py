@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.command_line.deliver import check_places, deliver
-from workbench.command_line.options import add_common, add_model, add_recordings, whole_number
+from workbench.command_line.options import add_common, add_model, add_recordings, count_to
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
@@ -28,14 +28,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recordings(parser, verify=False, required=False)
     add_model(parser)
     group = parser.add_argument_group("the comparison")
-    group.add_argument("--seeds", metavar="N", type=whole_number, default=51, help="runs of each optimiser (51)")
-    group.add_argument("--individuals", metavar="N", type=whole_number, default=40, help="size of the population (40)")
-    group.add_argument("--generations", metavar="N", type=whole_number, default=400, help="generations (400)")
+    group.add_argument("--seeds", metavar="N", type=count_to(10_000), default=51, help="runs of each optimiser (51)")
+    group.add_argument(
+        "--individuals", metavar="N", type=count_to(10_000), default=40, help="size of the population (40)"
+    )
+    group.add_argument("--generations", metavar="N", type=count_to(1_000_000), default=400, help="generations (400)")
     group.add_argument(
         "--whitened", action="store_true", help="let the rivals search in whitened coordinates as well, as NFO does"
     )
     group.add_argument("--only", metavar="NAME", nargs="+", action="extend", default=[], help="only these optimisers")
-    group.add_argument("--jobs", metavar="N", type=whole_number, default=0, help="processes (0: one per core)")
+    group.add_argument("--jobs", metavar="N", type=count_to(1024), default=0, help="processes (0: one per core)")
     add_common(parser, out="write report, figures, IOHprofiler logs and every single run into DIR")
 
 
