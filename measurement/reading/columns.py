@@ -323,6 +323,12 @@ def _with_unit(
             where=where,
             remedy=f"--units {name}=UNIT with one of {', '.join(QUANTITIES[quantity])}",
         )
+    if quantity == "t" and scale < 0.0:
+        raise RecordingError(
+            f"time counts backwards in {unit!r}: every velocity would change its sign",
+            where=where,
+            remedy="give a unit without a minus; where the clock counts down, write a column that counts up",
+        )
     return Assigned(name, column, unit, scale, True)
 
 

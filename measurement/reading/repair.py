@@ -195,12 +195,21 @@ def _order_time(draft: Draft) -> Draft:
         row=draft.row[found.order],
     )
     if found.kind in ("sorted", "reversed"):
-        what = (
-            "the rows stand in reverse order of time; they were turned round"
-            if found.kind == "reversed"
-            else f"{int(moved.sum())} rows stood out of order; they were sorted by time"
-        )
-        draft = draft.noted("time", "repaired", what, value=float(moved.sum()), limit=0.0, remedy="nothing")
+        if found.kind == "reversed":
+            draft = draft.noted(
+                "time",
+                "warning",
+                "time runs backwards through the file; the rows were turned round, and with them every velocity",
+                value=float(moved.sum()),
+                limit=0.0,
+                remedy="nothing, if the file was written last row first; if its rows are in the order in which they "
+                "were measured and the clock counts down, give a time that counts up",
+                consequence="in the other case every velocity, and with it friction, has the wrong sign",
+                confidence="likely",
+            )
+        else:
+            what = f"{int(moved.sum())} rows stood out of order; they were sorted by time"
+            draft = draft.noted("time", "repaired", what, value=float(moved.sum()), limit=0.0, remedy="nothing")
     if found.kind == "ticks":
         return _ticks(draft)
     if fresh.any():

@@ -25,9 +25,10 @@ QUANTITIES: Mapping[str, Mapping[str, float]] = MappingProxyType(
                "rpm": math.pi / 30.0, "rev/s": 2 * math.pi, "turn/s": 2 * math.pi, "turns/s": 2 * math.pi},
         "ddq": {"rad/s2": 1.0, "rads2": 1.0, "rads-2": 1.0, "rad/s/s": 1.0, "mrad/s2": 1e-3, "deg/s2": DEGREE,
                 "degs-2": DEGREE, "°/s2": DEGREE, "deg/s/s": DEGREE},
-        "tau": {"nm": 1.0, "mnm": 1e-3, "knm": 1e3, "ncm": 1e-2, "nmm": 1e-3, "lbfft": 1.3558179483314004,
-                "ftlb": 1.3558179483314004, "lbfin": 0.1129848290276167, "inlb": 0.1129848290276167},
-        "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "lbf": 4.4482216152605},
+        "tau": {"nm": 1.0, "mnm": 1e-3, "knm": 1e3, "meganm": 1e6, "ncm": 1e-2, "nmm": 1e-3,
+                "lbfft": 1.3558179483314004, "ftlb": 1.3558179483314004, "lbfin": 0.1129848290276167,
+                "inlb": 0.1129848290276167},
+        "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "megan": 1e6, "lbf": 4.4482216152605},
         "i": {"a": 1.0, "ma": 1e-3},
     }
 )  # fmt: skip
@@ -52,7 +53,10 @@ def plain(unit: str) -> str:
     """Return `unit` in the spelling of the table: "N·m" -> "nm", "rad/s²" -> "rad/s2", "µs" -> "us"."""
     unit = unit.strip().replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
     unit = unit.replace("µ", "u").replace("μ", "u").replace("º", "°")
-    return re.sub(r"[\s·⋅*.^_-]+(?!\d)|\^", "", unit).lower()
+    word = re.sub(r"[\s·⋅*.^_-]+(?!\d)|\^", "", unit)
+    if word.startswith("MN"):  # the only prefix that is spelt with a capital; all in capitals it could be either
+        return "mega" + word[1:].lower() if word == "MN" or not word.isupper() else "mega or milli"
+    return word.lower()
 
 
 def is_unit(text: str) -> bool:

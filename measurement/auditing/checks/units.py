@@ -12,11 +12,17 @@ TURNS = 4 * np.pi
 """A link that swings right over reaches 2π and a little more (the real rig does); two turns it does not."""
 STRONG = 1000.0
 """N·m, as a median: no drive of a leg gives so much."""
+WEAK = 0.1
+"""N·m, reached by the stronger of the torques: less carries no leg, nor the smallest rig."""
+LITTLE = 0.3
+"""rad, over which the joint that moves most swings: about as much as a usual motion, when it is counted in turns."""
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Warn of angles beyond two turns (degrees?) and of torques beyond 1000 N·m (mN·m?)."""
-    found = []
+    """Warn of angles beyond two turns (degrees?) or very small ones (turns?), and of torques beyond 1000 N·m (mN·m?)
+    or far too small for a leg (kN·m?).
+    """
+    found = _too_small(recording)
     for channel in channels(recording, "q"):
         reach = float(np.percentile(np.abs(channel.values), 98)) if channel.values.size else 0.0
         if reach > TURNS:
@@ -27,6 +33,24 @@ def check(recording: Recording) -> list[Finding]:
         if usual > STRONG:
             what = f"the {channel.label} is {usual:.4g} N·m in the median: it looks like mN·m"
             found.append(_finding(recording, channel.name, what, usual, STRONG, "--units tau=mNm"))
+    return found
+
+
+def _too_small(recording: Recording) -> list[Finding]:
+    """Return what is smaller in every joint than any leg has it: one unit too large was written for both."""
+    found = []
+    angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
+    if min((channel.values.size for channel in (*angles, *torques)), default=0) < 10:
+        return []
+    swing = max(float(np.ptp(np.percentile(channel.values, [2, 98]))) for channel in angles)
+    if 0.0 < swing < LITTLE:
+        what = f"no joint swings further than {swing:.3g} rad: it looks like turns, or there is little motion"
+        found.append(_finding(recording, "q1 and q2", what, swing, LITTLE, "--units q=turns"))
+    size = max(float(np.percentile(np.abs(channel.values), 98)) for channel in torques)
+    if 0.0 < size < WEAK:
+        unit, option = ("MN·m", "MNm") if size < 1e-3 * WEAK else ("kN·m", "kNm")
+        what = f"no torque reaches more than {size:.3g} N·m, which carries no leg: it looks like {unit}"
+        found.append(_finding(recording, "tau1 and tau2", what, size, WEAK, f"--units tau={option}"))
     return found
 
 
