@@ -163,7 +163,8 @@ def test_an_infinite_fitness_survives_the_file(fit, tmp_path):
     contest = contest_of(fit)
     search = entrants()["nfo"]
     store = contest_store.Store(tmp_path, contest)
-    run = Outcome("nfo", 3, np.array([1.0, 5.0]), np.array([np.inf, 0.5]), np.zeros(8), 480, 0.1)
+    gap = float(contest.gap(huber(contest.data.residual(np.zeros(8)), contest.delta)))
+    run = Outcome("nfo", 3, np.array([1.0, 5.0]), np.array([np.inf, gap]), np.zeros(8), 480, 0.1)
     store.write(run, search)
     back = store.read("nfo", search, 3)
     assert back.to_json() == run.to_json()
