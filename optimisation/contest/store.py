@@ -70,7 +70,8 @@ class Store:
         )
         if not ordered or not np.isfinite(outcome.x).all() or not outcome.seconds >= 0.0:
             return False
-        gap = float(self._contest.gap(huber(data.residual(outcome.x), self._contest.delta)))
+        loss = np.array(huber(data.residual(outcome.x), self._contest.delta))
+        gap = float(self._contest.gap(loss))
         return abs(gap - outcome.gap) <= SAME * (1.0 + gap)
 
     def write(self, outcome: Outcome, search: Search) -> None:
