@@ -64,6 +64,8 @@ def recording(name: str, seed: int, hidden: Hidden, noise: float = 0.1, scale: f
         band=2.0 * CUTOFF,
         stuck=stuck,
         standing=np.zeros(2, bool),
+        driven=np.ones(2, bool),
+        full_rate=RATE,
     )
 
 
@@ -80,7 +82,9 @@ def search(
     made = [recording(f"run_{k}", k, hidden, noise, scale) for k, scale in enumerate(scales)]
     count = len(made) - verify
     floor = np.full(2, noise * np.sqrt(2.0 * CUTOFF / RATE))
-    prepared = Prepared(tuple(made[:count]), tuple(made[count:]), CutoffChoice(CUTOFF, "fixed"), floor, ())
+    prepared = Prepared(
+        tuple(made[:count]), tuple(made[count:]), CutoffChoice(CUTOFF, "fixed"), floor, filter_error=np.zeros(2)
+    )
     library = build_library(Model.standard(), prepared.all)
     few = Library(tuple(library.find(name) for name in candidates))
     return SearchContext(prepared, few, seed=0, rules=replace(rules, placebos=199))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from diagnosis.rules import RULES
 from workbench.report.material import Material
 
 TITLE = "Thresholds of the diagnosis"
@@ -15,5 +16,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
     """Return one row per threshold; None where nothing was diagnosed."""
     if material.diagnosis is None:
         return None
-    rules = material.diagnosis.rules
+    rules = getattr(material.diagnosis, "rules", RULES)
     return {"rows": [(rule.group, rule.name, f"{rule.value:g}", rule.prevents) for rule in rules.table()]}
