@@ -83,7 +83,12 @@ def search(
     count = len(made) - verify
     floor = np.full(2, noise * np.sqrt(2.0 * CUTOFF / RATE))
     prepared = Prepared(
-        tuple(made[:count]), tuple(made[count:]), CutoffChoice(CUTOFF, "fixed"), floor, filter_error=np.zeros(2)
+        tuple(made[:count]),
+        tuple(made[count:]),
+        CutoffChoice(CUTOFF, "fixed"),
+        floor,
+        filter_error=np.zeros(2),
+        acceleration_noise=0.0,
     )
     library = build_library(Model.standard(), prepared.all)
     few = Library(tuple(library.find(name) for name in candidates))

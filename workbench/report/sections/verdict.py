@@ -65,8 +65,10 @@ def tiles(material: Material) -> list[Mapping[str, Any]]:
 def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
     """Return an accepted effect of the JSON with what the catalogue says about it."""
     name = term(one)
-    return {"look_alikes": (), "never_separable": (), "stability": "", **one, "term": name,
-            "meaning": meaning(name, model), "torque": torque(name, model), "numbers": numbers(one.get("parameters") or {})}  # fmt: skip
+    return {
+        "look_alikes": (), "never_separable": (), "stability": "", **one, "term": name, "meaning": meaning(name, model),
+        "torque": torque(name, model), "numbers": numbers(one.get("parameters") or {}),
+    }  # fmt: skip
 
 
 def numbers(parameters: Mapping[str, Mapping[str, Any]]) -> list[Mapping[str, Any]]:
