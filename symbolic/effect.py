@@ -37,7 +37,8 @@ class Coefficient:
 class Shape:
     """A number the torque is not linear in: bounded, or one of `choices` (then min and max span them).
 
-    `spacing` says how a search should space its trial values: "linear", "log", or "position" (a place on the
+    `spacing` says how a search should space its trial values: "linear", "log", "time" (a moment of the recording,
+    or one before or after it), or "position" (a place on the
     joint's path: spaced by how often the joint is there, densest near the ends of its range). `points` is how many
     it needs so that neighbouring trial values still resemble each other. `per_recording` marks a value that
     mounting or strapping may move between recordings: each recording then has its own.

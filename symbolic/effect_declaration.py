@@ -200,11 +200,11 @@ def _check_shape(where: str, shape: Any) -> None:
             where=where,
             remedy=f"use values from {shape.min:g} to {shape.max:g}",
         )
-    if shape.spacing not in ("linear", "log", "position") or (shape.spacing == "log" and shape.min <= 0.0):
+    if shape.spacing not in ("linear", "log", "time", "position") or (shape.spacing == "log" and shape.min <= 0.0):
         raise EffectError(
             f"spacing {shape.spacing!r} from {shape.min:g}",
             where=where,
-            remedy='use "linear", "position", or "log" where min is positive',
+            remedy='use "linear", "position", "time", or "log" where min is positive',
         )
     if shape.points < 1:
         raise EffectError(f"{shape.points} trial points", where=where, remedy="use one or more")

@@ -36,6 +36,8 @@ FINE = 50
 """Nodes from which on columns that depend on the model's numbers are not computed at every step."""
 QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Where on a joint's path a position is tried (and mirrored for the other end)."""
+MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
+"""Moments after the end of a recording that are tried, in its lengths (and mirrored, before its beginning)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +150,11 @@ def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Seque
         levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
         places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
         return tuple(np.clip(places, shape.min, shape.max))
+    if shape.spacing == "time":
+        begin = min(float(p.motion.t[0]) for p in paths)
+        lasts = max(float(p.motion.t[-1]) for p in paths) - begin
+        far = [*MOMENTS, *(1.0 - moment for moment in MOMENTS)]
+        return tuple(np.clip([begin + u * lasts for u in (*np.linspace(0.0, 1.0, 11), *far)], shape.min, shape.max))
     return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))
 
 

@@ -146,7 +146,11 @@ def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
 def groups_of(candidate: Candidate) -> list[np.ndarray]:
     """Return the nodes that differ between recordings, those together that share every other value."""
     own = candidate.per_recording
-    moving = np.setdiff1d(np.arange(candidate.nodes.shape[1]), candidate.common)
+    every = np.arange(candidate.nodes.shape[1])
+    moving = np.setdiff1d(every, candidate.common)
+    if not moving.size and len(candidate.nodes) > 1:
+        # Places that are the same in recordings of one length: each may still take another of them.
+        moving = every[: len(every) // 2]
     if not own or not moving.size:
         return []
     _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)

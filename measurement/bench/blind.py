@@ -30,6 +30,9 @@ NOTHING_HIDDEN = 0.1
 SHARE = (0.04, 0.2)
 """Smallest and largest size of a drawn effect against the torque of the leg it is hidden in."""
 
+MOMENT = (0.0, 20.0)
+"""Moments in s that are drawn: within usual recordings."""
+
 TRIALS = 30
 """Attempts to place an effect where the leg moves; an end stop has little chance at a random angle."""
 
@@ -134,6 +137,8 @@ def _shape(rng: np.random.Generator, shape: Shape) -> float:
     """Draw a shape value: one of its choices, or between half and twice its typical value inside its bounds."""
     if shape.choices:
         return float(shape.choices[int(rng.integers(len(shape.choices)))])
+    if shape.spacing == "time":
+        return float(rng.uniform(*MOMENT))
     if shape.spacing == "log" and shape.min > 0:
         low, high = math.log(shape.min), math.log(shape.max)
         return math.exp(low + float(rng.uniform(0.2, 0.8)) * (high - low))

@@ -1,0 +1,193 @@
+"""A second plant that is not ours: the leg in MuJoCo, in closed loop, with what real machines have built of bodies.
+
+    python benchmarks/mujoco_leg.py                       every case once
+    python benchmarks/mujoco_leg.py foot sway --seeds 3
+
+Friction, limits, tendons, rotors, springs and contacts are MuJoCo's, its solver decides about stick and slip; nothing
+here is shared with the bench. Each case is three runs of 25 s to fit and one to verify, on which `discover` is asked.
+A case is right when what it names is among the answers listed with it, or when it says "unexplained" where nothing in
+the catalogue is what was built. Needs the extra `peers`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from measurement.recording import Recording  # noqa: E402
+from measurement.trajectories.trajectory import random_trajectory  # noqa: E402
+from symbolic.model import Model  # noqa: E402
+
+STEP = 5e-4
+"""s, of MuJoCo and of the controller."""
+EVERY = 20
+"""Steps from one sample to the next: 100 Hz."""
+LEAD_IN = 2.0
+KP, KD = np.array([900.0, 320.0]), np.array([70.0, 18.0])
+ENCODER_NOISE, TORQUE_NOISE = 6e-5, 0.4
+"""rad and N·m, standard deviations."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """What the leg is built of. Lengths m, masses kg, angles rad, stiffness N·m/rad.
+
+    `soft` is the stiffness of the knee drive, `gap` half the width of the gap in it; the encoder then sits at the
+    motor. `floor` is how far below the hip the ground lies, `sway` the amplitude in m/s² of the acceleration of the
+    base, with a phase of its own in every run. `tendon` is the stiffness in N·m/rad of one across both joints.
+    """
+
+    dry: tuple[float, float] = (4.0, 3.0)
+    viscous: tuple[float, float] = (2.0, 1.2)
+    armature: float = 0.0
+    stop: float | None = None
+    tendon: float = 0.0
+    soft: float | None = None
+    gap: float | None = None
+    floor: float | None = None
+    sway: float = 0.0
+
+    def xml(self) -> str:
+        """Return the model in MuJoCo's language; θ1 from the downward vertical, θ2 relative, positive to the front."""
+        twist, knee, loss = "", "knee", self.dry[1]
+        if self.soft is not None:
+            twist = f'<joint name="twist" axis="0 -1 0" stiffness="{self.soft}" damping="{0.002 * self.soft}"/>'
+        elif self.gap is not None:
+            twist = (
+                f'<joint name="twist" axis="0 -1 0" limited="true" range="{-self.gap} {self.gap}" '
+                'damping="0.05" solreflimit="0.004 1"/>'
+            )
+        limit = "" if self.stop is None else f'limited="true" range="{self.stop} 3" solreflimit="-60 -2"'
+        joint = (
+            f'<joint name="{knee}" axis="0 -1 0" frictionloss="{loss}" damping="{self.viscous[1]}" '
+            f'armature="{self.armature}" {limit}/>'
+        )
+        shank = (
+            '<inertial pos="0 0 -0.22" mass="6.0" diaginertia="0.11 0.11 0.02"/>'
+            '<geom name="foot" type="sphere" size="0.04" pos="0 0 -0.45" mass="0"/>'
+        )
+        if twist:
+            rotor = '<inertial pos="0 0 0" mass="0.001" diaginertia="0.004 0.004 0.004"/>'
+            lower = f'<body pos="0 0 -0.4">{joint}{rotor}<body>{twist}{shank}</body></body>'
+        else:
+            lower = f'<body pos="0 0 -0.4">{joint}{shank}</body>'
+        ground = ""
+        if self.floor is not None:
+            ground = f'<geom name="floor" type="plane" size="5 5 1" pos="0 0 {-self.floor}" solref="0.05 1"/>'
+        tendon = ""
+        if self.tendon:
+            tendon = (
+                f'<tendon><fixed stiffness="{self.tendon}" springlength="0.2">'
+                '<joint joint="hip" coef="1"/><joint joint="knee" coef="1"/></fixed></tendon>'
+            )
+        return f"""<mujoco><compiler angle="radian" autolimits="false"/>
+<option timestep="{STEP}" integrator="implicitfast" gravity="0 0 -9.81" cone="elliptic" iterations="50"/>
+<worldbody>{ground}<body><joint name="hip" axis="0 -1 0" frictionloss="{self.dry[0]}" damping="{self.viscous[0]}"/>
+<inertial pos="0 0 -0.18" mass="9.5" diaginertia="0.14 0.14 0.02"/>{lower}</body></worldbody>{tendon}
+<actuator><motor joint="hip"/><motor joint="knee"/></actuator></mujoco>"""
+
+
+CASES: dict[str, tuple[Leg, tuple[str, ...]]] = {
+    "nothing": (Leg(), ()),
+    "armature": (Leg(armature=0.15), ("rotor_inertia:knee",)),
+    "limit": (Leg(stop=-1.35), ("end_stop:knee",)),
+    "tendon": (Leg(tendon=6.0), ("biarticular_spring",)),
+    "elastic": (Leg(soft=400.0), ("motor_elasticity:knee",)),
+    "gap": (Leg(gap=0.02), ("series_backlash:knee",)),
+    "foot": (Leg(floor=0.855), ("unexplained",)),
+    "sway": (Leg(sway=0.6), ("base_motion",)),
+}
+"""What is built, and the answers that are right: names of terms, or a verdict."""
+
+
+def simulate(leg: Leg, seed: int, index: int, duration: float = 25.0, noise: bool = True) -> tuple[Recording, Any]:
+    """Return a recording and what MuJoCo knows about it: q, dq, ddq at the encoders and the drives' torque, (N, 2)."""
+    import mujoco
+
+    rng = np.random.default_rng([seed, index])
+    model = mujoco.MjModel.from_xml_string(leg.xml())
+    data = mujoco.MjData(model)
+    path = random_trajectory(rng, Model.standard().limits)
+    count = round((LEAD_IN + duration) / STEP)
+    t = np.arange(count) * STEP - LEAD_IN
+    wanted = path.at(t)
+    joints = [model.joint(name) for name in ("hip", "knee")]
+    place, speed = (np.array([getattr(j, key)[0] for j in joints]) for key in ("qposadr", "dofadr"))
+    data.qpos[place] = wanted.q[0]
+    data.qvel[speed] = wanted.dq[0]
+    phase, frequency = rng.uniform(0.0, 2.0 * math.pi), 0.9
+    rows = []
+    for k in range(count):
+        sway = leg.sway * math.sin(2.0 * math.pi * frequency * t[k] + phase)
+        model.opt.gravity[:] = (-sway, 0.0, -9.81)  # in the frame of the base
+        q, dq = data.qpos[place], data.qvel[speed]
+        tau = np.clip(KP * (wanted.q[k] - q) + KD * (wanted.dq[k] - dq), -150.0, 150.0)
+        data.ctrl[:] = tau
+        before = (q.copy(), dq.copy())
+        mujoco.mj_step(model, data)
+        if t[k] >= -1e-9 and round(t[k] / STEP) % EVERY == 0:
+            rows.append((t[k], *before, data.qacc[speed].copy(), tau))
+    times, q, dq, ddq, tau = (np.array(part) for part in zip(*rows, strict=True))
+    size = (ENCODER_NOISE, TORQUE_NOISE) if noise else (0.0, 0.0)
+    seen = Recording(
+        f"run_{index}", times, q + size[0] * rng.standard_normal(q.shape), tau + size[1] * rng.standard_normal(q.shape)
+    )
+    return seen, (q, dq, ddq, tau)
+
+
+def run(name: str, seed: int) -> str:
+    """Return one line: the case, whether the answer is right, and the answer."""
+    leg, answers = CASES[name]
+    began = time.perf_counter()
+    recordings = [simulate(leg, seed, index)[0] for index in range(4)]
+    found = discover(Model.standard(), recordings[:3], recordings[3:])
+    named = {other for one in found.accepted for other in (one.name, *one.look_alikes, *one.never_separable)}
+    if answers:
+        right = found.verdict in answers or (bool(named & {*answers}) and len(found.accepted) == 1)
+    else:
+        right = found.verdict == "adequate"
+    text = ", ".join(f"{a.name} {[round(e.value, 4) for e in a.parameters.values()]}" for a in found.accepted)
+    leading = [f"{s.name} {s.explained_share:.0%}" for s in found.suspects[:3]]
+    left = found.steps[-1].verify_rms
+    return (
+        f"{name}/{seed}: {'right' if right else 'WRONG'}; {found.verdict} [{text}] suspects {', '.join(leading)}; "
+        f"unseen {np.round(left, 3).tolist()} at a floor of {np.round(found.noise_floor, 3).tolist()} N·m; "
+        f"{time.perf_counter() - began:.0f} s"
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    text, _, rest = (__doc__ or "").partition("\n\n")
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=text, epilog=rest, formatter_class=form)
+    parser.add_argument("cases", nargs="*", help=f"of: {', '.join(CASES)}")
+    parser.add_argument("--seeds", type=int, default=1)
+    given = parser.parse_args(arguments)
+    unknown = [name for name in given.cases if name not in CASES]
+    if unknown:
+        parser.error(f"there is no case {', '.join(unknown)}; use {', '.join(CASES)}")
+    try:
+        import mujoco  # noqa: F401
+    except ImportError:
+        print("MuJoCo is not installed; pip install 'exoid[peers]'")
+        return 2
+    for seed in range(given.seeds):
+        for name in given.cases or CASES:
+            print(run(name, seed), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
