@@ -8,6 +8,8 @@ Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, th
     pair      two different effects, each as in `single`
     none      nothing
     outside   an effect that the catalogue does not have
+
+and those of `machines.py`: what real machines have, with one effect hidden.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from diagnosis.trials.machines import MACHINES
 from measurement.bench.blind import draw, relative_size
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg
@@ -31,7 +34,7 @@ from symbolic.model import Model
 from symbolic.motion import Motion
 from symbolic.quantity import JOINTS
 
-KINDS = ("single", "small", "pair", "none", "outside")
+KINDS = ("single", "small", "pair", "none", "outside", *MACHINES)
 VISIBLE = (0.25, 1.2)
 """RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
 RATE, BAND = 200.0, 5.0
@@ -47,6 +50,8 @@ LEGS_WITH_NOTHING = 6
 """Legs of kind `none` per seed, so that false alarms are counted on enough of them."""
 PAIRS = 12
 """Pairs per seed, drawn from all there are."""
+MACHINES_PER_SEED = 4
+"""Effects per seed and kind of `machines.py`."""
 SHOWN_SUSPECTS = 6
 
 
@@ -133,6 +138,8 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
             "none": [Case("none", (), LEGS_WITH_NOTHING * seed + k) for k in range(LEGS_WITH_NOTHING)],
             "outside": [Case("outside", (n,), seed) for n in OUTSIDE],
         }
+        for kind in MACHINES:
+            by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(names, MACHINES_PER_SEED, replace=False)]
         out += [case for kind in kinds for case in by_kind[kind]]
     return out
 
@@ -218,9 +225,10 @@ def _possible(hidden: Hidden, leg: Leg) -> Hidden:
 def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[Run, ...]]:
     """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
     hidden = hide(case, leg, rng)
+    worse = MACHINES.get(case.kind, lambda runs, _: runs)
     for _ in range(8):
         try:
-            return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+            return hidden, tuple(worse(simulate_runs(4, None, leg, effects=hidden, seed=case.number), rng))
         except BenchError:
             hidden = tuple(_scaled(one, 0.7) for one in hidden)
-    return hidden, simulate_runs(4, None, leg, effects=hidden, seed=case.number)
+    return hidden, tuple(worse(simulate_runs(4, None, leg, effects=hidden, seed=case.number), rng))

@@ -85,9 +85,10 @@ def test_friction_takes_power_at_every_state(effect, data):
         assert np.all(np.array(power) >= 0.0)
 
 
+@pytest.mark.parametrize("law", [0.0, 1.0])
 @pytest.mark.parametrize("sigma", [10.0, 70.0, 500.0])
-def test_presliding_and_the_coulomb_friction_it_replaces_lose_energy_together(sigma):
-    effect, env = find_effect("hysteresis"), motion() | {"c": 1.0, "sigma": sigma}
+def test_presliding_and_the_coulomb_friction_it_replaces_lose_energy_together(sigma, law):
+    effect, env = find_effect("hysteresis"), motion() | {"c": 1.0, "sigma": sigma, "law": law}
     angle = 0.3 * np.sin(3.0 * T)
     speed = np.gradient(angle, T)
     env |= {"theta1": angle, "dtheta1": speed}

@@ -1,0 +1,79 @@
+"""What real machines have and the bench does not: recordings of blind trials made worse, kind by kind.
+
+    rough      an unmodelled smooth torque of 5 to 20 times the noise in its band, another in every run
+    current    torques from motor current, with a constant that is wrong by up to a fifth
+    uneven     quiet and loud runs in one set: noise and outliers differ by up to a factor of ten
+    locked     a run in which the knee is locked
+
+One effect is hidden in each, as in `single`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from measurement.bench.simulation import Run
+from measurement.signals.conditioning import low_pass
+from symbolic.motion import Float
+
+LEFT = 0.06
+"""N·m that the noise of the bench's torque sensor (0.5 N·m at 100 Hz) leaves below SLOW."""
+TIMES = (5.0, 20.0)
+SLOW = 0.7
+"""Hz; model error of real machines follows the motion, which is as slow."""
+GAIN = (0.8, 1.2)
+NOISE = (0.3, 3.0)
+"""Times the noise of the bench that a run of `uneven` has."""
+
+
+def _with_torque(run: Run, torque: Float) -> Run:
+    return replace(run, recording=replace(run.recording, tau=torque))
+
+
+def _rough(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+    size = LEFT * float(np.exp(rng.uniform(*np.log(TIMES))))
+    out = []
+    for run in runs:
+        count, edge = len(run.recording.tau), int(3.0 * run.recording.rate / SLOW)
+        slow = low_pass(rng.standard_normal((count + 2 * edge, 2)), SLOW, run.recording.rate)[edge : edge + count]
+        out.append(_with_torque(run, run.recording.tau + size * slow / slow.std(axis=0)))
+    return out
+
+
+def _current(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+    gain = float(rng.uniform(*GAIN))
+    return [_with_torque(run, gain * run.recording.tau) for run in runs]
+
+
+def _uneven(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+    factors = np.exp(rng.permutation(np.linspace(float(np.log(NOISE[0])), float(np.log(NOISE[1])), len(runs))))
+    return [
+        _with_torque(run, run.torque + factor * (run.recording.tau - run.torque))
+        for run, factor in zip(runs, factors, strict=True)
+    ]
+
+
+def _locked(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+    """Return the runs with the knee of the second held: what its lock takes up is nobody's torque."""
+    run = runs[1]
+    still = np.array(run.motion.q)
+    still[:, 1] = still[0, 1]
+    rest = np.array([1.0, 0.0])
+    motion = replace(
+        run.motion, q=still, dq=run.motion.dq * rest, ddq=run.motion.ddq * rest, sign=run.motion.sign * rest
+    )
+    torque = run.true.torque(motion)
+    noise = run.recording.tau - run.torque
+    steps = run.recording.q - run.motion.q
+    held = replace(run.recording, q=still + steps, tau=torque + noise)
+    return [runs[0], replace(run, recording=held, motion=motion, torque=torque), *runs[2:]]
+
+
+MACHINES: Mapping[str, Callable[[Sequence[Run], np.random.Generator], list[Run]]] = MappingProxyType(
+    {"rough": _rough, "current": _current, "uneven": _uneven, "locked": _locked}
+)
+"""Kind of trial -> what becomes of its runs."""
