@@ -277,7 +277,7 @@ def test_only_ordinary_files_are_opened(tmp_path):
     for name in ("pipe", "loop", ".", "nowhere", "nu\0l", "x" * 5000):
         with pytest.raises(OSError, match=r"."):
             open_input(tmp_path / name)
-    for device in ("/dev/zero", "/dev/tty", "/dev/stdin"):
+    for device in ("/dev/zero", "/dev/tty"):
         with pytest.raises(OSError, match=r"."):
             read_input(device, 10)
     (tmp_path / "large").write_bytes(b"x" * 11)

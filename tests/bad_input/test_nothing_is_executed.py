@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ground.errors import ModelFileError
 from ground.text import in_comment, printable
 from measurement.bench.leg import standard_leg
 from symbolic.codegen.code import generate
@@ -72,9 +73,9 @@ def test_a_compiler_agrees(tmp_path):
         assert "evil" not in seen, name
 
 
-def test_units_and_words_of_an_effect_are_never_code(tmp_path):
+def test_words_of_an_effect_are_never_code(tmp_path):
     path = tmp_path / "leg.toml"
-    path.write_text(f"""
+    text = f"""
 name = "x"
 [[effects]]
 id = "brake"
@@ -85,13 +86,17 @@ joint = "knee"
 torque = "c * tanh(dtheta / w)"
 explains = "*/ {EVIL} /* <script>alert(1)</script>"
 title = "*/ {EVIL}"
-coefficients = {{ c = {{ unit = "*/ {EVIL} /*" }} }}
-shape = {{ w = {{ unit = "*\\\\\\n/ {EVIL}", min = 0.1, max = 1 }} }}
-""")
+coefficients = {{ c = {{ unit = "N·m" }} }}
+shape = {{ w = {{ unit = "rad/s", min = 0.1, max = 1 }} }}
+"""
+    path.write_text(text)
     model = read_model(path)
-    assert "*\\\n/" in model.shapes[0].shape.unit
-    for text in (generate(model).header, *c.write(ready(model, numbers_of(model)), Options()).values()):
-        assert "evil" not in code_of(text)
+    for written in (generate(model).header, *c.write(ready(model, numbers_of(model)), Options()).values()):
+        assert "evil" not in code_of(written)
+    for unit in (f"*/ {EVIL} /*", f"*\\\\\\n/ {EVIL}", "N·m */"):
+        path.write_text(text.replace('"N·m"', f'"{unit}"'))
+        with pytest.raises(ModelFileError, match="unit"):
+            read_model(path)
 
 
 @settings(max_examples=300, deadline=None)
