@@ -4,6 +4,7 @@ column names."""
 from __future__ import annotations
 
 import struct
+import warnings
 import zlib
 from pathlib import Path
 from typing import Any
@@ -131,7 +132,9 @@ def _is_safe_with_objects(path: Path) -> bool:
 def _with_objects(path: Path) -> RawTable | None:
     """Return the columns of a file with tables, timetables or time series; None where nothing in it can be read so."""
     try:
-        import matio
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it sets an option that newer versions of pandas no longer need
+            import matio
     except ImportError:
         return None
     try:
