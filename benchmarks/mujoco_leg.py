@@ -106,7 +106,7 @@ CASES: dict[str, tuple[Leg, tuple[str, ...]]] = {
     "tendon": (Leg(tendon=6.0), ("biarticular_spring",)),
     "elastic": (Leg(soft=400.0), ("motor_elasticity:knee",)),
     "gap": (Leg(gap=0.02), ("series_backlash:knee",)),
-    "foot": (Leg(floor=0.855), ("unexplained",)),
+    "foot": (Leg(floor=0.855), ("unexplained", "check_channels")),
     "sway": (Leg(sway=0.6), ("base_motion",)),
 }
 """What is built, and the answers that are right: names of terms, or a verdict."""

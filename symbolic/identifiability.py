@@ -190,12 +190,16 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     from symbolic.codegen.equation import model_expressions
 
     x = model_expressions(model)
+    torque = x.torque
+    for k, entry in enumerate(model.shapes):
+        if entry.shape.choices:  # what acts under another choice alone has no part in this one
+            torque = casadi.substitute(torque, x.shape[k], casadi.SX(entry.typical))
     numbers = [(p.name, p.term, x.linear[k]) for k, p in enumerate(model.parameters)]
     numbers += [(s.name, s.term, x.shape[k]) for k, s in enumerate(model.shapes) if not s.shape.choices]
     chosen = [(name, symbol) for name, term, symbol in numbers if only is None or term == only]
-    chosen = [(name, symbol) for name, symbol in chosen if casadi.depends_on(x.torque, symbol)]
+    chosen = [(name, symbol) for name, symbol in chosen if casadi.depends_on(torque, symbol)]
     symbols = casadi.vertcat(casadi.SX(0, 1), *(symbol for _, symbol in chosen))
-    slopes = casadi.vec(casadi.densify(casadi.jacobian(x.torque, symbols)))
+    slopes = casadi.vec(casadi.densify(casadi.jacobian(torque, symbols)))
     arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, x.linear, x.shape]
     function = casadi.Function("tangents", arguments, [slopes])
     states = random_states(STATES, len(model.joints))

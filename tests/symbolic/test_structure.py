@@ -40,7 +40,7 @@ def test_what_imitates_a_term_is_remembered_and_a_damaged_file_is_made_anew(tmp_
     names = ["drive_gain:hip", "torque_offset:hip", "joint_spring:hip", "rotor_inertia:hip", "stribeck:knee"]
     wanted = {
         "drive_gain:hip": ("drive_gain:knee",),
-        "torque_offset:hip": ("joint_spring:hip",),  # a spring may be an offset, not the reverse
+        "torque_offset:hip": ("joint_spring:hip", "torque_drift:hip"),  # a spring may be an offset, not the reverse
         "joint_spring:hip": (),
         "rotor_inertia:hip": ("Phi1", "Phi4"),
         "stribeck:knee": (),
