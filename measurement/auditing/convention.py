@@ -36,6 +36,8 @@ AS_GOOD = 1.5
 """Among readings that leave at most so many times what the best leaves, the one with the fewest names is named."""
 FEW, MOST, WRONG = 2, 4, 0.4
 """Readings of few names are tried first; those of more only where the recordings as they stand leave so much."""
+STOP = (0.1, 0.9)
+"""Quantiles of an angle beyond which something may push back."""
 TURNING = 2.5
 """rad that a joint moves at least where its angle is looked at as that of a motor."""
 ROWS = 600
@@ -321,11 +323,25 @@ class _Sums:
 def _sums(group: Sequence[tuple[Float, Float, Float, Float]], to: Map) -> _Sums:
     q, dq, ddq, tau = (np.concatenate(parts) for parts in zip(*group, strict=True))
     tau = tau - tau.mean(axis=0)  # constant offsets are nobody's sign
-    y = columns(q @ to.angle.T + to.zero, dq @ to.angle.T, ddq @ to.angle.T)
+    angle = q @ to.angle.T + to.zero
+    y = np.concatenate([columns(angle, dq @ to.angle.T, ddq @ to.angle.T), _stops(angle)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size = y.shape[2]
     gram = (flat.T @ flat).reshape(2, size, 2, size).transpose(0, 2, 1, 3)
     return _Sums(gram, (flat.T @ tau).reshape(2, size, 2).transpose(0, 2, 1), np.sum(tau**2, axis=0))
+
+
+def _stops(q: Float) -> Float:
+    """Return columns (J, K, 4) of what pushes back near the ends of each joint's range: stops, tendons, straps.
+
+    Without them a leg that runs into its stop would look like one that is read wrongly.
+    """
+    out = np.zeros((2, len(q), 4))
+    for joint in (0, 1):
+        low, high = np.quantile(q[:, joint], STOP)
+        out[joint, :, 2 * joint] = np.maximum(q[:, joint] - high, 0.0)
+        out[joint, :, 2 * joint + 1] = np.minimum(q[:, joint] - low, 0.0)
+    return out
 
 
 def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:

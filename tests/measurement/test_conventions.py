@@ -92,6 +92,14 @@ def test_honest_recordings_give_no_finding():
     assert not check_conventions([motion(0, friction=False)])
 
 
+def test_a_strong_stop_is_no_convention():
+    run = motion()
+    for joint in (0, 1):
+        stop = np.zeros(run.tau.shape)
+        stop[:, joint] = 60.0 * np.maximum(run.q[:, joint] - np.quantile(run.q[:, joint], 0.85), 0.0)
+        assert not check_conventions([replace(run, tau=run.tau + stop)])
+
+
 def test_the_leg_mirrored_is_the_same_leg():
     run = motion()
     assert not check_conventions([replace(run, q=-run.q, tau=-run.tau)])
