@@ -13,6 +13,7 @@ from diagnosis.evidence.model_error import ModelError, model_error
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.results import Accepted
 from diagnosis.rules import RULES, Rules
+from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import catalogue
@@ -63,13 +64,15 @@ def conclude(
             error.advice,
             error,
         )
+    short = too_short(last.prepared, rules)
     if not accepted and left is None:
         return Conclusion(
             "adequate",
             f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
             f"{_times(last):.2g} times the noise floor",
             "The model explains these recordings; nothing that can be told from noise is missing."
-            + ("" if error is None else f" Yet {error.sentence}."),
+            + ("" if error is None else f" Yet {error.sentence}.")
+            + (f" They could not show much: {short}." if short else ""),
             stopped,
             advice if error is None else error.advice,
             error,

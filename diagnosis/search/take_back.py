@@ -11,6 +11,7 @@ from diagnosis.evidence.columns import stacked
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.remainder import Remainder, Winner, beaten, remainders, significant, suggest
 from diagnosis.search.context import SearchContext, as_fitted
+from diagnosis.search.doubt import too_short
 from diagnosis.search.state import Extension, State
 from symbolic.quantity import JOINTS
 
@@ -27,6 +28,8 @@ def take_back(context: SearchContext, state: State) -> State:
 
 def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
     """Return what the model of `extension` leaves, if that is significant, with suggested closed forms."""
+    if too_short(context.prepared, context.rules):  # a free curve looks as real there as any effect
+        return None
     context.tick(0.88, "looking at what is left")
     found = remainders(extension.fitted, context.evidence(extension))
     best = next((r for r in found if significant(r, context.rules)), None)

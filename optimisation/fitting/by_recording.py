@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.errors import ExoidError
+from ground.figures import figure_style, new_figure
 from ground.html import table
 from optimisation.fitting.fit import Fit
 from optimisation.linear.problem import LinearData
@@ -117,8 +118,6 @@ class ByRecording:
 
     def plot(self) -> Figure:
         """Draw each parameter with the intervals of every recording."""
-        from ground.figures import figure_style, new_figure
-
         names = ["together", *self.recordings]
         with figure_style():
             figure = new_figure(7.0, len(self.rows) * (0.9 + 0.2 * len(names)))
