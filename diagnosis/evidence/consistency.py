@@ -1,7 +1,8 @@
-"""Which recording tells another story: a number of the model that one recording wants different from all the others.
+"""Consistency between recordings: a parameter that one recording wants different from all the others.
 
-One model is fitted to all recordings. Then each number of the effects that were found, and the zero of each torque
-sensor, may for once differ in one recording; all else is refitted. A difference that is neither within the interval
+One model is fitted to all recordings. Then each of its parameters (a load that was not named changes inertias), and the
+offset of each torque sensor, may for once differ in one recording; all else is refitted. A difference that is neither
+within the interval
 (valid for residuals that resemble themselves, `optimisation.linear.uncertainty`; widened for the number of questions)
 nor too small to matter is named: something was changed between the recordings, or the effect is not what it seems.
 """
@@ -131,9 +132,9 @@ def _with_column(block: Block, column: Float) -> Block:
 
 
 def _questions(model: Model, linear: Float, shapes: Float) -> list[_Question]:
-    """Return the numbers of the model's effects that are the same in all recordings, and the torques' zeros."""
+    """Return the parameters of the model that are the same in all recordings, and the torques' offsets."""
     count = len(model.parameters)
-    out = [_Question(p.name, float(linear[k]), p.unit, k) for k, p in enumerate(model.parameters) if p.term is not None]
+    out = [_Question(p.name, float(linear[k]), p.unit, k) for k, p in enumerate(model.parameters)]
     for k, entry in enumerate(model.shapes):
         if not entry.shape.choices and not entry.shape.per_recording:
             out.append(_Question(entry.name, float(shapes[0, k]), entry.shape.unit, count + k))

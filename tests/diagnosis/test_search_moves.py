@@ -73,7 +73,7 @@ def test_exchange_keeps_the_right_term(plain):
 
 
 def test_take_back_unmasks_the_nearest_thing_to_what_the_catalogue_does_not_have():
-    context = search({"end_stop:hip": ([25.0], [0.62, 1.0])}, ["hardening_spring:hip", "viscous_cubic:hip"])
+    context = search({"torque_ripple:hip": ([1.5, 1.0], [4.0])}, ["hardening_spring:hip", "viscous_cubic:hip"])
     state = state_with(context, "hardening_spring:hip")
     found = take_back(context, state)
     assert found.names == ()

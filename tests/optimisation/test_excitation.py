@@ -131,7 +131,7 @@ def test_creeping_is_said(found):
     [
         ({"criterion": "x"}, "no criterion"),
         ({"use": 1.5}, "of the limits"),
-        ({"period": -1.0}, "positive period"),
+        ({"period": -1.0}, "give a period"),
         ({"harmonics": 1, "rest": True}, "at least two harmonics"),
         ({"offsets": "x"}, "one of"),
     ],

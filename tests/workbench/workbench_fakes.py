@@ -84,6 +84,8 @@ class FakeFit:
 
 @dataclass(frozen=True, eq=False)
 class FakeComparison:
+    misread: tuple[Finding, ...] = ()
+    audit: tuple[Finding, ...] = ()
     unseen: bool = True
     fit: Any = field(default_factory=FakeFit)
     rms: Any = field(default_factory=lambda: np.array([0.71, 0.53]))
@@ -115,6 +117,7 @@ STEPS = [
 
 @dataclass(frozen=True, eq=False)
 class FakeDiagnosis:
+    audit: tuple[Finding, ...] = ()
     verdict: str = "missing"
     rule: str = "stribeck:knee lowers the error of unseen motion, and no placebo did"
     sentence: str = "The knee sticks when it starts or reverses, and runs freely once it moves."
