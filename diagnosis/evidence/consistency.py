@@ -2,9 +2,9 @@
 
 One model is fitted to all recordings. Then each of its parameters (a load that was not named changes inertias), and the
 offset of each torque sensor, may for once differ in one recording; all else is refitted. A difference that is neither
-within the interval
-(valid for residuals that resemble themselves, `optimisation.linear.uncertainty`; widened for the number of questions)
-nor too small to matter is named: something was changed between the recordings, or the effect is not what it seems.
+within the interval (valid under autocorrelation, `optimisation.linear.uncertainty`; widened for the number of
+questions) nor too small to matter is named: something was changed between the recordings, or the effect is not what it
+seems.
 """
 
 from __future__ import annotations
