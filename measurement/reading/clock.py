@@ -138,7 +138,8 @@ def epoch_unit(t: Float) -> tuple[str, float] | None:
     finite = t[np.isfinite(t)]
     if finite.size < 2:
         return None
-    middle, step = float(np.median(finite)), float(np.median(np.abs(np.diff(finite))))
+    with np.errstate(over="ignore", invalid="ignore"):  # stamps that are no times at all are refused further on
+        middle, step = float(np.median(finite)), float(np.median(np.abs(np.diff(finite))))
     for unit, scale in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)):
         if 9.4e8 < middle * scale < 4.2e9 and 1e-5 < step * scale < 0.5:
             return unit, scale

@@ -8,6 +8,7 @@ import pytest
 from ground.errors import RecordingError
 from measurement.reading.read import read_recording
 from measurement.recording import Recording, write_recording
+from workbench.command import main
 
 HEADER = "t,q1,q2,tau1,tau2"
 T = np.arange(800) * 0.01
@@ -169,3 +170,9 @@ def test_a_recording_checks_itself():
         Recording("r", np.arange(3.0), pair * np.nan, pair)
     with pytest.raises(ValueError, match="shape"):
         Recording("r", np.arange(4.0), pair, pair)
+
+
+def test_missing_files_of_both_groups_are_named_at_once(capsys):
+    assert main(["compare", "nowhere_1.csv", "--verify", "nowhere_2.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "nowhere_1.csv" in said and "nowhere_2.csv" in said

@@ -63,8 +63,10 @@ def load(args: argparse.Namespace) -> Inputs:
     from measurement.reading.sources import expand
 
     model = load_model(getattr(args, "model", None))
-    refuse_repeats(args.recordings, getattr(args, "verify", []))
-    given, unseen = expand(args.recordings), expand(getattr(args, "verify", []))
+    held_out = list(getattr(args, "verify", []))
+    refuse_repeats(args.recordings, held_out)
+    expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
+    given, unseen = expand(args.recordings), expand(held_out)
     refuse_repeats(given, unseen)
     loads = payloads(getattr(args, "payload", []), [*given, *unseen])
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
