@@ -131,6 +131,71 @@ def test_npz_that_claims_or_unpacks_to_any_size(tmp_path):
             read_recording(tmp_path / "odd.npz")
 
 
+def element(kind, data, size=None):
+    """An element of a MATLAB file; `size` is what it announces where that is not what it has."""
+    return struct.pack("<II", kind, len(data) if size is None else size) + data + bytes(-len(data) % 8)
+
+
+def array(kind, dims, *content, size=None):
+    head = element(6, struct.pack("<II", kind, 0)) + element(5, struct.pack(f"<{len(dims)}i", *dims)) + element(1, b"q1")
+    return element(14, head + b"".join(content), size)
+
+
+def nested(depth):
+    inner = array(6, (1, 1), element(9, bytes(8)))
+    for _ in range(depth):
+        inner = array(1, (1, 1), inner)
+    return inner
+
+
+NAMES = (element(5, struct.pack("<i", 8)), element(1, b"q1\0\0\0\0\0\0"))
+UNSOUND = {
+    "element longer than the file": array(6, (1, 9), element(9, bytes(72), 0xF0000000)),
+    "variable longer than the file": array(6, (1, 9), element(9, bytes(72)), size=0xF0000000),
+    "cells": array(1, (HUGE, 40), nested(0)),
+    "cells of three dimensions": array(1, (2**20, 2**20, 2**20), nested(0)),
+    "elements of a struct": array(2, (HUGE, 40), *NAMES, nested(0)),
+    "struct without fields": array(2, (2**30, 2**30), NAMES[0], element(1, b"")),
+    "struct with names of no length": array(2, (1, 1), element(5, bytes(4)), NAMES[1]),
+    "text": array(4, (1, 2**31 - 1), element(16, b"")),
+    "negative size": array(1, (-1, 3), nested(0)),
+    "in a cell": array(1, (1, 1), array(6, (1, 9), element(9, bytes(72), 0xF0000000))),
+    "cells in a struct": array(2, (1, 1), *NAMES, array(1, (HUGE, 40), nested(0))),
+    "cells two thousand deep": nested(2000),
+}
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("name", UNSOUND)
+def test_matlab_that_announces_any_size(tmp_path, name, packed):
+    """SciPy makes room for what is announced, and calls itself for what lies deeper."""
+    body = element(15, zlib.compress(UNSOUND[name])) if packed else UNSOUND[name]
+    (tmp_path / "run.mat").write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + body)
+    refused(tmp_path / "run.mat", "announces|longer than|deep|length|negative|entries|GB")
+
+
+def test_matlab_4_that_announces_any_size(tmp_path):
+    for rows, columns in ((2**31 - 1, 2**31 - 1), (HUGE, 1), (HUGE // 8, 1), (-1, 1)):
+        (tmp_path / "run.mat").write_bytes(struct.pack("<5i", 0, rows, columns, 0, 3) + b"q1\0" + bytes(80))
+        refused(tmp_path / "run.mat", "longer than|impossible|GB")
+
+
+def test_matlab_that_is_as_it_says_is_read(tmp_path):
+    """Cells, structs in structs, texts, sparse, complex and empty arrays; packed or not."""
+    import scipy.io
+    import scipy.sparse
+
+    cells = np.empty(3, dtype=object)
+    cells[:] = ["hip", np.zeros((0, 3)), {"deep": {"deeper": [1, 2]}}]
+    content = {"run": {"signals": COLUMNS}, "cells": cells, "text": "knee", "none": "", "z": np.ones(4) * 1j,
+               "sparse": scipy.sparse.eye_array(5).tocsc(), "flag": np.array([True]), "i": np.int8([1, 2])}  # fmt: skip
+    for packed in (False, True):
+        scipy.io.savemat(tmp_path / "run.mat", content, do_compression=packed)
+        np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
+    scipy.io.savemat(tmp_path / "run.mat", COLUMNS, format="4")
+    np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
+
+
 def test_matlab_that_unpacks_to_any_size(tmp_path):
     path = tmp_path / "bomb.mat"
     pack = zlib.compressobj(9)

@@ -3,6 +3,7 @@ column names."""
 
 from __future__ import annotations
 
+import math
 import struct
 import warnings
 import zlib
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ground.errors import RecordingError
+from measurement.reading import mat_sizes
 from measurement.reading.formats import hdf5
 from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
@@ -19,8 +21,6 @@ from measurement.reading.stamps import since_first
 
 SUFFIXES = (".mat",)
 SIGNATURES = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
-COMPRESSED = 15
-"""The type of an element that is packed."""
 LABELS = ("label", "Name", "name", "blockName")
 """Fields of a struct array that say which signal an element holds."""
 DAMAGE = (
@@ -49,9 +49,10 @@ def read(path: Path) -> RawTable:
     import scipy.io
 
     try:
-        _refuse_bombs(path)
+        mat_sizes.check(path)
         # The header says where the objects lie: tables, timetables, time series.
-        if head[116:124].strip(b"\x00 ") and (table := _with_objects(path)) is not None:
+        objects = 0 not in head[:4] and bool(head[mat_sizes.SUBSYSTEM_OFFSET].strip(b"\x00 "))
+        if objects and (table := _with_objects(path)) is not None:
             return table
         content = scipy.io.loadmat(str(path), struct_as_record=True, squeeze_me=True, appendmat=False)
     except (*DAMAGE, scipy.io.matlab.MatReadError) as error:
@@ -75,30 +76,6 @@ def read(path: Path) -> RawTable:
     return table_from_arrays(label_matrices(arrays, labels), where=str(path))
 
 
-def _refuse_bombs(path: Path) -> None:
-    """Refuse a file of version 5 to 7 whose variables unpack to too much; they are unpacked piece by piece to see."""
-    budget = Budget(str(path))
-    with path.open("rb") as stream:
-        head = stream.read(128)
-        if not head.startswith(SIGNATURES[0][:6]) or head[126:128] not in (b"IM", b"MI"):
-            budget.take(path.stat().st_size)  # version 4 is not packed
-            return
-        order = "<" if head[126:128] == b"IM" else ">"
-        while len(tag := stream.read(8)) == 8:
-            kind, size = struct.unpack(f"{order}II", tag)
-            budget.count()
-            if kind != COMPRESSED:
-                budget.take(size)
-                stream.seek(size, 1)
-                continue
-            unpack = zlib.decompressobj()
-            while size > 0 and (piece := stream.read(min(size, 1 << 16))):
-                size -= len(piece)
-                while piece and not unpack.eof:
-                    budget.take(len(unpack.decompress(piece, 1 << 22)), "a packed variable")
-                    piece = unpack.unconsumed_tail
-
-
 def _is_safe_with_objects(path: Path) -> bool:
     """Whether a file of version 7.3 holds objects; RecordingError where they take too much or lie in other files."""
     import h5py
@@ -118,6 +95,8 @@ def _is_safe_with_objects(path: Path) -> bool:
             elif isinstance(item, h5py.Dataset):
                 hdf5.refuse_elsewhere(item, path)
                 budget.take(hdf5.size_of(item), f"dataset {key[:40]}")
+                if "MATLAB_empty" in item.attrs and item.size <= 32:  # the numbers are the shape of what is empty
+                    budget.take(8 * math.prod(abs(int(one)) for one in np.ravel(item[()])), f"dataset {key[:40]}")
 
     try:
         with h5py.File(path, "r", locking=False) as file:
