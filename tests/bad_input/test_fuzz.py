@@ -1,8 +1,9 @@
 """Damaged files of every kind: whatever is changed in them, they are read or refused, in bounded time.
 
 Each round takes a good file, damages it at random and reads it. Rounds are the same in every run, each with a seed of
-its own: `EXOID_FUZZ_ROUNDS` says how many (CI: a thousand, for a minute at most: `EXOID_FUZZ_SECONDS`), `EXOID_FUZZ_FROM`
-with which one to begin, `EXOID_FUZZ_SEED` makes other ones. The file that failed is kept where the message says.
+its own: `EXOID_FUZZ_ROUNDS` says how many (CI: a thousand, for a minute at most: `EXOID_FUZZ_SECONDS`),
+`EXOID_FUZZ_FROM` with which one to begin, `EXOID_FUZZ_SEED` makes other ones. The file that failed is kept where the
+message says.
 """
 
 import io

@@ -137,7 +137,8 @@ def element(kind, data, size=None):
 
 
 def array(kind, dims, *content, size=None):
-    head = element(6, struct.pack("<II", kind, 0)) + element(5, struct.pack(f"<{len(dims)}i", *dims)) + element(1, b"q1")
+    sizes = element(5, struct.pack(f"<{len(dims)}i", *dims))
+    head = element(6, struct.pack("<II", kind, 0)) + sizes + element(1, b"q1")
     return element(14, head + b"".join(content), size)
 
 
