@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
@@ -64,6 +64,8 @@ def discover(
     most: int | None = None,
     rules: Rules = RULES,
     splits: str = LINEARISED,
+    prepared: Prepared | None = None,
+    found: Callable[[Sequence[Step]], None] | None = None,
 ) -> Diagnosis:
     """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
     `rules`, the thresholds that decide, say).
@@ -72,7 +74,8 @@ def discover(
     the model's own (`[[custom_effects]]` of its file), which are suspected anyway. Every random number comes
     from `seed`. `splits` is how the decision is repeated over splits of the recordings: "linearised", about the models
     that were found, or "all", the whole search from scratch in each split, which takes as many times as long as there
-    are splits. Refuses recordings that are too short, too slow or do not determine the model.
+    are splits. `prepared` are the recordings where they are prepared already; `found` is called with the steps so far
+    whenever the search has another one. Refuses recordings that are too short, too slow or do not determine the model.
     """
     began = time.perf_counter()
     if splits not in (LINEARISED, ALL):
@@ -82,7 +85,7 @@ def discover(
     most = rules.most_terms if most is None else most
     question = _Question(model, seed, cutoff, derivative, tuple(extra), most, rules)
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
-    done = question.search(recordings, verify, whole)
+    done = question.search(recordings, verify, whole, prepared, found)
     prepared, state = done.prepared, done.found.state
     if done.answer is not None:
         return _write_up(done, (Extension(done.base),), (), None, (), done.answer, began)
@@ -156,15 +159,25 @@ class _Question:
     most: int
     rules: Rules
 
-    def search(self, recordings: Sequence[Recording], verify: Sequence[Recording], tick: Progress) -> _Searched:
-        """Prepare the recordings and search."""
+    def search(
+        self,
+        recordings: Sequence[Recording],
+        verify: Sequence[Recording],
+        tick: Progress,
+        prepared: Prepared | None = None,
+        found: Callable[[Sequence[Step]], None] | None = None,
+    ) -> _Searched:
+        """Prepare the recordings, unless they are, and search; `found` hears of every step."""
         tick(0.02, "preparing the recordings")
-        prepared = prepare(self.model, recordings, verify, cutoff=self.cutoff, derivative=self.derivative)
+        if prepared is None:
+            prepared = prepare(self.model, recordings, verify, cutoff=self.cutoff, derivative=self.derivative)
         base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
         answer = _before_any_search(base, self.rules)
         part = prepared if answer is not None else stretches(prepared, self.rules)
         library = build_library(self.model, part.all, own_effects(self.model, self.extra))
         context = SearchContext(part, library, self.seed, tick, self.most, self.rules)
+        if found is not None:
+            context = replace(context, grown=lambda state: found(_steps(state.extensions)))
         if answer is not None:
             return _Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
         start = Extension(base) if part is prepared else context.fit(self.model)
@@ -286,15 +299,7 @@ def _write_up(
 ) -> Diagnosis:
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
-    steps = tuple(
-        Step(
-            "base" if s.added is None else f"+ {s.added.name}",
-            s.fitted.train_rms,
-            s.fitted.verify_rms,
-            "" if s.added is None else accepted[i - 1].sentence,
-        )
-        for i, s in enumerate(extensions)
-    )
+    steps = _steps(extensions, [one.sentence for one in accepted])
     alike = {a.name: a.look_alikes for a in accepted}
     told_apart = (
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
@@ -328,6 +333,20 @@ def _write_up(
         error=conclusion.error,
         possible=possible,
         rules=done.context.rules,
+    )
+
+
+def _steps(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:
+    """Return the falling error; `sentences` are about those that were added."""
+    said = ("", *sentences)
+    return tuple(
+        Step(
+            "base" if s.added is None else f"+ {s.added.name}",
+            s.fitted.train_rms,
+            s.fitted.verify_rms,
+            said[i] if i < len(said) else "",
+        )
+        for i, s in enumerate(extensions)
     )
 
 

@@ -223,7 +223,7 @@ class Evidence:
             else:
                 unseen, coefficients = fall, fitted
         if coefficients is None:
-            coefficients = self._fit_all(grams, ridge)
+            coefficients = self._fit_all(grams, ridge)[0]
             unseen = np.zeros(len(coefficients))
         return Gain(np.array(folds), np.asarray(unseen), coefficients)
 
@@ -281,11 +281,18 @@ class Evidence:
         """Return the relative ridge and the least scale it is relative to."""
         return self.rules.ridge if ridge is None else ridge, self.rules.least_scale
 
-    def _fit_all(self, grams: Sequence[Gram], ridge: float | None) -> Float:
+    def fitted(self, grams: Sequence[Gram], ridge: float | None = None) -> tuple[Float, Float]:
+        """Return a candidate's coefficients (m,) and the step (P,) of the model's own numbers, both fitted to all
+        training units (first entry of D).
+        """
+        coefficients, base = self._fit_all(grams, ridge)
+        return coefficients[0], base[0]
+
+    def _fit_all(self, grams: Sequence[Gram], ridge: float | None) -> tuple[Float, Float]:
         fit = [u for u in range(len(self._units)) if self.is_train[u]]
         inverse, slope = self._normal(fit)
         step = inverse @ slope
-        return fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))[0]
+        return fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))[:2]
 
 
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:

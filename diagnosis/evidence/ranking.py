@@ -41,7 +41,7 @@ def rank(
         scores[scores.index(score)] = placebo(evidence, score, columns[score.name])
         if tick:
             tick(0.6 + 0.4 * (number + 1) / len(promising), score.name)
-    return _mark_significant(scores, evidence.rules.false_discovery_rate)
+    return mark_significant(scores, evidence.rules.false_discovery_rate)
 
 
 def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Sequence[Columns]]) -> list[Score]:
@@ -58,7 +58,7 @@ def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Se
     return out
 
 
-def _mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
+def mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:
     """Benjamini-Hochberg over the whole catalogue; candidates without a placebo run count with p = 1."""
     total = len(scores)
     values = sorted(s.p_value for s in scores if s.p_value is not None)

@@ -27,6 +27,18 @@ def stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
     return replace(prepared, train=train, verify=verify)
 
 
+def origins(prepared: Prepared, part: Prepared) -> tuple[int, ...]:
+    """Return of which of the recordings `prepared` each one of `part` is, or is a stretch of."""
+    out: list[int] = []
+    for number, (whole, cut) in enumerate(((prepared.train, part.train), (prepared.verify, part.verify))):
+        offset, k = number * len(prepared.train), 0
+        for one in cut:
+            while whole[k] is not one and not one.name.startswith(f"{whole[k].name} from "):
+                k += 1
+            out.append(offset + k)
+    return tuple(out)
+
+
 def searched(prepared: Prepared, part: Prepared, rules: Rules = RULES) -> tuple[Finding, ...]:
     """Return what a report must say about it: nothing where everything was searched."""
     if part is prepared:

@@ -31,6 +31,10 @@ def silent(fraction: float, text: str) -> None:
     """Report no progress."""
 
 
+def unheard(state: State) -> None:
+    """Hear of a longer state and do nothing."""
+
+
 @dataclass(frozen=True, eq=False)
 class SearchContext:
     """Recordings, candidates, seed and thresholds of one search; `most` terms may be added."""
@@ -41,6 +45,8 @@ class SearchContext:
     tick: Progress = silent
     most: int = RULES.most_terms
     rules: Rules = RULES
+    grown: Callable[[State], None] = unheard
+    """Called with the state whenever a term was added."""
     ranked: dict[tuple[str, ...], Ranked] = field(default_factory=dict)
     """What was found against a model with these terms, for when the search comes back to it."""
     doubts: dict[tuple[tuple[str, ...], str], str] = field(default_factory=dict)

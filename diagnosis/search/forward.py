@@ -17,4 +17,5 @@ def forward(context: SearchContext, state: State) -> State:
             break
         out |= choice.failed
         state = state.grown(*state.extensions, choice.found)
+        context.grown(state)
     return state

@@ -62,3 +62,17 @@ def processes(jobs: int = 0) -> Engine:
         executor.shutdown(wait=wait, kill_workers=not wait)
 
     return Engine(f"{count} processes on this machine", executor, lambda: count, list, close)
+
+
+def alone() -> Engine:
+    """Return an engine of one process for one job, which `close(False)` ends at any moment."""
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    executor = ProcessPoolExecutor(
+        1, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"), initializer=end_with, initargs=(os.getpid(),)
+    )
+
+    def close(wait: bool) -> None:
+        executor.shutdown(wait=wait, kill_workers=not wait)
+
+    return Engine("a process of its own", executor, lambda: 1, list, close, ahead=1)

@@ -1,0 +1,191 @@
+"""Recordings and a model, prepared once; every question is then answered on the same samples with the same filter.
+
+    session = Session(leg, runs[:3], verify=runs[3:])
+    session.compare().plot()
+    session.fitted(["stribeck:knee"]).judged_rms
+    found = session.discover()
+
+Models are named by the effects that they have beyond the one given: `("stribeck:knee", "backlash:hip")`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from diagnosis.compare import Comparison, compare_prepared
+from diagnosis.discover import discover, own_effects
+from diagnosis.evidence.candidates import Library, build_library
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.model_error import ModelError, model_error
+from diagnosis.evidence.stretches import origins, stretches
+from diagnosis.results import Diagnosis, Step
+from diagnosis.rules import RULES, Rules
+from diagnosis.search.context import Progress
+from diagnosis.session.ranking import Ranking
+from measurement.recording import Recording
+from measurement.signals.derivatives import BUTTERWORTH
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared, prepare
+from symbolic.effect import Effect
+from symbolic.model import Model
+from symbolic.motion import Float
+
+Names = Sequence[str]
+
+
+class Session:
+    """What is known of recordings while somebody works with them; fits and rankings are kept.
+
+    `recordings` are fitted, `verify` never. `extra` are effects of the user's own beside those of the model. Nothing
+    is computed before it is asked for; errors are those of `prepare` and `identify`.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        recordings: Sequence[Recording],
+        verify: Sequence[Recording] = (),
+        *,
+        cutoff: float | None = None,
+        derivative: str = BUTTERWORTH,
+        extra: Iterable[Effect] = (),
+        seed: int = 0,
+        rules: Rules = RULES,
+        prepared: Prepared | None = None,
+    ) -> None:
+        self.model, self.seed, self.rules = model, seed, rules
+        self.recordings, self.verify = tuple(recordings), tuple(verify)
+        self.cutoff, self.derivative, self.extra = cutoff, derivative, own_effects(model, tuple(extra))
+        if prepared is not None:
+            self.prepared = prepared
+        self._fits: dict[tuple[str, ...], FittedModel] = {}
+        self._rankings: dict[tuple[str, ...], Ranking] = {}
+        self._shapes: dict[str, Float] = {}
+
+    @cached_property
+    def prepared(self) -> Prepared:
+        """The recordings, filtered alike."""
+        return prepare(self.model, self.recordings, self.verify, cutoff=self.cutoff, derivative=self.derivative)
+
+    @cached_property
+    def searched(self) -> Prepared:
+        """What suspects are looked for in: the recordings, or stretches of long ones."""
+        return stretches(self.prepared, self.rules)
+
+    @cached_property
+    def origins(self) -> tuple[int, ...]:
+        """Of which recording of `prepared` each one of `searched` is, or is a stretch of."""
+        return origins(self.prepared, self.searched)
+
+    @cached_property
+    def library(self) -> Library:
+        """Every effect that may be missing."""
+        return build_library(self.model, self.searched.all, self.extra)
+
+    def knowing(self, effect: Effect) -> Session:
+        """Return the session with one more effect of the user's own; what was prepared and fitted stays."""
+        known = [e for e in self.extra if e.id != effect.id]
+        other = self.light()
+        other.extra = (*known, effect)
+        keep = {names: fit for names, fit in self._fits.items() if effect.id not in [_id(name) for name in names]}
+        other._fits.update(keep)
+        other._shapes.update({name: value for name, value in self._shapes.items() if _id(name) != effect.id})
+        return other
+
+    def with_effects(self, names: Names) -> Model:
+        """Return the model with these effects; EffectError where there is no such effect."""
+        own = {effect.id: effect for effect in self.extra}
+        model = self.model
+        for name in names:
+            identifier, _, joint = name.partition(":")
+            model = model.with_effect(own.get(identifier, identifier), joint or None)
+        return model
+
+    def known(self, names: Names = ()) -> FittedModel | None:
+        """Return the model with these effects as it was fitted; None where it was not yet."""
+        return self._fits.get(tuple(names))
+
+    def fitted(self, names: Names = ()) -> FittedModel:
+        """Return the model with these effects, fitted to the training recordings, on all of them."""
+        key = tuple(names)
+        if key not in self._fits:
+            model = self.with_effects(key)
+            fit = identify(model, self.prepared.train, optimisers=(), start=self._start(model))
+            self._fits[key] = fitted_model(fit, self.prepared)
+            for entry, column in zip(model.shapes, np.asarray(fit.shapes).T, strict=True):
+                self._shapes[entry.name] = column
+        return self._fits[key]
+
+    def ranking(self, names: Names = ()) -> Ranking:
+        """Return the suspects beside these effects; they are weighed by its `work()`."""
+        key = tuple(names)
+        if key not in self._rankings:
+            now = self.fitted(key)
+            if self.searched is not self.prepared:
+                now = fitted_model(now.fit, self.searched)
+            self._rankings[key] = Ranking(now, self.library, seed=self.seed, rules=self.rules)
+        return self._rankings[key]
+
+    def starts_at(self, names: Names, ranking: Ranking) -> None:
+        """Take the shape values of the last of `names` from a ranking, so that its fit begins there."""
+        score = ranking.score(names[-1]) if names else None
+        if score is None or score.candidate.tangent:
+            return
+        term = score.candidate.term
+        rows = score.shape[[self.origins.index(k) for k in range(len(self.prepared.train))]]
+        for entry, column in zip(term.shapes, rows.T, strict=True):
+            self._shapes.setdefault(entry.name, column)
+
+    def step(self, names: Names = (), label: str = "base") -> Step:
+        """Return the error of the model with these effects as a step of the falling error."""
+        now = self.fitted(names)
+        return Step(label, now.train_rms, now.verify_rms)
+
+    def compare(self, names: Names = ()) -> Comparison:
+        """Hold the model with these effects against the recordings."""
+        return compare_prepared(self.fitted(names).fit, self.prepared)
+
+    def error(self, names: Names = ()) -> ModelError | None:
+        """Return what the model with these effects leaves beyond the noise; None where it is near the noise."""
+        return model_error(self.fitted(names), self.rules)
+
+    def discover(
+        self,
+        names: Names = (),
+        *,
+        progress: Progress | None = None,
+        most: int | None = None,
+        found: Callable[[Sequence[Step]], None] | None = None,
+    ) -> Diagnosis:
+        """Search for what the model with these effects is missing, to the end (or at most `most` effects).
+
+        `found` is called with the steps so far whenever there is another one.
+        """
+        return discover(
+            self.with_effects(names), self.recordings, self.verify, seed=self.seed, extra=self.extra,
+            progress=progress, most=most, rules=self.rules, prepared=self.prepared, found=found,
+        )  # fmt: skip
+
+    def light(self) -> Session:
+        """Return the session with its prepared recordings alone, as it is sent to another process."""
+        return Session(
+            self.model, self.recordings, self.verify, cutoff=self.cutoff, derivative=self.derivative,
+            extra=self.extra, seed=self.seed, rules=self.rules, prepared=self.prepared,
+        )  # fmt: skip
+
+    def _start(self, model: Model) -> Float | None:
+        """Return where the search for shape values begins: None where one of them was never found."""
+        columns = [self._shapes.get(entry.name) for entry in model.shapes]
+        found = [column for column in columns if column is not None]
+        if not found or len(found) < len(columns):
+            return None
+        rows = np.column_stack(found)
+        return rows if any(entry.shape.per_recording for entry in model.shapes) else rows[0]
+
+
+def _id(name: str) -> str:
+    """Return the effect's id in "stribeck:knee" or "stribeck:knee.v_s"."""
+    return name.partition(":")[0].partition(".")[0]
