@@ -15,7 +15,7 @@ from __future__ import annotations
 import base64
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -41,6 +41,18 @@ INK, FAINT, GRID, PAPER = "#1c2128", "#6a737d", "#d8dee4", "#ffffff"
 
 JOINT_COLOURS: Mapping[str, str] = MappingProxyType({"hip": OKABE_ITO["blue"], "knee": OKABE_ITO["vermilion"]})
 """The hip is blue and the knee vermilion in every figure."""
+
+LINE_STYLES = ("-", "--", "-.", ":")
+"""Of the first, second, ... joint, for black-and-white prints."""
+
+
+def joint_colours(joints: Sequence[str]) -> dict[str, str]:
+    """Return {joint: colour}: blue and vermilion for hip and knee, the others in turn."""
+    taken = {JOINT_COLOURS[joint] for joint in joints if joint in JOINT_COLOURS}
+    free = [colour for colour in OKABE_ITO.values() if colour not in taken]
+    others = [joint for joint in joints if joint not in JOINT_COLOURS]
+    return {joint: JOINT_COLOURS.get(joint) or free[others.index(joint) % len(free)] for joint in joints}
+
 
 JOINT_MARKERS: Mapping[str, str] = MappingProxyType({"hip": "o", "knee": "s"})
 """A second sign beside the colour, for black-and-white prints."""

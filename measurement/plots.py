@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.figures import JOINT_COLOURS, ROLE_COLOURS, figure_style, label, new_figure
+from ground.figures import LINE_STYLES, ROLE_COLOURS, figure_style, joint_colours, label, new_figure
+from symbolic.joints import Joint, names, units
 from symbolic.model import Limits
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def angles_and_torques(title: str, t: Float, q: Float, tau: Float, valid: NDArray[np.bool_]) -> Figure:
-    """Draw `q` (N, J) rad and `tau` (N, J) N·m over `t` (N,) s; rows that are not `valid` (N,) are shaded."""
+def angles_and_torques(
+    title: str, t: Float, q: Float, tau: Float, valid: NDArray[np.bool_], joints: Sequence[Joint]
+) -> Figure:
+    """Draw `q` and `tau` (N, J) of `joints` over `t` (N,) s; rows that are not `valid` (N,) are shaded."""
+    colours = joint_colours(names(joints))
+    words = ("angle", "torque") if all(joint.turns for joint in joints) else ("position", "force")
     with figure_style():
         figure = new_figure(8.0, 4.4)
         above, below = figure.subplots(2, 1, sharex=True)
-        for axes, values, name in ((above, q, ("angle", "rad")), (below, tau, ("torque", "N·m"))):
-            for j, joint in enumerate(JOINTS):
+        for axes, values, name in (
+            (above, q, (words[0], units(joints, "q"))),
+            (below, tau, (words[1], units(joints, "tau"))),
+        ):
+            for j, (joint, colour) in enumerate(colours.items()):
                 shown = np.where(valid, values[:, j], np.nan)
-                style = "-" if joint == "hip" else "--"
-                axes.plot(t, shown, style, color=JOINT_COLOURS[joint], label=joint, linewidth=1.1)
+                axes.plot(t, shown, LINE_STYLES[j % len(LINE_STYLES)], color=colour, label=joint, linewidth=1.1)
             axes.set(ylabel=label(*name))
             for start, stop in _masked(t, valid):
                 axes.axvspan(start, stop, color=ROLE_COLOURS["measured"], alpha=0.25, linewidth=0)
         above.set(title=title)
-        above.legend(loc="upper right", ncols=2)
+        above.legend(loc="upper right", ncols=min(4, len(joints)))
         below.set(xlabel=label("time", "s"))
     return figure
 
@@ -49,8 +55,8 @@ def motion_between_limits(motion: Motion, limits: Mapping[str, Limits]) -> Figur
     with figure_style():
         figure = new_figure(7.4, 5.4)
         for axes, (name, unit, values) in zip(figure.subplots(3, 1, sharex=True), rows, strict=True):
-            for j, joint in enumerate(JOINTS):
-                size, colour = getattr(limits[joint], name), JOINT_COLOURS[joint]
+            for j, (joint, colour) in enumerate(joint_colours(list(limits)).items()):
+                size = getattr(limits[joint], name)
                 for border in size if name == "angle" else (-size, size):
                     axes.axhline(border, color=colour, linewidth=0.9, linestyle=":" if j else "--")
                 axes.plot(motion.t, values[:, j], color=colour, label=joint)

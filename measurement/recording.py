@@ -1,4 +1,4 @@
-"""A recording of the leg: time, joint angles and motor torques in SI units, with its origin and its audit."""
+"""A recording of a machine: time, joint angles and motor torques in SI units, with its origin and its audit."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ground.files import write_whole
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
 from measurement.plots import angles_and_torques
+from symbolic.joints import LEG, Joint, names
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,9 +34,9 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; joints in the order hip,
-    knee.
+    """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; m and N where a joint slides.
 
+    `joints` (J,) are those of the machine, in the order of the columns: hip and knee unless given.
     `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
     (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
     `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
@@ -59,6 +59,7 @@ class Recording:
     payloads: tuple[Payload, ...] = ()
     conventions: tuple[str, ...] = ()
     passive: tuple[str, ...] = ()
+    joints: tuple[Joint, ...] = LEG
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
@@ -67,7 +68,7 @@ class Recording:
             if value is None and name not in ("t", "q", "tau"):
                 continue
             array = read_only(value)
-            shape = (count,) if name == "t" else (count, 2)
+            shape = (count,) if name == "t" else (count, len(self.joints))
             if array.shape != shape:
                 raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
             if not np.isfinite(array).all():
@@ -85,6 +86,11 @@ class Recording:
 
     def __len__(self) -> int:
         return int(self.t.shape[0])
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints (J,)."""
+        return names(self.joints)
 
     @property
     def rate(self) -> float:
@@ -108,10 +114,11 @@ class Recording:
 
     def with_passive(self, *joints: str) -> Recording:
         """Return the same recording, made while `joints` had no drive, so that their torque is zero for certain."""
+        known = self.joint_names
         for joint in joints:
-            if joint not in JOINTS:
-                raise RecordingError(f"there is no joint {joint!r}", where=self.name, remedy=f"use {', '.join(JOINTS)}")
-        return replace(self, passive=tuple(j for j in JOINTS if j in (*self.passive, *joints)))
+            if joint not in known:
+                raise RecordingError(f"there is no joint {joint!r}", where=self.name, remedy=f"use {', '.join(known)}")
+        return replace(self, passive=tuple(j for j in known if j in (*self.passive, *joints)))
 
     def columns(self) -> dict[str, Float]:
         """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are
@@ -120,7 +127,7 @@ class Recording:
         for name, label in (("q", "q"), ("dq", "dq"), ("ddq", "ddq"), ("tau", "tau"), ("force", "f")):
             pair = getattr(self, name)
             if pair is not None:
-                for joint in (0, 1):
+                for joint in range(len(self.joints)):
                     out[f"{label}{joint + 1}"] = np.where(self.valid, pair[:, joint], np.nan)
         return out
 
@@ -142,13 +149,16 @@ class Recording:
 
         columns = self.columns()
         time = columns.pop("t")
-        units = {"q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
-        data = {name: ("t", cells, {"units": units[name.rstrip("0123456789")]}) for name, cells in columns.items()}
+        data = {}
+        for name, cells in columns.items():
+            quantity = name.rstrip("0123456789")
+            unit = self.joints[int(name.removeprefix(quantity)) - 1].unit(quantity)
+            data[name] = ("t", cells, {"units": unit})
         return xr.Dataset(data, coords={"t": ("t", time, {"units": "s"})}, attrs={"name": self.name})
 
     def plot(self) -> Figure:
         """Draw angles and torques over time."""
-        return angles_and_torques(self.name, self.t, self.q, self.tau, self.valid)
+        return angles_and_torques(self.name, self.t, self.q, self.tau, self.valid, self.joints)
 
     def _repr_html_(self) -> str:
         facts = (len(self), self.duration, self.rate, len(self) - int(self.valid.sum()), self.source.sha256[:12] or "–")

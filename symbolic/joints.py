@@ -20,6 +20,10 @@ MOST = 12
 """Joints of one machine."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 TAKEN = frozenset((BASE, "both", "next", "t"))
+UNITS = {"q": ("rad", "m"), "dq": ("rad/s", "m/s"), "ddq": ("rad/s²", "m/s²"), "tau": ("N·m", "N"), "f": ("N", "N")}
+LEVER = 0.1
+"""m that a sliding joint moves where a turning one moves 1 rad, in thresholds written for angles: a drum of this
+radius."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +43,37 @@ class Joint:
         """Whether it is revolute (rad, N·m); a prismatic joint has m and N."""
         return self.kind == "revolute"
 
+    @property
+    def reach(self) -> float:
+        """What of its own unit counts as 1 rad in thresholds written for angles."""
+        return 1.0 if self.turns else LEVER
+
+    def unit(self, quantity: str) -> str:
+        """Return the SI unit of its "q", "dq", "ddq", "tau" or "f"."""
+        return UNITS[quantity][not self.turns]
+
 
 LEG = (Joint("hip", length=0.40), Joint("knee"))
 """The joints of the leg; which length its thigh has is the model's to say."""
+
+
+UNNAMED = "joint"
+"""Before a number: the joint of a recording whose machine nobody named."""
+
+
+def names(joints: Sequence[Joint]) -> tuple[str, ...]:
+    """Return the names of `joints` (J,)."""
+    return tuple(joint.name for joint in joints)
+
+
+def units(joints: Sequence[Joint], quantity: str) -> str:
+    """Return the unit of a quantity of all `joints` in words: "N·m", or "N·m, N" where some turn and some slide."""
+    return ", ".join(dict.fromkeys(joint.unit(quantity) for joint in joints))
+
+
+def is_leg(joints: Sequence[Joint]) -> bool:
+    """Whether these are hip and knee of a leg, whatever the length of its thigh."""
+    return names(joints) == names(LEG) and all(joint.turns for joint in joints)
 
 
 def check_joints(joints: Sequence[Joint]) -> None:

@@ -11,23 +11,29 @@ from numpy.typing import NDArray
 
 from measurement.finding import row_ranges
 from measurement.recording import Recording
+from symbolic.joints import Joint
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
-UNITS = {"q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
-WORDS = {"q": "angle", "dq": "velocity", "ddq": "acceleration", "tau": "torque", "f": "cuff force"}
+WORDS = {
+    "q": ("angle", "position"),
+    "dq": ("velocity", "velocity"),
+    "ddq": ("acceleration", "acceleration"),
+    "tau": ("torque", "force"),
+    "f": ("cuff force", "cuff force"),
+}
+"""What a quantity is called where a joint turns, and where it slides."""
 
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """The valid samples of one column: `values` (V,), their indices `at` (V,) in the recording, words for
-    messages."""
+    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words."""
 
     name: str
     label: str
     unit: str
     values: Float
     at: NDArray[np.int64]
+    joint: Joint
 
 
 def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
@@ -45,8 +51,9 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
         pair = fields[key]
         if pair is None:
             continue
-        for joint, label in enumerate(JOINTS):
-            yield Channel(f"{key}{joint + 1}", f"{label} {WORDS[key]}", UNITS[key], pair[at, joint], at)
+        for j, joint in enumerate(recording.joints):
+            label = f"{joint.name} {WORDS[key][not joint.turns]}"
+            yield Channel(f"{key}{j + 1}", label, joint.unit(key), pair[at, j], at, joint)
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

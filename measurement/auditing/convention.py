@@ -21,6 +21,7 @@ from measurement.auditing.rough import Smooth, columns, smooth
 from measurement.finding import Finding
 from measurement.reading.conventions import Convention, Map, combined, conventions, gear
 from measurement.recording import Recording
+from symbolic.joints import is_leg
 from symbolic.motion import Float
 
 CHECK = "convention"
@@ -79,6 +80,8 @@ def check_conventions(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions.
     """
+    if not all(is_leg(one.joints) for one in recordings):
+        return ()
     sets = _groups(recordings)
     if not sets or _stands(sets) < LEAST:
         return ()

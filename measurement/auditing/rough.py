@@ -53,7 +53,7 @@ def smooth(recording: Recording) -> Smooth | None:
     pairs = []
     for pair in (recording.q, recording.tau):
         # the running median takes out single outliers, which a filter would smear over its whole length
-        values = np.column_stack([np.interp(even, t, running_median(pair[valid, joint], 7)) for joint in (0, 1)])
+        values = np.column_stack([np.interp(even, t, running_median(column, 7)) for column in pair[valid].T])
         pairs.append(sosfiltfilt(sections, values, axis=0))
     q, tau = pairs
     dq = np.gradient(q, step, axis=0)

@@ -13,22 +13,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.names import Reading, quantity_of, recognise, weak_time
+from measurement.reading.names import Reading, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.units import QUANTITIES, factor, is_product, is_scaled
-from symbolic.quantity import JOINTS
+from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
+from symbolic.joints import LEG, MOST, UNNAMED, Joint
 
 LEGS = ("left", "right", "ipsi", "contra")
 SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
+"""Quantities of a recording, and their units where a joint turns."""
 
 
-def required(joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+UNIT_OF = {**SI, "x": "m", "dx": "m/s", "ddx": "m/s²"}
+OTHERS = {a: (b,) for pair in SLIDING.items() for a, b in (pair, pair[::-1])}
+"""A quantity of turning joints and the same of sliding ones."""
+
+
+def required(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of the columns that a recording of `joints` must have: t, q1, ..., tau1, ..."""
     numbers = range(1, len(joints) + 1)
     return ("t", *(f"q{k}" for k in numbers), *(f"tau{k}" for k in numbers))
 
 
-def canonical(joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+def canonical(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of all columns that a recording of `joints` may have."""
     numbers = range(1, len(joints) + 1)
     return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers))
@@ -53,7 +59,7 @@ def assign(
     *,
     where: str,
     leg: str | None = None,
-    joints: Sequence[str] = JOINTS,
+    joints: Sequence[Joint] = LEG,
     partial: bool = False,
 ) -> dict[str, Assigned]:
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
@@ -62,7 +68,7 @@ def assign(
     "right", "ipsi" or "contra") says which one where the file has several. With `partial`, columns may be missing: the
     rest stands in another file.
     """
-    mapping, units = dict(mapping or {}), dict(units or {})
+    mapping, units = _by_number(mapping or {}, joints), _by_number(units or {}, joints)
     _check_keys(mapping, canonical(joints), "--map", where)
     _check_keys(units, (*SI, *canonical(joints), *table.names), "--units", where)
     chosen = _mapped(table, mapping, where)
@@ -80,20 +86,43 @@ def assign(
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
     if not partial:
-        _check_missing(chosen, table, where, required(joints), offers)
-    return {name: _with_unit(name, chosen[name], units, hidden, where) for name in canonical(joints) if name in chosen}
+        _check_missing(chosen, table, where, joints, offers)
+    return {
+        name: _with_unit(name, chosen[name], units, hidden, where, joints)
+        for name in canonical(joints)
+        if name in chosen
+    }
+
+
+def inferred(table: RawTable) -> tuple[Joint, ...]:
+    """Return the joints of a file that nobody named: as many as it has q1, q2, ... and tau1, tau2, ...; else the leg's.
+
+    One joint only where nothing else in the file can be the second's.
+    """
+    there = {column.name.strip() for column in table.columns}
+    count = next(k for k in range(len(there) + 1) if not {f"q{k + 1}", f"tau{k + 1}"} <= there)
+    second = {found.name for column in table.columns if (found := recognise(column.name))} & {"q2", "tau2"}
+    if count in (0, 2) or count > MOST or (count == 1 and second) or {"q0", "tau0"} & there:
+        return LEG
+    return tuple(Joint(f"{UNNAMED}{k + 1}", length=1.0) for k in range(count))
+
+
+def _by_number(given: Mapping[str, str], joints: Sequence[Joint]) -> dict[str, str]:
+    """Return `given` with q_hip, tau_knee, ... as q1, tau2, ..."""
+    known = {f"{quantity}_{j.name}": f"{quantity}{k}" for quantity in SI for k, j in enumerate(joints, start=1)}
+    return {known.get(name, name): value for name, value in given.items()}
 
 
 Offer = tuple[Reading, RawColumn]
 
 
-def legs(table: RawTable, joints: Sequence[str] = JOINTS) -> tuple[str, ...]:
+def legs(table: RawTable, joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the legs of which `table` has every angle and torque, in the order of LEGS."""
     return _complete(_offers(table, {}, {}, joints), {}, required(joints))
 
 
 def _offers(
-    table: RawTable, chosen: Mapping[str, RawColumn], units: Mapping[str, str], joints: Sequence[str]
+    table: RawTable, chosen: Mapping[str, RawColumn], units: Mapping[str, str], joints: Sequence[Joint]
 ) -> list[Offer]:
     """Return what each column can be, those that are mapped already apart."""
     taken = {id(column) for column in chosen.values()}
@@ -239,12 +268,13 @@ def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str
 
 
 def _check_missing(
-    chosen: Mapping[str, RawColumn], table: RawTable, where: str, wanted: Sequence[str], offers: Sequence[Offer]
+    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], offers: Sequence[Offer]
 ) -> None:
-    missing = [name for name in wanted if name not in chosen]
+    missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return
-    currents = {k: c.name for c in table.columns if (k := recognise(c.name)) and quantity_of(k.name) == "i"}
+    seen = ((recognise(column.name, tuple(joints)), column.name) for column in table.columns)
+    currents = {found: name for found, name in seen if found and quantity_of(found.name) == "i"}
     torques = [name for name in missing if quantity_of(name) == "tau"]
     if torques and torques == missing and currents:
         shown = ", ".join(repr(name) for name in list(currents.values())[:4])
@@ -296,18 +326,27 @@ def listed(names: Sequence[str], most: int = 20) -> str:
 
 
 def _with_unit(
-    name: str, column: RawColumn, units: Mapping[str, str], hidden: Mapping[int, str], where: str
+    name: str,
+    column: RawColumn,
+    units: Mapping[str, str],
+    hidden: Mapping[int, str],
+    where: str,
+    joints: Sequence[Joint],
 ) -> Assigned:
-    quantity = quantity_of(name)
-    told = units.get(name) or units.get(column.name) or units.get(quantity)
+    quantity, of_all = kind_of(name, joints), units.get(quantity_of(name), "")
+    mixed = len({joint.turns for joint in joints}) > 1
+    if mixed and factor(quantity, of_all) is None and any(factor(k, of_all) for k in OTHERS.get(quantity, ())):
+        of_all = ""  # --units q=deg is not meant for the joint that slides
+    told = units.get(name) or units.get(column.name) or of_all
+    si = UNIT_OF[quantity]
     written = column.unit or hidden.get(id(column), "")
     unit = told or written
     if not unit or unit in ("-", "1"):
-        return Assigned(name, column, SI[quantity], 1.0, False)
+        return Assigned(name, column, si, 1.0, False)
     scale = factor(quantity, unit, written)
     if scale is None and is_scaled(quantity, unit):
         raise RecordingError(
-            f"column {column.name!r} ({name}) is in {unit}, which becomes {SI[quantity]} only with a further number",
+            f"column {column.name!r} ({name}) is in {unit}, which becomes {si} only with a further number",
             where=where,
             remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}",
         )

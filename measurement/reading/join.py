@@ -14,11 +14,13 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.finding import Finding
 from measurement.reading import clock
-from measurement.reading.columns import SI, assign, canonical
+from measurement.reading.columns import SI, UNIT_OF, assign, canonical
 from measurement.reading.lag import Lag, lag_between
 from measurement.reading.mapping import Told
+from measurement.reading.names import kind_of
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.resample import onto
+from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
 ABSOLUTE_MOST = 2.0
@@ -36,7 +38,7 @@ class Piece:
     table: RawTable
 
 
-def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]]) -> RawTable:
+def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]], joints: tuple[Joint, ...] = LEG) -> RawTable:
     """Return one table, with canonical names in SI, of (table, path, lag in s or None, what is told).
 
     The first is the recording, the others are joined to it.
@@ -44,13 +46,14 @@ def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]]) -> RawTab
     A lag is what the other clock reads more than that of the recording at the same instant. RecordingError where the
     files do not complete each other, or nothing says how their clocks belong together.
     """
-    pieces = [_piece(table, where, told) for table, where, _, told in tables]
-    base = next((piece for piece in pieces if {"q1", "q2"} <= set(piece.columns)), None)
+    pieces = [_piece(table, where, told, joints) for table, where, _, told in tables]
+    angles = [f"q{k + 1}" for k in range(len(joints))]
+    base = next((piece for piece in pieces if {*angles} <= set(piece.columns)), None)
     if base is None:
         raise RecordingError(
-            "none of the files has both angles",
+            "none of the files has the angles of all joints",
             where=pieces[0].where,
-            remedy="name the columns with --map q1=COLUMN,q2=COLUMN",
+            remedy=f"name the columns with --map {','.join(f'{name}=COLUMN' for name in angles)}",
         )
     given = {id(piece): lag for piece, (_, _, lag, _) in zip(pieces, tables, strict=True)}
     columns = dict(base.columns)
@@ -60,7 +63,7 @@ def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]]) -> RawTab
             continue
         # A lag that was given is that of a joined file behind the recording, which need not have the angles.
         told = given[id(piece)] if base is pieces[0] else _opposite(given[id(base)]) if piece is pieces[0] else None
-        lag, note = _lag(base, piece, told)
+        lag, note = _lag(base, piece, told, len(joints))
         notes.append(note)
         for name, values in piece.columns.items():
             if name not in columns:
@@ -72,7 +75,9 @@ def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]]) -> RawTab
         )
     first = base.t[0]
     made = [RawColumn("t", base.t - first, "s")]
-    made += [RawColumn(name, columns[name], SI[name.rstrip("0123456789")]) for name in canonical() if name in columns]
+    made += [
+        RawColumn(name, columns[name], UNIT_OF[kind_of(name, joints)]) for name in canonical(joints) if name in columns
+    ]
     return RawTable(tuple(made), base.table.row, tuple(notes))
 
 
@@ -80,12 +85,12 @@ def _opposite(lag: float | None) -> float | None:
     return None if lag is None else -lag
 
 
-def _piece(table: RawTable, where: str, told: Told) -> Piece:
+def _piece(table: RawTable, where: str, told: Told, joints: tuple[Joint, ...]) -> Piece:
     """Return the columns of one file that are recognised or mapped, in SI, with its clock."""
-    known = (*SI, *canonical())
+    known = (*SI, *canonical(joints))
     mapping = {name: column for name, column in told.columns.items() if column.partition("#")[0] in table.names}
     units = {name: unit for name, unit in told.units.items() if name in known or name in table.names}
-    found = assign(table, mapping, units, where=where, leg=told.leg or None, partial=True)
+    found = assign(table, mapping, units, where=where, leg=told.leg or None, joints=joints, partial=True)
     if "t" not in found or len(found) < 2:
         lacks = "no time" if "t" not in found else "neither angles nor torques"
         raise RecordingError(
@@ -117,15 +122,16 @@ def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
     return scale
 
 
-def _lag(base: Piece, piece: Piece, told: float | None) -> tuple[float, Finding]:
+def _lag(base: Piece, piece: Piece, told: float | None, count: int) -> tuple[float, Finding]:
     """Return the lag in s of the clock of `piece` behind that of `base`, and what to say about it."""
-    names = [name for name in ("tau1", "tau2", "q1", "q2") if name in piece.columns]
+    numbers = range(1, count + 1)
+    names = [name for key in ("tau", "q") for k in numbers if (name := f"{key}{k}") in piece.columns]
     shared = base.absolute and piece.absolute
     start = 0.0 if shared else float(np.nanmin(piece.t) - np.nanmin(base.t))
     found = Lag(0.0, -np.inf, np.inf, 1.0, "the file holds neither torques nor angles")
     if names:
         signals = np.column_stack([piece.columns[name] for name in names])
-        angles = np.column_stack([base.columns["q1"], base.columns["q2"]])
+        angles = np.column_stack([base.columns[f"q{k}"] for k in numbers])
         origin = np.nanmin(base.t)
         # Far apart by their start: searched around it, so that any two clocks can be compared.
         far = start if abs(start) > 30.0 else 0.0

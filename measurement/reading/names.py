@@ -14,8 +14,8 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from measurement.reading.units import factor, is_scaled
-from symbolic.quantity import JOINTS
+from measurement.reading.units import SLIDING, factor, is_scaled
+from symbolic.joints import LEG, Joint
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
@@ -23,7 +23,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
           "systemtime", "walltime", "date", "datetime", "uptime", "unixtime", "epochtime", "tick", "ticks",
           "logtime", "publishtime"),
     "q": ("q", "theta", "angle", "angles", "pos", "position", "positions", "phi", "winkel", "th", "qpos", "ang",
-          "angularposition", "flexion", "flex", "flexionextension", "flexext"),
+          "angularposition", "displacement", "flexion", "flex", "flexionextension", "flexext"),
     "dq": ("dq", "qd", "qdot", "qp", "dtheta", "thetadot", "thetad", "theta dot", "omega", "vel", "velocity",
            "velocities", "speed", "w", "angularvelocity", "angularvelocities", "angvel", "anglerate", "dth", "qvel",
            "angularrate"),
@@ -104,8 +104,8 @@ class _Part(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def recognise(name: str, joints: Sequence[str] = JOINTS) -> Reading | None:
-    """Return what the column `name` of a machine with `joints` (a tuple) can be, None where it cannot be said.
+def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> Reading | None:
+    """Return what the column `name` of a machine with `joints` can be, None where it cannot be said.
 
     "tau1_mNm" is Reading("tau1", "mNm"); "hip_flexion_r_moment" is Reading("tau1", side="right").
     """
@@ -136,13 +136,20 @@ def quantity_of(name: str) -> str:
     return name.rstrip("0123456789")
 
 
-def _text(text: str, joints: Sequence[str]) -> Reading | None:
+def kind_of(name: str, joints: Sequence[Joint]) -> str:
+    """Return the key of `units.QUANTITIES` of a canonical column: "dq1" -> "dq", or "dx" where joint 1 slides."""
+    quantity = quantity_of(name)
+    number = name.removeprefix(quantity)
+    return quantity if not number or joints[int(number) - 1].turns else SLIDING.get(quantity, quantity)
+
+
+def _text(text: str, joints: tuple[Joint, ...]) -> Reading | None:
     """Return what a name without groups says, with its unit, which may stand at the end."""
     parts = [part for part in re.split(r"[\W_]+", text) if part]
     for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
         tail = "/".join(parts[-used:])
         found = _whole(parts[:-used], joints) if len(parts) > used and not tail.isdigit() else None
-        if found and tail.lower() not in _SIDE and _is_unit_of(quantity_of(found.name), tail):
+        if found and tail.lower() not in _SIDE and _is_unit_of(kind_of(found.name, joints), tail):
             return found._replace(unit=tail)
     return _whole(parts, joints)
 
@@ -151,18 +158,32 @@ def _is_unit_of(quantity: str, tail: str) -> bool:
     return factor(quantity, tail) is not None or is_scaled(quantity, tail)
 
 
-def _whole(parts: Sequence[str], joints: Sequence[str]) -> Reading | None:
+def _whole(parts: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None:
     found = _sorted_out(parts, joints)
     if found.rest or len(found.sides) > 1:
         return None
     if found.quantity == "t" and not found.joints and not found.sides:
         return Reading("t", rank=found.rank)
-    if found.quantity in ("", "t") or len(found.joints) != 1:
+    if found.quantity in ("", "t"):
         return None
-    return Reading(f"{found.quantity}{min(found.joints)}", "", found.rank, "".join(found.sides))
+    if len(joints) == 1 and not found.joints:  # one joint need not be named
+        shortest = "".join(parts).lower() == found.quantity
+        return _reading(found.quantity, 1, found.rank + (not shortest), found.sides, parts, joints)
+    if len(found.joints) != 1:
+        return None
+    return _reading(found.quantity, min(found.joints), found.rank, found.sides, parts, joints)
 
 
-def _in_groups(path: Sequence[str], joints: Sequence[str]) -> Reading | None:
+def _reading(
+    quantity: str, number: int, rank: int, sides: frozenset[str], words: Sequence[str], joints: tuple[Joint, ...]
+) -> Reading:
+    """Return the reading of a column; what is called a force is the drive's where the joint slides."""
+    if quantity == "f" and not joints[number - 1].turns and "force" in (word.lower() for word in words):
+        quantity, rank = "tau", rank + 1
+    return Reading(f"{quantity}{number}", "", rank, "".join(sides))
+
+
+def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None:
     """Return what a path says: quantity, joint and side each from the innermost part that has it."""
     unit = ""
     last = [part for part in re.split(r"[\W_]+", path[-1]) if part]
@@ -184,20 +205,24 @@ def _in_groups(path: Sequence[str], joints: Sequence[str]) -> Reading | None:
             found = outer.joints
         if not found:
             named = {_joint(word, joints) for word in lower if not word.isdigit() and len(word) > 1} - {0}
+            number, lower = _spelt(lower, joints)
+            named = {number} - {0} or named
             counted = {_joint(b, joints) for a, b in pairwise(lower) if a in COUNTED and b.isdigit()} - {0}
             found = frozenset(named or counted)
         if not sides:
             sides = frozenset(_SIDE[word] for word in lower if word in _SIDE and (len(word) > 1 or not outer.rest))
+    if len(joints) == 1 and not found:
+        found = frozenset((1,))
     if quantity in ("", "t") or len(found) != 1 or len(sides) > 1:
         return None
-    return Reading(f"{quantity}{min(found)}", unit, rank, "".join(sides))
+    return _reading(quantity, min(found), rank, sides, last, joints)._replace(unit=unit)
 
 
-def _sorted_out(parts: Sequence[str], joints: Sequence[str]) -> _Part:
+def _sorted_out(parts: Sequence[str], joints: tuple[Joint, ...]) -> _Part:
     """Return quantity, joints and sides among the words of `parts`, and whether any other word is left."""
-    lower = _spaced(" ".join(parts)).lower().split()
+    number, lower = _spelt(_spaced(" ".join(parts)).lower().split(), joints)
     kept = [word for word in lower if word not in FILLERS]
-    found = frozenset(_joint(word, joints) for word in kept) - {0}
+    found = frozenset(_joint(word, joints) for word in kept) - {0} if not number else frozenset((number,))
     sides = frozenset(_SIDE[word] for word in kept if word in _SIDE)
     plain = [word for word in kept if not _joint(word, joints) and word not in _SIDE]
     if found and len(plain) > 1:
@@ -213,12 +238,32 @@ def _sorted_out(parts: Sequence[str], joints: Sequence[str]) -> _Part:
     return _Part(quantity, found, sides, rank, bool(plain) and not quantity)
 
 
-def _joint(word: str, joints: Sequence[str]) -> int:
+def _spelt(words: list[str], joints: tuple[Joint, ...]) -> tuple[int, list[str]]:
+    """Return which joint, counted from 1 or 0, is spelt out among `words` by a name that no single word says, and the
+    words that are left: "left_hip" in "left hip torque", "drive", which otherwise means nothing.
+    """
+    best, rest, length = 0, words, 0
+    for number, joint in enumerate(joints, start=1):
+        own = _spaced(joint.name.replace("_", " ")).lower().split()
+        if len(own) == 1 and own[0] not in FILLERS and own[0] not in _SIDE and own[0] not in _QUANTITY:
+            continue
+        left = [_SIDE.get(word, word) for word in words]
+        wanted = [_SIDE.get(word, word) for word in own]
+        if len(wanted) <= length or any(left.count(word) < wanted.count(word) for word in wanted):
+            continue
+        rest, length, best = list(words), len(wanted), number
+        for word in wanted:
+            place = left.index(word)
+            del left[place], rest[place]
+    return best, rest
+
+
+def _joint(word: str, joints: tuple[Joint, ...]) -> int:
     """Return which joint of `joints` the `word` names, counted from 1, or 0."""
     if word.isascii() and word.isdigit() and len(word) < 3:
         return int(word) if 1 <= int(word) <= len(joints) else 0
     for number, joint in enumerate(joints, start=1):
-        if word == joint.lower() or word in SYNONYMS.get(joint.lower(), ()):
+        if word == joint.name.lower() or word in SYNONYMS.get(joint.name.lower(), ()):
             return number
     return 0
 

@@ -16,7 +16,7 @@ from ground.files import sha256
 from ground.inputs import open_input
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
-from measurement.reading.columns import assign, legs
+from measurement.reading.columns import assign, inferred, legs
 from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
 from measurement.reading.join import joined
@@ -28,10 +28,12 @@ from measurement.reading.sources import digest, expand, find_formats, folder_of,
 from measurement.reading.split_stamps import join_split
 from measurement.reading.unusable import mask_unusable
 from measurement.recording import Recording, Source
+from symbolic.joints import LEG, Joint
 
 __all__ = ["find_formats", "open_table", "read_recording", "read_recordings", "read_table"]
 
 Joined = str | Path | tuple[str | Path, float | None]
+Machine = tuple[Joint, ...] | None
 LARGE, PIECES, SMALL = 400_000_000, 16, 1_000_000
 """Bytes of text that are still read as a whole; into how many pieces so many are cut where they are not; and the least
 that is worth a look."""
@@ -47,6 +49,7 @@ def read_recording(
     name: str = "",
     convention: str | Iterable[str] = (),
     join: Sequence[Joined] = (),
+    joints: Sequence[Joint] | None = None,
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
 
@@ -57,18 +60,20 @@ def read_recording(
     ("flexion-positive", "absolute-shank,hip-from-upright"; `measurement.reading.conventions`). What is not given is
     taken from `exoid.toml` beside the file, if that knows its columns. Rows with a cell that is not a number are masked
     in `valid`, never dropped. `join` are further files of the same trial with clocks of their own, or pairs (file, what
-    its clock reads more in s); see `measurement.reading.join`. Raises RecordingError for anything that cannot be used,
-    with the place and the remedy.
+    its clock reads more in s); see `measurement.reading.join`. `joints` are those of the machine (`model.joints`); None
+    means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that
+    cannot be used, with the place and the remedy.
     """
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
-    table, origin, name, told = _whole(source, told, name, join)
+    machine = None if joints is None else tuple(joints)
+    table, origin, name, told = _whole(source, told, name, join, machine)
     if told.leg == "both":
         raise RecordingError(
             "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
         )
-    return _finished(table, origin, name, told, convention)
+    return _finished(table, origin, name, told, convention, machine)
 
 
 def read_recordings(
@@ -79,6 +84,7 @@ def read_recordings(
     leg: str | None = None,
     convention: str | Iterable[str] = (),
     join: Sequence[Joined] = (),
+    joints: Sequence[Joint] | None = None,
     most_bytes: int = LARGE,
     progress: Progress | None = None,
 ) -> tuple[Recording, ...]:
@@ -89,30 +95,38 @@ def read_recordings(
     (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`.
     """
     told = Told(dict(columns or {}), dict(units or {}), leg or "")
+    machine = None if joints is None else tuple(joints)
     out: list[Recording] = []
     for path in expand(sources):
-        if not join and (parts := _in_pieces(Path(path), told, convention, most_bytes, progress)):
+        if not join and (parts := _in_pieces(Path(path), told, convention, most_bytes, progress, machine)):
             out += parts
             continue
-        table, origin, name, here = _whole(path, told, "", join)
+        table, origin, name, here = _whole(path, told, "", join, machine)
         if here.leg != "both":
-            out.append(_finished(table, origin, name, here, convention))
+            out.append(_finished(table, origin, name, here, convention, machine))
             continue
         if set(here.columns) - {"t"}:
             raise RecordingError(
                 "--map names the columns of one leg", where=path, remedy="read --leg left and --leg right one by one"
             )
-        sides = legs(table)
+        sides = legs(table, machine or LEG)
         if not sides:
             raise RecordingError(
                 "no leg has all its angles and torques in this file", where=path, remedy="read one leg, with --map"
             )
-        out += [_finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention) for side in sides]
+        out += [
+            _finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention, machine) for side in sides
+        ]
     return tuple(out)
 
 
 def _in_pieces(
-    path: Path, told: Told, convention: str | Iterable[str], most: int, progress: Progress | None
+    path: Path,
+    told: Told,
+    convention: str | Iterable[str],
+    most: int,
+    progress: Progress | None,
+    machine: Machine,
 ) -> tuple[Recording, ...]:
     """Return the stretches of a file that is too long for memory; nothing where it is not, or cannot be cut."""
     with opened(path) as real:
@@ -135,7 +149,7 @@ def _in_pieces(
                 kept = told.over(found) if found else told
                 if found:
                     said.append(_note(home, found, path))
-            return _finished(table, origin, path.stem, kept, convention)
+            return _finished(table, origin, path.stem, kept, convention, machine)
 
         size = max(SMALL, most // PIECES)
         out = in_stretches(chosen.pieces(real, size), finish, name=path.stem, where=str(path), progress=progress)
@@ -149,7 +163,9 @@ def _note(home: Path, kept: Told, path: Path) -> Finding:
     )  # fmt: skip
 
 
-def _whole(source: Any, told: Told, name: str, others: Sequence[Joined]) -> tuple[RawTable, Source, str, Told]:
+def _whole(
+    source: Any, told: Told, name: str, others: Sequence[Joined], machine: Machine
+) -> tuple[RawTable, Source, str, Told]:
     """Return what `_loaded` does, with the files that are joined to it."""
     table, origin, name, here = _loaded(source, told, name)
     if not others:
@@ -165,7 +181,7 @@ def _whole(source: Any, told: Told, name: str, others: Sequence[Joined]) -> tupl
         more, place, label, kept = _loaded(file, told, "")
         pieces.append((more, place.path or label, lag, kept))
         sums.append(place.sha256)
-    one = joined(pieces)
+    one = joined(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
     return one, Source(origin.path, sha256("".join(sums))), name, Told()
 
@@ -185,10 +201,14 @@ def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, 
     return table, origin, name or path.stem, told.over(kept) if kept else told
 
 
-def _finished(table: RawTable, origin: Source, name: str, told: Told, convention: str | Iterable[str]) -> Recording:
+def _finished(
+    table: RawTable, origin: Source, name: str, told: Told, convention: str | Iterable[str], machine: Machine
+) -> Recording:
     """Return the audited recording in `table`; RecordingError for what refuses it."""
-    assigned = assign(table, told.columns, told.units, where=origin.path or name, leg=told.leg or None)
-    recording = repaired(table, assigned, name=name, source=origin)
+    joints = machine or (LEG if told.columns else inferred(table))
+    where = origin.path or name
+    assigned = assign(table, told.columns, told.units, where=where, leg=told.leg or None, joints=joints)
+    recording = repaired(table, assigned, name=name, source=origin, joints=joints)
     recording = read_as(mask_unusable(recording), convention)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from ground.errors import RecordingError
 from measurement.finding import Finding, row_ranges
 from measurement.reading import angles, clock
-from measurement.reading.columns import SI, Assigned
-from measurement.reading.names import quantity_of
+from measurement.reading.columns import UNIT_OF, Assigned
+from measurement.reading.names import kind_of
 from measurement.reading.raw import RawTable
 from measurement.reading.units import is_product
 from measurement.recording import Recording, Source
+from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
 ABSURD = 1e12
@@ -39,6 +40,7 @@ class Draft:
     told: frozenset[str]
     file: str
     findings: tuple[Finding, ...] = ()
+    joints: tuple[Joint, ...] = LEG
 
     def noted(self, check: str, severity: str, what: str, where: str = "", **more: Any) -> Draft:
         """Return the draft with one finding more; `where` follows the file name."""
@@ -51,16 +53,23 @@ class Draft:
         return row_ranges(np.sort(self.row[mask]))
 
 
-def repaired(table: RawTable, assigned: Mapping[str, Assigned], *, name: str, source: Source) -> Recording:
-    """Return the recording in `table`; raises RecordingError when too little of it can be used."""
-    draft = _start(table, assigned, source, name)
+def repaired(
+    table: RawTable,
+    assigned: Mapping[str, Assigned],
+    *,
+    name: str,
+    source: Source,
+    joints: tuple[Joint, ...] = LEG,
+) -> Recording:
+    """Return the recording of `joints` in `table`; raises RecordingError when too little of it can be used."""
+    draft = _start(table, assigned, source, name, joints)
     draft = _mask_cells(draft, assigned)
     draft = _order_time(draft)
     draft = _clock_unit(draft)
     draft = _angles(draft)
     columns = draft.columns
     pairs = {
-        field: np.column_stack([columns[f"{key}1"], columns[f"{key}2"]])
+        field: np.column_stack([columns[f"{key}{k + 1}"] for k in range(len(joints))])
         for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"), ("force", "f"))
         if f"{key}1" in columns
     }
@@ -76,14 +85,18 @@ def repaired(table: RawTable, assigned: Mapping[str, Assigned], *, name: str, so
         source,
         draft.findings,
         draft.row,
+        joints=joints,
     )
 
 
-def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str) -> Draft:
-    """Convert units, leave out half pairs, say what was taken for what."""
+def _start(
+    table: RawTable, assigned: Mapping[str, Assigned], source: Source, name: str, joints: tuple[Joint, ...]
+) -> Draft:
+    """Convert units, leave out what not every joint has, say what was taken for what."""
     columns = {name: item.column.values * item.factor for name, item in assigned.items()}
     told = frozenset(name for name, item in assigned.items() if item.told)
-    draft = Draft(columns, np.ones(table.row.shape[0], dtype=bool), table.row, told, source.path or name, table.notes)
+    valid, file = np.ones(table.row.shape[0], dtype=bool), source.path or name
+    draft = Draft(columns, valid, table.row, told, file, table.notes, joints)
     epoch = None if "t" in told or "t" not in columns else clock.epoch_unit(columns["t"])
     if epoch:
         first = columns["t"][np.flatnonzero(np.isfinite(columns["t"]))[0]]
@@ -93,24 +106,25 @@ def _start(table: RawTable, assigned: Mapping[str, Assigned], source: Source, na
     renamed = [f"{item.column.name} as {name}" for name, item in assigned.items() if item.column.name != name]
     if renamed:
         draft = draft.noted("columns", "info", f"columns were read {', '.join(renamed)}")
-    converted = [_conversion(n, item) for n, item in assigned.items() if item.factor != 1.0]
+    converted = [_conversion(n, item, joints) for n, item in assigned.items() if item.factor != 1.0]
     if converted:
         draft = draft.noted("units", "info", f"converted to SI: {', '.join(converted)}")
     for key in ("dq", "ddq", "f"):
-        pair = [n for n in (f"{key}1", f"{key}2") if n in columns]
+        pair = [n for k in range(len(joints)) if (n := f"{key}{k + 1}") in columns]
         empty = [n for n in pair if np.isfinite(columns[n]).mean() < 0.5]
-        if len(pair) == 1 or empty:
-            reason = f"{', '.join(empty)} is mostly not numbers" if empty else "its partner is missing"
+        if 0 < len(pair) < len(joints) or empty:
+            lacking = "its partner is missing" if len(joints) == 2 else "the other joints have none"
+            reason = f"{', '.join(empty)} is mostly not numbers" if empty else lacking
             draft = draft.noted("columns", "info", f"{' and '.join(pair)} left aside: {reason}")
             columns = {n: v for n, v in columns.items() if n not in pair}
     return replace(draft, columns=columns)
 
 
-def _conversion(name: str, item: Assigned) -> str:
+def _conversion(name: str, item: Assigned, joints: tuple[Joint, ...]) -> str:
     """Return "tau1 from Nm/A*0.1*50 (5 N·m per unit)"; the number only where a product was given."""
     if not is_product(item.unit):
         return f"{name} from {item.unit}"
-    return f"{name} from {item.unit} ({item.factor:.4g} {SI[quantity_of(name)]} for 1)"
+    return f"{name} from {item.unit} ({item.factor:.4g} {UNIT_OF[kind_of(name, joints)]} for 1)"
 
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
@@ -292,7 +306,7 @@ def _clock_unit(draft: Draft) -> Draft:
     if "t" in draft.told or draft.valid.sum() < 10:
         return draft
     t = draft.columns["t"]
-    q = np.column_stack([draft.columns["q1"], draft.columns["q2"]])
+    q = np.column_stack([draft.columns[f"q{k + 1}"] for k in range(len(draft.joints))])
     unit, scale = clock.clock_unit(t[draft.valid], q[draft.valid])
     step = float(np.median(np.diff(t)))
     if unit == "index":
@@ -323,9 +337,12 @@ def _clock_unit(draft: Draft) -> Draft:
 
 def _angles(draft: Draft) -> Draft:
     """Unwrap jumps of a full turn and mask single-sample spikes of the encoders."""
-    for name in ("q1", "q2"):
+    for k, joint in enumerate(draft.joints):
+        name = f"q{k + 1}"
         values, wraps = angles.unwrapped(draft.columns[name], draft.valid)
-        if wraps.any():
+        if not joint.turns:
+            values = draft.columns[name]
+        elif wraps.any():
             draft = draft.noted(
                 "wraps",
                 "repaired",

@@ -30,9 +30,14 @@ QUANTITIES: Mapping[str, Mapping[str, float]] = MappingProxyType(
                 "inlb": 0.1129848290276167},
         "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "megan": 1e6, "lbf": 4.4482216152605},
         "i": {"a": 1.0, "ma": 1e-3},
+        "x": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254},
+        "dx": {"m/s": 1.0, "ms-1": 1.0, "mm/s": 1e-3, "mms-1": 1e-3, "cm/s": 1e-2, "m/min": 1.0 / 60.0},
+        "ddx": {"m/s2": 1.0, "ms-2": 1.0, "mm/s2": 1e-3, "mms-2": 1e-3, "cm/s2": 1e-2},
     }
 )  # fmt: skip
 """Factor to SI per quantity and unit in lower case, without points, blanks and carets."""
+SLIDING: Mapping[str, str] = MappingProxyType({"q": "x", "dq": "dx", "ddq": "ddx", "tau": "f"})
+"""Which of them a quantity is where the joint slides."""
 SOURCES: tuple[Mapping[str, float], ...] = (
     {"a": 1.0, "ma": 1e-3},
     {"%": 1.0, "percent": 1.0, "‰": 0.1, "permille": 0.1},
@@ -76,11 +81,11 @@ def is_scaled(quantity: str, unit: str) -> bool:
     above, slash, below = word.rpartition("/")
     if slash:
         return above in QUANTITIES.get(quantity, {}) and any(below in table for table in SOURCES)
-    return quantity in ("tau", "f", "q", "dq") and any(word in table for table in SOURCES)
+    return quantity in ("tau", "f", "q", "dq", "x", "dx") and any(word in table for table in SOURCES)
 
 
 def factor(quantity: str, unit: str, column_unit: str = "") -> float | None:
-    """Return the factor from `unit` to SI for t, q, dq, ddq, tau, f or i, or None when the unit is not known.
+    """Return the factor from `unit` to SI for a key of QUANTITIES, or None when the unit is not known.
 
     A number may stand in front ("10 ms" is a counter of ten-millisecond ticks), and so may a minus for a
     channel counted the other way round ("-Nm"). `unit` may be a product: "Nm/A*0.123*6" for a column of currents,

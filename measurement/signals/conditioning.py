@@ -19,7 +19,6 @@ from ground.errors import NotEnoughDataError
 from measurement.recording import Recording
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 ORDER = 4
 STRETCH = 48
@@ -79,11 +78,11 @@ def even_clock(recording: Recording) -> EvenSignals:
     if grid.size == t.size and np.max(np.abs(grid - t)) < 1e-3 * step:
         grid, q, tau = t, recording.q[good], recording.tau[good]
     else:
-        q = np.column_stack([np.interp(grid, t, recording.q[good, j]) for j in (0, 1)])
-        tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in (0, 1)])
+        q = np.column_stack([np.interp(grid, t, recording.q[good, j]) for j in range(recording.q.shape[1])])
+        tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in range(recording.q.shape[1])])
     after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1]) > 2.5 * step
-    passive = np.array([joint in recording.passive for joint in JOINTS])
+    passive = np.array([joint in recording.passive for joint in recording.joint_names])
     return EvenSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads)
 
 

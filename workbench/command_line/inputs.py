@@ -58,11 +58,11 @@ def load_model(path: str | None, any_machine: bool = False) -> Model:
     return model
 
 
-def load(args: argparse.Namespace) -> Inputs:
+def load(args: argparse.Namespace, any_machine: bool = False) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
     from measurement.reading.sources import expand
 
-    model = load_model(getattr(args, "model", None))
+    model = load_model(getattr(args, "model", None), any_machine)
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
     expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
@@ -70,8 +70,9 @@ def load(args: argparse.Namespace) -> Inputs:
     refuse_repeats(given, unseen)
     loads = payloads(getattr(args, "payload", []), [*given, *unseen])
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
+    told["joints"] = model.joints if getattr(args, "model", None) else None
     kept = conventions_of(args.convention, [*given, *unseen])
-    idle = passive_joints(getattr(args, "passive", []), [*given, *unseen])
+    idle = passive_joints(getattr(args, "passive", []), [*given, *unseen], model.joint_names)
     others = joins_of(args.join, [*given, *unseen])
 
     def all_of(paths: Sequence[str]) -> tuple[Recording, ...]:
@@ -155,17 +156,19 @@ def conventions_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list
     return found
 
 
-def passive_joints(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[str]]:
+def passive_joints(given: Sequence[str], paths: Sequence[str], joints: Sequence[str] = JOINTS) -> dict[str, list[str]]:
     """Return {path: its joints without a drive} from texts such as knee or run6.csv=knee; UsageError for others."""
     found: dict[str, list[str]] = {path: [] for path in paths}
     for text in given:
         name, _, joint = text.rpartition("=")
         meant = [p for p in paths if not name or p == name] or [p for p in paths if Path(p).name == name]
-        if joint not in JOINTS or not meant:
+        if joint not in joints or not meant:
             raise UsageError(
                 f"{text!r} does not name a joint{f' of a recording called {name}' if name else ''}",
                 where="--passive",
-                remedy=did_you_mean(name, paths) if name and not meant else "write for example knee, or run6.csv=knee",
+                remedy=did_you_mean(name, paths)
+                if name and not meant
+                else f"write for example {joints[-1]}, or run6.csv={joints[-1]}",
             )
         for path in meant:
             found[path].append(joint)

@@ -8,6 +8,7 @@ from measurement.auditing.channels import place
 from measurement.auditing.rough import smooth, unexplained
 from measurement.finding import Finding
 from measurement.recording import Recording
+from symbolic.joints import is_leg
 
 TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
@@ -20,7 +21,7 @@ def check(recording: Recording) -> list[Finding]:
     Only a hint, of severity "info": an effect the model lacks can look like a delay, and the catalogue's
     `time_delay` is tested on unseen motion.
     """
-    motion = smooth(recording)
+    motion = smooth(recording) if is_leg(recording.joints) else None
     if motion is None or not np.all(motion.tau.std(axis=0) > 0):
         return []
     now = float(unexplained(motion).sum())

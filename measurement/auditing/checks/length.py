@@ -7,7 +7,7 @@ from measurement.finding import Finding
 from measurement.recording import Recording
 
 LEAST_ROWS, LEAST_SECONDS, GOOD_SECONDS = 50, 1.0, 5.0
-REMEDY = "record at least 10 s of motion of both joints at 100 Hz (35 s is usual)"
+REMEDY = "record at least 10 s of motion of every joint at 100 Hz (35 s is usual)"
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
+from measurement.reading.columns import listed
 from measurement.recording import Recording
-from symbolic.quantity import JOINTS
 
 STILL, LITTLE = 0.01, 0.15
 """Range of motion in rad (2nd to 98th percentile): below the first a joint stands, below the second it hardly
@@ -25,26 +25,28 @@ def check(recording: Recording) -> list[Finding]:
         return []
     angles = list(channels(recording, "q"))
     reach = [float(np.ptp(np.percentile(channel.values, [2, 98]))) for channel in angles]
+    turned = [moved / channel.joint.reach for channel, moved in zip(angles, reach, strict=True)]
     where = place(recording)
     found = []
-    if max(reach) < STILL:
-        what = f"no motion: the angles move by {reach[0]:.2g} and {reach[1]:.2g} rad"
-        remedy = "record a motion of both joints through a good part of their range"
-        return [Finding("motion", "refused", what, where, max(reach), STILL, remedy)]
-    for channel, moved in zip(angles, reach, strict=True):
-        if moved < LITTLE:
-            still = moved < STILL
-            joint = channel.label.split()[0]
-            what = f"the {joint} {'stands still' if still else 'hardly moves'} ({moved:.2g} rad)"
+    if max(turned) < STILL:
+        far = [f"{moved:.2g} {channel.unit}" for channel, moved in zip(angles, reach, strict=True)]
+        what = f"no motion: the angles move by {listed(far)}"
+        remedy = "record a motion of every joint through a good part of its range"
+        return [Finding("motion", "refused", what, where, max(turned), STILL, remedy)]
+    for channel, moved, size in zip(angles, reach, turned, strict=True):
+        if size < LITTLE:
+            still = size < STILL
+            state = "stands still" if still else "hardly moves"
+            what = f"the {channel.joint.name} {state} ({moved:.2g} {channel.unit})"
             consequence = "this recording alone cannot distinguish friction from inertia at this joint"
-            remedy = "add a recording in which both joints move"
+            remedy = "add a recording in which every joint moves"
             found.append(
                 Finding(
                     "motion",
                     "warning",
                     what,
                     place(recording, channel.name),
-                    moved,
+                    size,
                     LITTLE,
                     remedy,
                     False,
@@ -52,16 +54,17 @@ def check(recording: Recording) -> list[Finding]:
                 )
             )
     constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) == 0.0]
-    if len(constant) == 2:
-        first, second = (channel.values[0] + 0.0 for channel in constant)
-        what = f"both torques are constant ({first:.4g} and {second:.4g} N·m)"
-        remedy = "are these the torque columns? --map tau1=COLUMN,tau2=COLUMN"
+    if len(constant) == len(angles):
+        held = [f"{channel.values[0] + 0.0:.4g} {channel.unit}" for channel in constant]
+        what = f"no torque changes ({listed(held)})"
+        remedy = f"are these the torque columns? --map {','.join(f'{channel.name}=COLUMN' for channel in constant)}"
         return [*found, Finding("motion", "refused", what, where, 0.0, 0.0, remedy)]
-    found += _next_to_nothing(recording, dict(zip(JOINTS, reach, strict=True)))
+    size_of = {channel.joint.name: size for channel, size in zip(angles, turned, strict=True)}
+    found += _next_to_nothing(recording, size_of)
     for channel in constant:
-        still = reach[JOINTS.index(channel.label.split()[0])] < STILL
+        still = size_of[channel.joint.name] < STILL
         kind = "locked joint" if still else "passive joint, that is one without a drive"
-        what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} N·m throughout, as of a {kind}"
+        what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} {channel.unit} throughout, as of a {kind}"
         consequence = "right for a joint without a drive; otherwise this joint's parameters mean nothing"
         remedy = f"if the joint has a drive, check the sensor and --map {channel.name}=COLUMN"
         found.append(
@@ -86,10 +89,10 @@ def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Find
     spans = [float(np.ptp(np.percentile(channel.values, [10, 90]))) for channel in torques]
     found = []
     for channel, span in zip(torques, spans, strict=True):
-        joint = channel.label.split()[0]
+        joint = channel.joint.name
         if np.ptp(channel.values) == 0.0 or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
             continue
-        what = f"the {channel.label} reads next to nothing ({span:.2g} N·m, the other {max(spans):.2g} N·m)"
+        what = f"the {channel.label} reads next to nothing ({span:.2g} {channel.unit}, the largest {max(spans):.2g})"
         name = recording.source.path or recording.name
         remedy = f"if the {joint} had no drive in this recording: --passive {name}={joint}"
         consequence = "the torque of a passive joint is zero for certain; measured, it is noise"

@@ -27,7 +27,8 @@ def check(recording: Recording) -> list[Finding]:
         if spread == 0.0 or share < NOTED:
             continue
         heavy = share > HEAVY
-        what = f"{share:.1%} of the {channel.label}s stand more than {FAR * spread:.3g} N·m off their neighbours"
+        far_off = f"{FAR * spread:.3g} {channel.unit}"
+        what = f"{share:.1%} of the {channel.label}s stand more than {far_off} off their neighbours"
         found.append(
             Finding(
                 "outliers",

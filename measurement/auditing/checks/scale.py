@@ -14,6 +14,7 @@ from measurement.auditing.channels import place
 from measurement.auditing.rough import Smooth, smooth, unexplained
 from measurement.finding import Finding
 from measurement.recording import Recording
+from symbolic.joints import is_leg
 
 TRIED = np.logspace(-3, 3, 37)
 DOUBT, GOOD, TIMES, LEAST = 0.02, 0.12, 4.0, 1.4
@@ -25,7 +26,7 @@ WEAK = 0.02
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of torques that fit together only when one of them is multiplied, and of torques too small for any leg."""
-    motion = smooth(recording)
+    motion = smooth(recording) if is_leg(recording.joints) else None
     if motion is None or not np.all(motion.tau.std(axis=0) > 0) or not np.any(motion.q.std(axis=0) > 0.02):
         return []
     found = []

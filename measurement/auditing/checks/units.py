@@ -7,6 +7,7 @@ import numpy as np
 from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
 from measurement.recording import Recording
+from symbolic.joints import is_leg
 
 TURNS = 4 * np.pi
 """A link that swings right over reaches 2π and a little more (the real rig does); two turns it does not."""
@@ -14,6 +15,8 @@ STRONG = 1000.0
 """N·m, as a median: no drive of a leg gives so much."""
 WEAK = 0.1
 """N·m, reached by the stronger of the torques: less carries no leg, nor the smallest rig."""
+FAR = 20.0
+"""m; hardly a drive slides so far."""
 LITTLE = 0.3
 """rad, over which the joint that moves most swings: about as much as a usual motion, when it is counted in turns."""
 
@@ -25,12 +28,16 @@ def check(recording: Recording) -> list[Finding]:
     found = _too_small(recording)
     for channel in channels(recording, "q"):
         reach = float(np.percentile(np.abs(channel.values), 98)) if channel.values.size else 0.0
-        if reach > TURNS:
+        if not channel.joint.turns:
+            if reach > FAR:
+                what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
+                found.append(_finding(recording, channel.name, what, reach, FAR, f"--units {channel.name}=mm"))
+        elif reach > TURNS and is_leg(recording.joints):
             what = f"the {channel.label} reaches {reach:.4g} rad: it looks like degrees"
             found.append(_finding(recording, channel.name, what, reach, TURNS, "--units q=deg"))
     for channel in channels(recording, "tau"):
         usual = float(np.median(np.abs(channel.values))) if channel.values.size else 0.0
-        if usual > STRONG:
+        if usual > STRONG and is_leg(recording.joints):
             what = f"the {channel.label} is {usual:.4g} N·m in the median: it looks like mN·m"
             found.append(_finding(recording, channel.name, what, usual, STRONG, "--units tau=mNm"))
     return found
@@ -38,6 +45,8 @@ def check(recording: Recording) -> list[Finding]:
 
 def _too_small(recording: Recording) -> list[Finding]:
     """Return what is smaller in every joint than any leg has it: one unit too large was written for both."""
+    if not is_leg(recording.joints):  # other machines come in all sizes
+        return []
     found = []
     angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
     if min((channel.values.size for channel in (*angles, *torques)), default=0) < 10:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.auditing.channels import place
+from measurement.auditing.channels import WORDS, place
 from measurement.finding import Finding
 from measurement.recording import Recording
-from symbolic.quantity import JOINTS
 
 WINDOW = 0.1
 """s over which the velocity is summed: long enough to average noise, short against the motion."""
@@ -16,6 +15,7 @@ SCALES = (
     (9.55, "it looks like rpm", "rpm"),
     (-1.0, "its sign is the other way round", "-rad/s"),
 )
+SLIDING = ((1000.0, "it looks like millimetres per second", "mm/s"), (-1.0, "its sign is the other way round", "-m/s"))
 
 
 def check(recording: Recording) -> list[Finding]:
@@ -26,18 +26,20 @@ def check(recording: Recording) -> list[Finding]:
     found = []
     steps = np.diff(recording.t)
     usable = np.asarray(np.lib.stride_tricks.sliding_window_view(recording.valid, hop + 1).all(axis=1))[::hop]
-    for joint, label in enumerate(JOINTS):
+    for joint, owner in enumerate(recording.joints):
         speed = recording.dq[:, joint]
         travelled = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)][::hop]
         by_speed = np.diff(travelled)[: usable.size][usable[: travelled.size - 1]]
         by_angle = np.diff(recording.q[::hop, joint])[: usable.size][usable[: travelled.size - 1]]
-        if by_angle.size < 10 or np.ptp(by_angle) < 1e-3:
+        if by_angle.size < 10 or np.ptp(by_angle) < 1e-3 * owner.reach:
             continue
         slope = float(by_speed @ by_angle / (by_angle @ by_angle))
         if abs(slope - 1.0) < 0.2:
             continue
-        close = [(text, unit) for scale, text, unit in SCALES if abs(slope / scale - 1.0) < 0.2]
-        what = f"the {label} velocity is {slope:.3g} times the derivative of its angle" + "".join(
+        scales = SCALES if owner.turns else SLIDING
+        close = [(text, unit) for scale, text, unit in scales if abs(slope / scale - 1.0) < 0.2]
+        angle = WORDS["q"][not owner.turns]
+        what = f"the {owner.name} velocity is {slope:.3g} times the derivative of its {angle}" + "".join(
             f": {text}" for text, _ in close
         )
         column = f"dq{joint + 1}"
