@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.command import main
+from workbench.command import main, verb_parser
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted(p for p in (ROOT / "docs").glob("*.md") if "```sh" in p.read_text(encoding="utf-8"))
@@ -32,13 +32,22 @@ def write_files(page: Path, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_commands_of_a_page_are_commands(page):
+    found = commands(page)
+    assert found
+    for line in found:
+        verb, *arguments = shlex.split(line)[1:]
+        if not verb.startswith("-"):
+            verb_parser(verb).parse(arguments)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
 def test_commands_of_a_page_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copytree(ROOT / "generated", tmp_path / "generated")
     write_files(page, tmp_path)
-    found = commands(page)
-    assert found
-    for line in found:
+    for line in commands(page):
         status = main(shlex.split(line)[1:])
         said = capsys.readouterr()
         assert status == 0, f"{line}: {said.err} {said.out}"
@@ -73,6 +82,7 @@ def blocks_of_readme(language):
     return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.S | re.M)
 
 
+@pytest.mark.slow
 def test_the_loop_of_the_readme_runs(four_runs, capsys):
     lines = [line.removeprefix("$ ") for block in blocks_of_readme("console") for line in block.splitlines()]
     assert len(lines) == 4
@@ -101,6 +111,7 @@ def test_the_catalogue_page_is_what_the_catalogue_says():
     assert shown == fresh, "run python benchmarks/make_effects_page.py"
 
 
+@pytest.mark.slow
 def test_the_effect_of_the_page_is_found(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = (ROOT / "docs" / "add_an_effect.md").read_text(encoding="utf-8")
