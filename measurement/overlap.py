@@ -19,6 +19,7 @@ from ground.errors import RecordingError
 from measurement.auditing.channels import step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
+from measurement.signals.butterworth import band_pass_filter, both_ways
 from symbolic.motion import Float
 
 Mask = NDArray[np.bool_]
@@ -169,17 +170,14 @@ def _name(recording: Recording) -> str:
 
 def _even(recording: Recording, rate: float | None = None, slow: float | None = None) -> _Even:
     """Return the samples one after the other, or at `rate` Hz; fast is relative to their own rate, or to `slow` Hz."""
-    from scipy.signal import butter, sosfiltfilt
-
     values = np.column_stack([recording.q, recording.tau])
     if rate is not None:
         t = recording.t - recording.t[0]
         grid = np.arange(0.0, t[-1], 1.0 / rate)
         values = np.column_stack([np.interp(grid, t, column) for column in values.T])
     band = 2.0 * np.array(BAND) * (1.0 if rate is None or slow is None else slow / rate)
-    sections = butter(2, band, "bandpass", output="sos")
     # the mean first: a filter's start must not depend on where a copy was cut
-    fast = sosfiltfilt(sections, values - values.mean(axis=0), axis=0, padlen=0)
+    fast = both_ways(band_pass_filter(2, *map(float, band)), values - values.mean(axis=0), 0)
     return _Even(values, fast)
 
 
@@ -216,9 +214,9 @@ def _moves(one: _Even, channel: int) -> bool:
 
 def _shift(part: Float, whole: Float, same: float) -> int | None:
     """Return where in `whole` (N,) the stretch `part` (S,) stands, up to scale; None where it is not there."""
-    from scipy.signal import fftconvolve
-
-    product = fftconvolve(whole, part[::-1], mode="valid")
+    length = 1 << (whole.size - 1).bit_length()  # nothing wraps around into the shifts at which `part` is inside
+    product = np.fft.irfft(np.fft.rfft(whole, length) * np.conj(np.fft.rfft(part, length)), length)
+    product = product[: whole.size - part.size + 1]
     power = np.concatenate([[0.0], np.cumsum(whole**2)])
     energy = (power[part.size :] - power[: -part.size]) * float(part @ part)
     likeness = np.abs(product) / np.sqrt(np.maximum(energy, 1e-12 * max(float(energy.max()), 1e-300)))

@@ -14,6 +14,7 @@ import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.rules import RULES, Rules
+from measurement.signals.butterworth import lag_filter
 from optimisation.fitting.identify import identify
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
@@ -141,11 +142,7 @@ def _delayed(x: Float, samples: float) -> Float:
 
 def _lagged(x: Float, samples: float) -> Float:
     """Return `x` (N, M) behind a filter of first order with a time constant of so many samples, settled at first."""
-    from scipy.signal import lfilter
-
-    pole = np.exp(-1.0 / samples)
-    out, _ = lfilter([1.0 - pole], [1.0, -pole], x, axis=0, zi=pole * x[:1])
-    return np.asarray(out)
+    return lag_filter(samples).run(x.T).T
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,10 @@ seems.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri
 
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Block, Evidence, robust_weight
@@ -99,7 +99,8 @@ def differing(now: FittedModel, evidence: Evidence) -> tuple[Differing, ...]:
     rules = evidence.rules
     if not 2 <= len(blocks) <= rules.differing_recordings:
         return ()
-    strict = ndtri(0.025 / (len(questions) * len(blocks))) / ndtri(0.025)
+    inverse = NormalDist().inv_cdf
+    strict = inverse(0.025 / (len(questions) * len(blocks))) / inverse(0.025)
     prior = evidence.prior
     out: dict[tuple[int, str], Differing] = {}
     while len(out) < rules.differing_named:

@@ -30,7 +30,7 @@ from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
 from optimisation.linear.uncertainty import block_length, block_outer
-from optimisation.preparation.prepare import EDGE, INNER, STICK, STICK_REACH, bridged, bridges
+from optimisation.preparation.prepare import EDGE, INNER, STICK, STICK_REACH, bridged
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS
@@ -126,7 +126,7 @@ class Planned:
 
     def smooth(self, x: Float) -> Float:
         """Bridge and filter `x` (N, J, ...) over time as recordings are; return the kept samples (K, J, ...)."""
-        return low_pass(bridged(x, bridges(self.stuck, self.rate), (0, 1), 1), self.cutoff, self.rate)[self.kept]
+        return low_pass(bridged(x, self.stuck, self.rate), self.cutoff, self.rate)[self.kept]
 
 
 def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE) -> Planned:

@@ -16,6 +16,7 @@ import numpy as np
 
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
+from measurement.signals.butterworth import both_ways, low_pass_filter
 from symbolic.motion import Float
 
 CUTOFF = 5.0
@@ -39,8 +40,6 @@ class Smooth:
 def smooth(recording: Recording) -> Smooth | None:
     """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
     short."""
-    from scipy.signal import butter, sosfiltfilt
-
     if not len(recording):
         return None
     valid = recording.valid & (recording.t <= recording.t[0] + MOST_SECONDS)
@@ -49,12 +48,11 @@ def smooth(recording: Recording) -> Smooth | None:
         return None
     step = max(1.0 / recording.rate, 0.005)
     even = np.arange(t[0], t[-1], step)
-    sections = butter(2, CUTOFF, fs=1.0 / step, output="sos")
     pairs = []
     for pair in (recording.q, recording.tau):
         # the running median takes out single outliers, which a filter would smear over its whole length
         values = np.column_stack([np.interp(even, t, running_median(column, 7)) for column in pair[valid].T])
-        pairs.append(sosfiltfilt(sections, values, axis=0))
+        pairs.append(both_ways(low_pass_filter(2, 2.0 * CUTOFF * step), values, 9))
     q, tau = pairs
     dq = np.gradient(q, step, axis=0)
     edge = round(0.5 / step)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from measurement.signals.butterworth import both_ways, low_pass_filter
 from symbolic.motion import Float
 
 STEP, CUTOFF = 0.05, 5.0
@@ -85,15 +86,13 @@ def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = 
 
 def _even(t: Float, values: Float) -> tuple[Float, Float] | None:
     """Return (clock, values) smoothed on an even clock, at most the first five minutes; None where too short."""
-    from scipy.signal import butter, sosfiltfilt
-
     good = np.isfinite(t) & np.isfinite(values).all(axis=1)
     t, values = t[good], values[good]
     if t.size < 50 or t[-1] - t[0] < LEAST_SECONDS:
         return None
     fine = np.arange(t[0], min(t[-1], t[0] + MOST_SECONDS), 0.01)
     rows = np.column_stack([np.interp(fine, t, column) for column in values.T])
-    smooth = sosfiltfilt(butter(2, CUTOFF, fs=100.0, output="sos"), rows, axis=0)
+    smooth = both_ways(low_pass_filter(2, CUTOFF / 50.0), rows, 9)
     return fine[::5], smooth[::5]
 
 

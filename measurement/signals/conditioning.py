@@ -7,22 +7,19 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
-from scipy.signal import butter, sosfiltfilt, welch
-from scipy.sparse import csr_array
 
 from ground.errors import NotEnoughDataError
+from measurement.reading.angles import running_median
 from measurement.recording import Recording
+from measurement.signals.butterworth import Filter, both_ways, both_ways_at, low_pass_filter
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
 
 ORDER = 4
-STRETCH = 48
-"""Kept samples that one matrix product gives."""
 BRIDGE_ENDS = 0.03
 """Seconds beside a bridged run over which its ends are averaged."""
 SHORTEST = 2.0
@@ -48,9 +45,7 @@ class EvenSignals:
     @cached_property
     def spectrum(self) -> tuple[Float, Float]:
         """Frequencies (F,) in Hz and power (F, J) in rad²/Hz of the angles; every cut-off is judged by it."""
-        length = min(len(self.q), int(10.0 * self.rate))
-        frequency, power = welch(self.q, self.rate, nperseg=length, detrend="linear", axis=0)
-        return frequency, power
+        return welch(self.q, self.rate, min(len(self.q), int(10.0 * self.rate)))
 
     @cached_property
     def despiked(self) -> Float:
@@ -88,84 +83,94 @@ def even_clock(recording: Recording) -> EvenSignals:
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
     """Return `x` (N, ...) without what is faster than `cutoff` Hz, without delay."""
-    sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
-    pad = min(len(x) - 1, int(3.0 * rate / cutoff))
-    return sosfiltfilt(sections, x, axis=0, padlen=pad)
+    return both_ways(_filter(cutoff, rate), x, min(len(x) - 1, int(3.0 * rate / cutoff)))
 
 
-def low_pass_at(x: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) -> Float:
-    """Return the samples `kept` (K,), evenly spaced, of `x` (N, ...) after `low_pass`; several times faster.
+def low_pass_at(rows: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) -> Float:
+    """Return the samples `kept` (K,), evenly spaced, of `rows` (C, N) after `low_pass`, as (C, K); much faster.
 
-    The filter's response is the same to 1e-7; it is applied as one matrix product per stretch of samples, so that
-    hundreds of columns cost little. Needs a finite response shorter than the recording; else `low_pass` itself runs.
+    What is further away than the response reaches (1e-7 of it) does not count. Where that is longer than the recording,
+    `low_pass` itself runs.
     """
-    response = _response(cutoff, rate)
-    reach = response.size // 2
-    if kept.size < 2 or reach >= len(x) - 1:
-        return low_pass(x, cutoff, rate)[kept]
-    flat = np.ascontiguousarray(x.reshape(len(x), -1))
-    step = int(kept[1] - kept[0])
-    before, after = max(0, reach - int(kept[0])), max(0, int(kept[-1]) + reach + 1 - len(x))
-    head = 2.0 * flat[0] - flat[before:0:-1]
-    tail = 2.0 * flat[-1] - flat[-2 : -after - 2 : -1]
-    flat = np.concatenate([head, flat, tail]) if before or after else flat
-    rows = min(STRETCH, kept.size)
-    band = np.zeros((rows, step * (rows - 1) + response.size))
-    for row in range(rows):
-        band[row, row * step : row * step + response.size] = response
-    out = np.empty((kept.size, flat.shape[1]))
-    for first in range(0, kept.size, rows):
-        count = min(rows, kept.size - first)
-        start = int(kept[first]) - reach + before
-        width = step * (count - 1) + response.size
-        np.matmul(band[:count, :width], flat[start : start + width], out=out[first : first + count])
-    return out.reshape(kept.size, *x.shape[1:])
+    reach = int(np.ceil(response_seconds(cutoff) * rate))
+    if kept.size < 2 or reach >= rows.shape[1] - 1:
+        return np.ascontiguousarray(low_pass(rows.T, cutoff, rate)[kept].T)
+    return both_ways_at(_filter(cutoff, rate), rows, int(kept[0]), int(kept[1] - kept[0]), kept.size, reach)
 
 
-def bridging(hidden: NDArray[np.bool_], rate: float) -> csr_array:
-    """Return the matrix (H, N) that puts a straight line across every run of `hidden` (N,) samples, H of them.
+def _filter(cutoff: float, rate: float) -> Filter:
+    return low_pass_filter(ORDER, min(cutoff / (0.5 * rate), 0.95))
 
-    Its ends are means over a few samples beside the run (`BRIDGE_ENDS` s). Being linear, it may be applied to a torque
-    and to the columns of its regressor alike, and what holds between them goes on to hold. A run at an end of the
-    recording gets the level of its other side.
+
+def welch(x: Float, rate: float, length: int) -> tuple[Float, Float]:
+    """Return frequencies (F,) in Hz and the one-sided power (F, J) per Hz of `x` (N, J), the mean over half-overlapping
+    stretches of `length` samples, each without its straight line, in a Hann window (Welch 1967).
     """
-    count = hidden.size
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], hidden, [False]]).astype(int))).reshape(-1, 2)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(length) / length)
+    line = np.linspace(-1.0, 1.0, length)
+    starts = range(0, len(x) - length + 1, length - length // 2)
+    total = np.zeros((length // 2 + 1, x.shape[1]))
+    for start in starts:
+        part = x[start : start + length] - x[start : start + length].mean(axis=0)
+        part = part - np.outer(line, line @ part) / float(line @ line)
+        total += np.abs(np.fft.rfft(part * window[:, None], axis=0)) ** 2
+    total[1 : None if length % 2 else -1] *= 2.0
+    scale = len(starts) * rate * float(window @ window)
+    return np.asarray(np.fft.rfftfreq(length, 1.0 / rate), dtype=float), total / scale
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """What puts straight lines across the runs of `rows` (H,), hidden samples.
+
+    Its ends are means over a few samples beside a run (`BRIDGE_ENDS` s): `beside` (E,) are these samples, one end after
+    the other, `begins` (M,) where each end begins in them, `ends` (2, H) which end stands before and which behind a
+    hidden sample, and `share` (H,) how much of the latter it takes.
+    """
+
+    rows: NDArray[np.int_]
+    beside: NDArray[np.int_]
+    begins: NDArray[np.int_]
+    ends: NDArray[np.int_]
+    share: Float
+
+    def across(self, x: Float) -> None:
+        """Bridge `x` (..., N) in place. Being linear, this may be done to a torque and to the columns of its regressor
+        alike, and what holds between them goes on to hold.
+        """
+        if self.rows.size and self.beside.size:  # nothing stands beside a joint that sticks throughout
+            sizes = np.diff(np.append(self.begins, self.beside.size))
+            level = np.add.reduceat(x[..., self.beside], self.begins, axis=-1) / sizes
+            before, behind = level[..., self.ends[0]], level[..., self.ends[1]]
+            x[..., self.rows] = before + self.share * (behind - before)
+
+
+def bridging(hidden: NDArray[np.bool_], rate: float) -> Bridge:
+    """Return what bridges every run of `hidden` (N,) samples. A run at an end of the recording gets the level of its
+    other side.
+    """
+    edges = np.diff(np.concatenate([[False], hidden, [False]]).astype(int))
+    first, last = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
     most = max(1, int(BRIDGE_ENDS * rate))
-    rows, columns, values = [], [], []
-    row = 0
-    for k, (first, last) in enumerate(edges):
-        before = np.arange(max(first - most, edges[k - 1][1] if k else 0), first)
-        after = np.arange(last, min(last + most, edges[k + 1][0] if k + 1 < len(edges) else count))
-        share = (np.arange(first, last) - first + 1.0) / (last - first + 1.0)
-        if not before.size or not after.size:
-            share = np.full(share.size, 0.0 if before.size else 1.0)
-        for side, weight in ((before, 1.0 - share), (after, share)):
-            if side.size:
-                rows.append(np.repeat(np.arange(row, row + share.size), side.size))
-                columns.append(np.tile(side, share.size))
-                values.append(np.repeat(weight / side.size, side.size))
-        row += share.size
-    if not rows:
-        return csr_array((row, count))
-    parts = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return csr_array(parts, shape=(row, count))
+    low = np.maximum(first - most, np.append(0, last)[: first.size])
+    high = np.minimum(last + most, np.append(first, hidden.size)[1:])
+    sizes = np.column_stack([first - low, high - last]).ravel()
+    begins = np.cumsum(sizes) - sizes
+    place = np.arange(sizes.sum()) - np.repeat(begins, sizes)
+    beside = np.repeat(np.column_stack([low, last]).ravel(), sizes) + place
+    there = sizes > 0
+    number = np.cumsum(there) - 1
+    before, behind = (number[k::2] for k in (0, 1))
+    before, behind = np.where(there[0::2], before, behind), np.where(there[1::2], behind, before)
+    run = np.repeat(np.arange(first.size), last - first)
+    rows = np.flatnonzero(hidden)
+    share = (rows - first[run] + 1.0) / (last[run] - first[run] + 1.0)
+    return Bridge(rows, beside, begins[there], np.stack([before[run], behind[run]]), share)
 
 
 def response_seconds(cutoff: float) -> float:
     """Return the time in s after which the slowest pole of `low_pass` has fallen to 1e-7."""
     return 6.7 / cutoff
-
-
-@lru_cache(maxsize=32)
-def _response(cutoff: float, rate: float) -> Float:
-    """Return the zero-phase response (2 L + 1,) of `low_pass` to one sample, as far as it matters."""
-    sections = butter(ORDER, min(cutoff / (0.5 * rate), 0.95), output="sos")
-    reach = int(np.ceil(response_seconds(cutoff) * rate))
-    pulse = np.zeros(4 * reach + 1)
-    pulse[2 * reach] = 1.0
-    response = sosfiltfilt(sections, pulse, padlen=0)[reach : 3 * reach + 1]
-    return response / response.sum()
 
 
 def decimate(x: Float, factor: int, rate: float) -> Float:
@@ -231,15 +236,10 @@ def velocity_noise(density: Float, cutoff: float) -> Float:
     return np.sqrt(density * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
 
 
-def running_median(x: Float, seconds: float, rate: float) -> Float:
-    """Return the running median of each channel of `x` (N, J) over a window of `seconds`."""
-    window = max(5, round(seconds * rate) | 1)
-    return median_filter(x, size=(window, 1), mode="nearest")
-
-
 def spikes(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
     """Return where `x` (N, J) leaves its running median by more than `limit` robust deviations, and the median."""
-    middle = running_median(x, seconds, rate)
+    window = max(5, round(seconds * rate) | 1)
+    middle = np.column_stack([running_median(channel, window) for channel in x.T])
     away = np.abs(x - middle)
     scale = np.median(away, axis=0) / 0.6745
     return away > limit * np.maximum(scale, 1e-300), middle

@@ -15,8 +15,6 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 import numpy as np
-from scipy.optimize import minimize_scalar
-from scipy.signal import savgol_filter
 
 from ground.errors import RecordingError
 from measurement.signals.conditioning import EvenSignals, noise_density
@@ -42,6 +40,8 @@ Smoothed = tuple[Float, Float, Float, float]
 
 def savgol(even: EvenSignals, band: float, where: str) -> Smoothed:
     """Return the angles smoothed by local cubics that halve the power near `band` Hz (Schafer 2011), and slopes."""
+    from scipy.signal import savgol_filter
+
     half = max(ORDER, round(((ORDER + 1) / min(band / (0.5 * even.rate), 0.9) + 4.6) / 3.2))
     window = 2 * half + 1
     if window > len(even.q):
@@ -94,6 +94,8 @@ def fourier(even: EvenSignals, band: float, where: str) -> Smoothed:
 
 def find_period(even: EvenSignals) -> float | None:
     """Return the period in s after which both joints are where they were; None where there are not two of them."""
+    from scipy.optimize import minimize_scalar
+
     step = max(1, int(even.rate // 50))
     q = even.q[::step] - even.q.mean(axis=0)
     rate = even.rate / step

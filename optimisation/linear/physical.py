@@ -26,7 +26,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import nnls
 
 from optimisation.fitting.assemble import FittableModel
 from optimisation.linear.certificate import Certificate, fenchel, ratio
@@ -204,6 +203,8 @@ def certify_physical(
 
     A claim outside the possible set gets an infinite gap.
     """
+    from scipy.optimize import nnls
+
     residual = data.residual(linear).reshape(-1)
     limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
     basis, backward = data.factor.basis, data.factor.backward

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from ground.errors import RecordingError
 from ground.html import bullets, lines, table
@@ -22,6 +21,7 @@ from measurement.finding import Finding
 from measurement.overlap import held_apart
 from measurement.recording import Recording
 from measurement.signals.conditioning import (
+    Bridge,
     EvenSignals,
     acceleration_noise,
     acceleration_quality,
@@ -141,12 +141,20 @@ class PreparedRecording:
 
         `axis` of `x` has the rows of `joints`.
         """
-        return low_pass_at(bridged(x, self._bridges, joints, axis), self.cutoff, self.rate, self.kept)
+        rows = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
+        return np.ascontiguousarray(np.moveaxis(self.smooth_rows(rows, joints, axis - 1), -1, 0))
+
+    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int) -> Float:
+        """Do the same to `x` (..., N), which is bridged in place, and return (..., K)."""
+        for place, joint in enumerate(joints):
+            self._bridges[joint].across(np.moveaxis(x, axis, 0)[place])
+        flat = low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept)
+        return flat.reshape(*x.shape[:-1], -1)
 
     @cached_property
     def _bridges(self) -> list[Bridge]:
         """For each joint what bridges the samples at which it may be sticking."""
-        return bridges(self.stuck, self.rate)
+        return [bridging(column, self.rate) for column in self.stuck.T]
 
     @property
     def t(self) -> Float:
@@ -314,11 +322,11 @@ def _prepare_one(
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
     use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~(held & _bears_load(tau, rate, cutoff)))
-    level = bridged(tau, bridges(stuck, rate), (0, 1), 1)
+    level = np.ascontiguousarray(bridged(tau, stuck, rate).T)
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=low_pass_at(level, cutoff, rate, kept),
+        tau=np.ascontiguousarray(low_pass_at(level, cutoff, rate, kept).T),
         use=use,
         kept=kept,
         cutoff=cutoff,
@@ -349,30 +357,12 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
     return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
 
 
-Bridge = tuple[np.ndarray, np.ndarray, csr_array]
-"""Samples that are bridged (H,), samples beside them that the bridges stand on (E,), and the matrix (H, E)."""
-
-
-def bridges(stuck: Bool, rate: float) -> list[Bridge]:
-    """Return for each joint what bridges the samples at which it is `stuck` (N, J)."""
-    out = []
-    for column in stuck.T:
-        matrix = bridging(column, rate).tocsc()
-        beside = np.flatnonzero(np.diff(matrix.indptr))
-        out.append((np.flatnonzero(column), beside, matrix[:, beside].tocsr()))
-    return out
-
-
-def bridged(x: Float, bridges: Sequence[Bridge], joints: Sequence[int], axis: int) -> Float:
-    """Return `x` (N, ...) with the rows of each of `joints`, along `axis`, bridged where that joint may stick."""
-    out = np.array(x, dtype=float, order="C")
-    for place, joint in enumerate(joints):
-        rows, beside, matrix = bridges[joint]
-        if rows.size and beside.size:  # nothing stands beside a joint that sticks throughout
-            part = np.moveaxis(out, axis, 1)[:, place]
-            ends = part[beside]
-            part[rows] = (matrix @ ends.reshape(beside.size, -1)).reshape(rows.size, *ends.shape[1:])
-    return out
+def bridged(x: Float, stuck: Bool, rate: float) -> Float:
+    """Return `x` (N, J, ...) bridged where each joint may stick, (N, J)."""
+    out = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
+    for row, column in zip(out, stuck.T, strict=True):
+        bridging(column, rate).across(row)
+    return np.moveaxis(out, -1, 0)
 
 
 def sign_width(noise: Float, band: float) -> Float:

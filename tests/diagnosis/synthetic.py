@@ -53,7 +53,7 @@ def recording(name: str, seed: int, hidden: Hidden, noise: float = 0.1, scale: f
     return PreparedRecording(
         name=name,
         motion=path,
-        tau=low_pass_at(tau, CUTOFF, RATE, kept),
+        tau=low_pass_at(np.ascontiguousarray(tau.T), CUTOFF, RATE, kept).T,
         use=np.ones((kept.size, 2), bool),
         kept=kept,
         cutoff=CUTOFF,

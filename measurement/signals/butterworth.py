@@ -1,0 +1,212 @@
+"""Butterworth filters that run forwards and backwards, so that nothing is delayed.
+
+A filter is kept as a sum of its modes, H(z) = d + Σ r / (z - p) over its poles p: then a stretch of samples is one
+matrix product, and only the few states at the ends of stretches are carried on. That is as exact as the usual
+recursion, serves hundreds of columns at once, and gives any samples of the result without the others. (SciPy's filters
+are the check on it in the tests; importing them takes longer than most recordings take to be filtered.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from symbolic.motion import Float
+
+STRETCH = 64
+"""Samples that one matrix product filters."""
+KEPT = 16
+"""Kept samples that one matrix product gives."""
+FORGOTTEN = 1e-18
+"""What is left of a state that no longer counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """H(z) = `direct` + Σ `residues` / (z - `poles`), (P,) each: the upper pole of each pair, its residue doubled."""
+
+    poles: Any
+    residues: Any
+    direct: float
+
+    @property
+    def steady(self) -> Any:
+        """States (P,) that a constant of one settles to."""
+        return 1.0 / (1.0 - self.poles)
+
+    def response(self, count: int) -> Float:
+        """Return the response (count,) to one sample, that sample included."""
+        out = np.real(self.poles[:, None] ** np.arange(-1, count - 1) * self.residues[:, None]).sum(axis=0)
+        out[0] = self.direct
+        return np.asarray(out)
+
+    def run(self, rows: Float) -> Float:
+        """Return `rows` (C, N) filtered forwards, as if each had stood at its first value before."""
+        count, samples = rows.shape
+        stretches = -(-samples // STRETCH)
+        x = np.zeros((count, stretches * STRETCH))
+        x[:, :samples] = rows
+        x = x.reshape(count, stretches, STRETCH)
+        inner, entry, exit_ = self._stretch
+        both = x @ inner
+        states = np.empty((count, stretches, self.poles.size), dtype=complex)
+        states[:, 0] = rows[:, :1] * self.steady
+        states[:, 1:] = (x @ entry)[:, :-1].view(complex)
+        _carry(states, self.poles**STRETCH)
+        both += states.view(float) @ exit_
+        return np.asarray(both.reshape(count, -1)[:, :samples])
+
+    @cached_property
+    def _stretch(self) -> tuple[Float, Float, Float]:
+        """Return what a stretch makes of itself, (S, S), of the states behind it, (S, 2P), and they of it, (2P, S)."""
+        at = np.arange(STRETCH)
+        lag = at[None, :] - at[:, None]
+        inner = np.where(lag >= 0, self.response(STRETCH)[np.maximum(lag, 0)], 0.0)
+        return inner, _parts(self.poles ** (STRETCH - 1 - at)[:, None]), _onto(self.residues, self.poles, at)
+
+
+def _parts(values: Any) -> Float:
+    """Return complex (..., P) as real (..., 2P), real and imaginary parts in turn."""
+    return np.ascontiguousarray(values).view(float)
+
+
+def _onto(factors: Any, poles: Any, steps: Any) -> Float:
+    """Return the matrix (2P, S) from real and imaginary parts of states to Re Σ factors · poles^steps · states."""
+    values = factors[:, None] * poles[:, None] ** steps
+    out = np.empty((2 * poles.size, values.shape[1]))
+    out[0::2], out[1::2] = values.real, -values.imag
+    return out
+
+
+def _carry(states: Any, step: Any) -> None:
+    """Turn what each stretch adds to its states (C, S, P), in place, into the states: s[k] += step · s[k - 1]."""
+    reach, factor = 1, step
+    while reach < states.shape[1] and np.abs(factor).max() > FORGOTTEN:
+        states[:, reach:] += factor * states[:, :-reach].copy()
+        reach, factor = 2 * reach, factor**2
+
+
+def _made(zeros: Any, poles: Any, gain: float) -> Filter:
+    """Return gain · Π (z - zeros) / Π (z - poles), as many of one as of the other."""
+    residues = np.array(
+        [gain * np.prod(p - zeros) / np.prod(np.delete(p - poles, k)) for k, p in enumerate(poles)], dtype=complex
+    )
+    upper = poles.imag >= 0.0
+    return Filter(poles[upper], np.where(poles[upper].imag > 0.0, 2.0, 1.0) * residues[upper], gain)
+
+
+def _prototype(order: int) -> Any:
+    """Return the poles of the analogue low-pass with a cut-off of 1 rad/s."""
+    return np.exp(0.5j * np.pi * (2.0 * np.arange(order) + order + 1.0) / order)
+
+
+@lru_cache(maxsize=64)
+def low_pass_filter(order: int, share: float) -> Filter:
+    """Return the low-pass of even `order` with its cut-off at `share` of half the sampling rate."""
+    analogue = np.tan(0.5 * np.pi * share) * _prototype(order)
+    poles = (1.0 + analogue) / (1.0 - analogue)
+    gain = float(np.real(np.prod((1.0 - poles) / 2.0)))
+    return _made(np.full(order, -1.0), poles, gain)
+
+
+@lru_cache(maxsize=64)
+def band_pass_filter(order: int, low: float, high: float) -> Filter:
+    """Return the band-pass made of a low-pass of `order`; its edges are shares of half the sampling rate."""
+    edges = np.tan(0.5 * np.pi * np.array([low, high]))
+    width, centre = edges[1] - edges[0], edges[0] * edges[1]
+    half = 0.5 * width * _prototype(order)
+    root = np.sqrt(half**2 - centre + 0.0j)
+    analogue = np.concatenate([half + root, half - root])
+    poles = (1.0 + analogue) / (1.0 - analogue)
+    gain = float(np.real(width**order / np.prod(1.0 - analogue)))
+    return _made(np.repeat([1.0, -1.0], order), poles, gain)
+
+
+@lru_cache(maxsize=64)
+def lag_filter(samples: float) -> Filter:
+    """Return a filter of first order, (1 - p) z / (z - p), with a time constant of so many samples."""
+    pole = np.exp(-1.0 / samples + 0.0j)
+    return Filter(np.array([pole]), np.array([(1.0 - pole) * pole]), float(np.real(1.0 - pole)))
+
+
+def both_ways(one: Filter, x: Float, pad: int) -> Float:
+    """Return `x` (N, ...) filtered forwards and backwards, continued by `pad` samples of its odd reflection."""
+    rows = np.ascontiguousarray(x.reshape(len(x), -1).T, dtype=float)
+    if pad:
+        rows = np.concatenate([_before(rows, pad), rows, _after(rows, pad)], axis=1)
+    back = one.run(np.ascontiguousarray(one.run(rows)[:, ::-1]))[:, ::-1]
+    return np.ascontiguousarray(back[:, pad : pad + len(x)].T).reshape(x.shape)
+
+
+def _before(rows: Float, count: int) -> Float:
+    return np.asarray(2.0 * rows[:, :1] - rows[:, count:0:-1])
+
+
+def _after(rows: Float, count: int) -> Float:
+    return np.asarray(2.0 * rows[:, -1:] - rows[:, -2 : -count - 2 : -1])
+
+
+def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, reach: int) -> Float:
+    """Return `count` samples, every `step`-th from `first` on, of `rows` (C, N) filtered both ways, as (C, K).
+
+    What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
+    continued by their odd reflection.
+    """
+    samples = rows.shape[1]
+    own, onto, forget = _kept(one, step)
+    length = KEPT * step
+    stretches = -(-count // KEPT)
+    end = first + stretches * length
+    beyond = _after(rows, min(samples - 1, reach + max(0, end - samples)))
+    if end > samples:
+        rows = np.concatenate([rows, beyond[:, : end - samples]], axis=1)
+        beyond = beyond[:, end - samples :]
+    x = rows[:, first:end].reshape(len(rows), stretches, length)
+    both = x @ own
+    added = np.ascontiguousarray(both[:, :, KEPT:]).view(complex)
+    modes = one.poles.size
+    states = np.empty((2, *added.shape[:2], modes), dtype=complex)
+    states[0, :, 1:], states[1, :, 1:] = added[:, :-1, :modes], added[:, :0:-1, modes:]
+    outer = np.concatenate([_before(rows, max(0, reach - first)), rows[:, max(0, first - reach) : first]], axis=1)
+    back = np.arange(outer.shape[1], 0, -1)[:, None]
+    states[0, :, 0] = (outer @ _parts(one.poles**back)).view(complex)
+    outer = np.concatenate([rows[:, end:], beyond], axis=1)[:, :reach]
+    states[1, :, 0] = (outer @ _parts(one.poles ** np.arange(outer.shape[1])[:, None])).view(complex)
+    for side in states:
+        _carry(side, forget)
+    around = np.concatenate([states[0], states[1][:, ::-1]], axis=2).view(float)
+    return np.asarray((both[:, :, :KEPT] + around @ onto).reshape(len(rows), -1)[:, :count])
+
+
+@lru_cache(maxsize=32)
+def _kept(one: Filter, step: int) -> tuple[Float, Float, Any]:
+    """Return what a stretch makes of its kept samples and of the states beside it, (S, K + 4P), what states make of the
+    kept samples, (4P, K), and what is left of states after a stretch (P,).
+    """
+    length, at = KEPT * step, step * np.arange(KEPT)
+    inside = np.arange(length)
+    # H(z) H(1/z) = Σ c p^|n| over the poles, and a part of its own at n = 0.
+    mirrored = [one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 1.0 / p)) for p in one.poles]
+    factors = one.residues * np.array(mirrored) / one.poles
+    pulse = np.real(np.sum(factors[:, None] * one.poles[:, None] ** np.arange(length), axis=0))
+    origin = one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 0.0))
+    pulse[0] += float(np.real(one.direct * origin))
+    own = np.concatenate(
+        [
+            pulse[np.abs(at[None, :] - inside[:, None])],
+            _parts(one.poles ** (length - inside)[:, None]),
+            _parts(one.poles ** inside[:, None]),
+        ],
+        axis=1,
+    )
+    onto = np.concatenate([_onto(factors, one.poles, at), _onto(factors, one.poles, length - at)])
+    return own, onto, one.poles**length
+
+
+def _pair(one: Filter, z: Any) -> Any:
+    """Return what each pole and its conjugate add to H(z), with the residues doubled for pairs."""
+    pairs = one.residues / (z - one.poles)
+    return np.where(one.poles.imag > 0, pairs + np.conj(one.residues) / (z - np.conj(one.poles)), pairs)

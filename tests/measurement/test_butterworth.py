@@ -1,0 +1,61 @@
+"""Filters as sums of modes against SciPy's recursions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from measurement.signals.butterworth import band_pass_filter, both_ways, lag_filter, low_pass_filter
+from measurement.signals.conditioning import low_pass, low_pass_at, welch
+
+RNG = np.random.default_rng(4)
+
+
+@pytest.mark.parametrize(("order", "share"), [(4, 0.1), (4, 0.004), (4, 0.95), (2, 0.3)])
+@pytest.mark.parametrize("samples", [70, 128, 3001])
+def test_a_low_pass_is_that_of_scipy(order, share, samples):
+    x = RNG.standard_normal((samples, 2, 3)).cumsum(axis=0)
+    pad = min(samples - 1, int(6.0 / share))
+    wanted = signal.sosfiltfilt(signal.butter(order, share, output="sos"), x, axis=0, padlen=pad)
+    np.testing.assert_allclose(both_ways(low_pass_filter(order, share), x, pad), wanted, atol=1e-11 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("band", [(0.1, 0.3), (0.02, 0.9)])
+def test_a_band_pass_is_that_of_scipy(band):
+    x = RNG.standard_normal((700, 4))
+    wanted = signal.sosfiltfilt(signal.butter(2, band, "bandpass", output="sos"), x, axis=0, padlen=0)
+    np.testing.assert_allclose(both_ways(band_pass_filter(2, *band), x, 0), wanted, atol=1e-12)
+
+
+def test_a_lag_settles_at_the_first_value():
+    x = RNG.standard_normal((500, 2)) + 3.0
+    pole = np.exp(-1.0 / 12.0)
+    wanted, _ = signal.lfilter([1.0 - pole], [1.0, -pole], x, axis=0, zi=pole * x[:1])
+    np.testing.assert_allclose(lag_filter(12.0).run(x.T).T, wanted, atol=1e-13)
+
+
+CASES = [(5.0, 50, 3, 3000), (12.0, 0, 1, 700), (3.0, 9, 11, 900)]
+
+
+@pytest.mark.parametrize(("cutoff", "first", "step", "samples"), CASES)
+def test_kept_samples_are_those_of_the_whole_filter(cutoff, first, step, samples):
+    x = RNG.standard_normal((samples, 5)).cumsum(axis=0)
+    kept = np.arange(first, samples - first, step)
+    whole = both_ways(low_pass_filter(4, cutoff / 50.0), x, min(samples - 1, int(1000.0 / cutoff)))[kept]
+    np.testing.assert_allclose(low_pass_at(x.T.copy(), cutoff, 100.0, kept).T, whole, atol=1e-6 * np.abs(x).max())
+
+
+def test_a_recording_shorter_than_the_response_is_filtered_as_a_whole():
+    x = RNG.standard_normal((60, 2))
+    kept = np.arange(5, 55, 2)
+    np.testing.assert_array_equal(low_pass_at(x.T.copy(), 3.0, 100.0, kept).T, low_pass(x, 3.0, 100.0)[kept])
+
+
+@pytest.mark.parametrize("length", [100, 101, 640])
+def test_the_spectrum_is_that_of_scipy(length):
+    x = RNG.standard_normal((640, 2)).cumsum(axis=0)
+    frequency, power = welch(x, 50.0, length)
+    wanted = signal.welch(x, 50.0, nperseg=length, detrend="linear", axis=0)
+    np.testing.assert_allclose(frequency, wanted[0])
+    np.testing.assert_allclose(power, wanted[1], rtol=1e-9, atol=1e-15)
