@@ -111,7 +111,7 @@ def discover(
         for one in _accepted(extensions)
         for found in (agreements.get(one.name, Agreement()),)
     )
-    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), most, rules)
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), most, rules, possible)
     return _write_up(done, extensions, accepted, left, possible, answer, began)
 
 

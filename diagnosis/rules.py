@@ -68,7 +68,13 @@ class Rules:
     small_gain: float = _rule(
         ACCEPTANCE, 0.15, "share below which a term is only possible while the error is far above the noise: it mops up"
     )
+    farther: float = _rule(
+        ACCEPTANCE, 2.0, "factor on this share for every ten times that the error is farther above: hardly a beginning"
+    )
     far_above: float = _rule(ACCEPTANCE, 3.0, "times the noise floor from which an error is far above it")
+    nearest: float = _rule(
+        ACCEPTANCE, 0.05, "share from which an entry that was not accepted is named as the nearest: chance"
+    )
     at_bound: float = _rule(
         ACCEPTANCE,
         1e-3,
@@ -176,6 +182,9 @@ class Rules:
         CHANNELS,
         0.25,
         "part of the held-out squared error left by a fit of its own: an error of the model called a change",
+    )
+    own_length: float = _rule(
+        CHANNELS, 0.5, "part of the squared error left by another thigh length: effects named for a wrong length"
     )
     filter_error: float = _rule(
         CHANNELS, 2.0, "times the error of filter and derivatives: that error passes for a flexible drive"

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from diagnosis.evidence.channels import Doubt
-from diagnosis.evidence.model_error import ModelError, model_error
+from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.remainder import Remainder
-from diagnosis.results import Accepted
+from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
@@ -45,8 +45,11 @@ def conclude(
     recordings: int,
     most: int,
     rules: Rules = RULES,
+    possible: Sequence[Possible] = (),
 ) -> Conclusion:
-    """Return the conclusion; `first` and `last` are the models at both ends, `most` the steps that were allowed."""
+    """Return the conclusion; `first` and `last` are the models at both ends, `most` the steps that were allowed,
+    `possible` what helps and was not accepted.
+    """
     error = model_error(last, rules)
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
@@ -59,7 +62,7 @@ def conclude(
         return Conclusion(
             "unexplained",
             f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
-            f"The model is not as good as the sensors: {error.sentence}.",
+            f"The model is not as good as the sensors: {error.sentence}.{_nearest(possible, rules)}",
             stopped,
             error.advice,
             error,
@@ -72,7 +75,7 @@ def conclude(
             f"{_times(last):.2g} times the noise floor",
             "The model explains these recordings; nothing that can be told from noise is missing."
             + ("" if error is None else f" Yet {error.sentence}.")
-            + (f" They could not show much: {short}." if short else ""),
+            + (f" They could not show much: {short}.{_nearest(possible, rules)}" if short else ""),
             stopped,
             advice if error is None else error.advice,
             error,
@@ -81,7 +84,8 @@ def conclude(
         return Conclusion(
             "unexplained",
             f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
-            f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}.",
+            f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
+            + _nearest(possible, rules),
             stopped,
             "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
@@ -132,6 +136,14 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     )
 
 
+def _nearest(possible: Sequence[Possible], rules: Rules) -> str:
+    """Return which entry of the catalogue comes nearest to what is left, and why it was not accepted; "" for none."""
+    best = max(possible, key=lambda one: one.explained_share, default=None)
+    if best is None or best.explained_share < rules.nearest:
+        return ""
+    return f" Nearest in the catalogue: {best.name}, {100 * best.explained_share:.0f} % of the error; {best.reason}."
+
+
 def _size(error: ModelError | None) -> str:
     """Return how much is left beside the structure that was found, in words."""
     return "" if error is None else f"; the error of the {error.joint} is {error.times:.2g} times the noise"
@@ -139,7 +151,7 @@ def _size(error: ModelError | None) -> str:
 
 def _times(last: FittedModel) -> float:
     """Return how many times the noise floor the error is, at the worse joint."""
-    floor = last.prepared.noise_floor
+    floor = sensor_noise(last.prepared)
     return float(np.max(last.judged_rms[floor > 0.0] / floor[floor > 0.0], initial=0.0))
 
 

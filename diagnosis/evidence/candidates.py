@@ -111,7 +111,8 @@ class Library:
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
     """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
 
-    Terms that `model` already has are left out, and effects of a drive at a joint that has none in any recording.
+    Terms that `model` already has are left out, and effects of a drive, or of the model's own torque, at a joint that
+    has no drive in any recording.
     """
     driven = [any(one.driven[j] for one in prepared) for j in range(len(JOINTS))]
     known = {term.name for term in model.terms}
@@ -119,7 +120,9 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     for effect in (*catalogue().values(), *extra):
         for joint in (None,) if effect.on_both else effect.joints:
             term = Term(effect, joint)
-            idle = effect.drive and joint is not None and not driven[JOINTS.index(joint)]
+            # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
+            undriven = joint is not None and not driven[JOINTS.index(joint)]
+            idle = undriven and (effect.drive or (effect.derive is None and _feeds_back(term)))
             if term.name not in known and not idle:
                 tangent = not effect.coefficients
                 found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))

@@ -16,6 +16,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.rules import RULES, Rules
 from measurement.signals.butterworth import lag_filter
 from optimisation.fitting.identify import identify
+from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
 from optimisation.preparation.prepare import Prepared, PreparedRecording
@@ -45,7 +46,8 @@ def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
     return (
-        _unexplained_torque(last, rules)
+        _wrong_length(base, last, rules)
+        or _unexplained_torque(last, rules)
         or _impossible_base(base, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
@@ -171,6 +173,24 @@ class _Readings:
         square = np.sum(data.residual(solve_sse(data)) ** 2, axis=1)
         size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(data.tau, data.use, strict=True)])
         return float(np.sum(square[size > 0.0] / size[size > 0.0]))
+
+
+def _wrong_length(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether another thigh length explains far more than everything that was found."""
+    length = wanted_thigh_length(base.fit, base.prepared)
+    if length is None or not length.wrong:
+        return None
+    seen = base.train_rms > 0.0
+    reached = np.mean((last.train_rms[seen] / base.train_rms[seen]) ** 2)
+    with_length = np.mean(1.0 - np.array(length.gain)[seen])
+    if with_length > rules.own_length * reached:
+        return None
+    return Doubt(
+        f"with a thigh length of {length.value:.3g} m the squared error falls to {100 * with_length:.0f} %, with what "
+        f"the catalogue has to {100 * reached:.0f} %",
+        f"The thigh length contradicts the recordings: {length.sentence}. No effect is named on top of a wrong length.",
+        f"measure the thigh; the recordings want [geometry] thigh_length = {length.value:.3g} in a model file",
+    )
 
 
 def _unexplained_torque(last: FittedModel, rules: Rules) -> Doubt | None:

@@ -10,6 +10,8 @@ import numpy as np
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.repeats import Repeats, repeats
 from diagnosis.rules import RULES, Rules
+from optimisation.preparation.prepare import Prepared
+from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
 
@@ -37,15 +39,19 @@ class ModelError:
         }
 
 
+def sensor_noise(prepared: Prepared) -> Float:
+    """Return the noise floor (J,), N·m; where no drive acts, of the other joints' sensors: zero torque has no noise."""
+    driven = np.any([one.driven for one in prepared.all], axis=0)
+    return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
+
+
 def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
 
     Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
     """
     again = repeats(last)
-    driven = np.any([one.driven for one in last.prepared.all], axis=0)
-    # A torque that is zero for certain has no noise; an error there is measured by what the other joint's sensor has.
-    sensors = np.where(driven, last.prepared.noise_floor, last.prepared.noise_floor.max())
+    sensors = sensor_noise(last.prepared)
     floor = sensors if again is None else np.maximum(sensors, again.noise)
     error = last.judged_rms
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.

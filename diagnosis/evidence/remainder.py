@@ -399,6 +399,8 @@ def _splines(now: FittedModel, variable: str, joint: int, factor: str, knots: in
     if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":
         return None  # the direction is that of the joint itself
     prepared = now.prepared.all
+    if variable in ("load", f"ddq{joint + 1}") and not any(p.driven[joint] for p in prepared):
+        return None  # where no drive acts, both are made by whatever is missing: it would explain itself
     signals = [_signal(p, now, variable, joint, factor) for p in prepared]
     train = np.concatenate(signals[: len(now.prepared.train)])
     low, high = np.quantile(train, (0.002, 0.998))

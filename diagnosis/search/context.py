@@ -12,6 +12,7 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import columns_at, refine
+from diagnosis.evidence.model_error import sensor_noise
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, rank
 from diagnosis.evidence.score import Score, weigh
@@ -127,7 +128,7 @@ class SearchContext:
 
     def doubt(self, before: Extension, after: Extension) -> str:
         """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against it."""
-        text = doubt(before, after, self.prepared.noise_floor, self.rules)
+        text = doubt(before, after, sensor_noise(self.prepared), self.rules)
         if text and after.added is not None:
             self.doubts[self.key(before), after.added.name] = text
         return text

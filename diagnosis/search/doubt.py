@@ -81,18 +81,17 @@ def undetermined(fitted: FittedModel, name: str) -> str:
 
 
 def small_while_far(after: Extension, floor: Float, rules: Rules) -> str:
-    """Return that the term gains little while the error of its joints stays far above the noise floor (J,)."""
+    """Return that the term gains little while an error stays far above the noise floor (J,)."""
     score = after.added
     if score is None:
         return ""
     share = max(score.share, score.unseen or 0.0)
-    if share >= rules.small_gain:
+    # At any joint: what is missing at one bends the inertias of all, and a small term elsewhere may bend them back.
+    ratio = after.fitted.judged_rms / np.maximum(floor, 1e-12)
+    times = float(ratio.max()) / rules.far_above
+    if times < 1.0 or share >= rules.small_gain * rules.farther ** np.log10(times):
         return ""
-    joints = list(score.candidate.joints)
-    ratio = after.fitted.judged_rms[joints] / np.maximum(floor[joints], 1e-12)
-    if ratio.max() < rules.far_above:
-        return ""
-    joint = JOINTS[joints[int(np.argmax(ratio))]]
+    joint = JOINTS[int(np.argmax(ratio))]
     return (
         f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise floor: "
         "something larger is missing, and small terms may only take up part of it"

@@ -1,4 +1,8 @@
-"""Drop what is unsteady: a term that only some splits of the recordings support is possible, not accepted."""
+"""Drop what is unsteady: a term that only some splits of the recordings support is possible, not accepted.
+
+So is one whose numbers, refitted beside the terms that came later, no longer show it: all its intervals contain zero,
+or a parameter has run into a bound.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,33 @@ from dataclasses import replace
 
 from diagnosis.evidence.stability import Splits
 from diagnosis.search.context import SearchContext
+from diagnosis.search.doubt import on_bound, undetermined
 from diagnosis.search.state import State
 
 
 def drop_unsteady(context: SearchContext, state: State) -> State:
-    """Return the state without the accepted term that fewest splits support beside the others, if that are too few."""
+    """Return the state without one accepted term: whose numbers no longer show it, or else that fewest splits support
+    beside the others, if that are too few.
+    """
     if not state.accepted:
         return state
+    last = state.last.fitted
+    for name in state.names:
+        if text := on_bound(last, name, context.rules) or undetermined(last, name):
+            return _without(context, state, name, text)
     context.tick(0.89, "repeating the decision over splits of the recordings")
     splits = Splits(context.evidence(state.last, draws=0))
-    found = {name: splits.term(state.last.fitted, name) for name in state.names}
+    found = {name: splits.term(last, name) for name in state.names}
     weak = [name for name, agreement in found.items() if not agreement.enough(context.rules)]
     if not weak:
         return state
-    least = min(weak, key=lambda name: found[name].share or 0.0)
-    shorter = replace(state, unsteady=state.unsteady | {least})
-    return context.replay(shorter, [name for name in state.names if name != least])
+    return _without(context, state, min(weak, key=lambda name: found[name].share or 0.0))
+
+
+def _without(context: SearchContext, state: State, name: str, reason: str = "") -> State:
+    """Return the state without the term `name`, which is not tried again; `reason` is what speaks against it."""
+    shorter = replace(state, unsteady=state.unsteady | {name})
+    shorter = context.replay(shorter, [other for other in state.names if other != name])
+    if reason:
+        context.doubts[context.key(shorter.last), name] = reason
+    return shorter

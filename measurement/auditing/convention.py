@@ -31,8 +31,13 @@ DOUBTS = ((0.08, 4.0), (0.03, 15.0))
 """Another reading is only named when the recordings as they stand leave so much, and so many times more than it."""
 LEAST = min(least for least, _ in DOUBTS)
 QUIET = 0.1
-"""A joint whose torque varies less than this times the other's counts as if it varied so much: a passive joint's
-current is noise, which no reading explains."""
+"""A joint whose torque varies less than this times the other's counts as if it varied so much."""
+PASSIVE = 0.02
+"""A joint whose torque varies less than this times the other's is passive: what a reading leaves there is compared with
+the other's torque, since it has none of its own."""
+STANDS = 0.01
+"""rad; the standard deviation below which a joint stands still. A lock or a brake then carries what the drive does not,
+so its torque speaks for no reading."""
 AS_GOOD = 1.5
 """Among readings that leave at most so many times what the best leaves, the one with the fewest names is named."""
 FEW, MOST, WRONG = 2, 4, 0.4
@@ -297,12 +302,13 @@ def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[Reading], most: floa
     samples = sum(len(range(m.q.shape[0])[m.keep]) for group in sets for m in group)
     thin = max(1, samples // ROWS)
     thinned = [[_rows(m, thin) for m in group] for group in sets]
+    moves = [[m.q[m.keep].std(axis=0) > STANDS for m in group] for group in sets]
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
         alike.setdefault(np.concatenate([kind.map.angle.ravel(), kind.map.zero]).tobytes(), []).append(k)
     out = np.zeros(len(kinds))
     for places in alike.values():
-        sums = [_sums(group, kinds[places[0]].map) for group in thinned]
+        sums = [_sums(group, moving, kinds[places[0]].map) for group, moving in zip(thinned, moves, strict=True)]
         out[places] = _shares(sums, np.stack([kinds[k].map.torque for k in places]), most)
     return out
 
@@ -314,8 +320,8 @@ def _rows(motion: Smooth, thin: int) -> tuple[Float, Float, Float, Float]:
 
 @dataclass(frozen=True, eq=False)
 class _Sums:
-    """Sums over samples: `gram` (J, J, P, P) of two joints' columns, `slope` (J, J, P) of joint j's columns with
-    torque k, `power` (J,) of the torques around their means.
+    """Sums over the samples of recordings in which the joint of torque k moves: `gram` (K, J, J, P, P) of two joints'
+    columns, `slope` (J, K, P) of joint j's columns with torque k, `power` (K,) of the torques around their means.
     """
 
     gram: Float
@@ -323,15 +329,21 @@ class _Sums:
     power: Float
 
 
-def _sums(group: Sequence[tuple[Float, Float, Float, Float]], to: Map) -> _Sums:
+def _sums(group: Sequence[tuple[Float, Float, Float, Float]], moves: Sequence[np.ndarray], to: Map) -> _Sums:
     q, dq, ddq, tau = (np.concatenate(parts) for parts in zip(*group, strict=True))
-    tau = tau - tau.mean(axis=0)  # constant offsets are nobody's sign
+    counts = np.concatenate([np.repeat(m[None], len(rows[0]), axis=0) for m, rows in zip(moves, group, strict=True)])
+    mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
+    tau = (tau - mean) * counts  # constant offsets are nobody's sign
     angle = q @ to.angle.T + to.zero
     y = np.concatenate([columns(angle, dq @ to.angle.T, ddq @ to.angle.T), _stops(angle)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
-    size = y.shape[2]
-    gram = (flat.T @ flat).reshape(2, size, 2, size).transpose(0, 2, 1, 3)
-    return _Sums(gram, (flat.T @ tau).reshape(2, size, 2).transpose(0, 2, 1), np.sum(tau**2, axis=0))
+    size, joints = y.shape[2], tau.shape[1]
+    grams = [
+        (part.T @ part).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
+        for part in (flat[counts[:, k]] for k in range(joints))
+    ]
+    slope = (flat.T @ tau).reshape(joints, size, joints).transpose(0, 2, 1)
+    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0))
 
 
 def _stops(q: Float) -> Float:
@@ -355,13 +367,14 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
     from scipy.optimize import nnls
 
     power = np.sum([s.power for s in groups], axis=0)
-    weight = 1.0 / np.maximum(np.maximum(power, QUIET**2 * power.max()), 1e-24)
+    least = np.where(power < PASSIVE**2 * power.max(), 1.0, QUIET**2) * power.max()
+    weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
     back = np.linalg.inv(torques)
-    squares = np.einsum("k,mkj,mkl->mjl", weight, back, back)
+    squares = np.einsum("k,mkj,mkl->mkjl", weight, back, back)
     ready = []
     bound = np.zeros(len(torques))
     for s in groups:
-        gram = np.tensordot(squares, s.gram, 2)
+        gram = np.tensordot(squares, s.gram, 3)
         slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
         size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
         scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])

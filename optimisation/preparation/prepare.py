@@ -16,6 +16,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.html import bullets, lines, table
+from measurement.auditing.checks.motion import NOTHING
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.overlap import held_apart
@@ -291,9 +292,9 @@ def _prepare_one(
     Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
     """
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
-    driven = ~(even.passive | (np.ptp(even.tau, axis=0) == 0.0) & (np.abs(even.tau[0]) == 0.0))
     tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
     rate = even.rate / factor
+    driven = ~(even.passive | _reads_nothing(even.tau, tau, rate, cutoff))
     inner = min(INNER * cutoff, 0.4 * even.rate)
     smoothed = METHODS[derivative]
     noise = noise_density(even)
@@ -355,6 +356,13 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
     Where a brake, a lock or dry friction carries the load, the torque stays as it is while the other joint moves.
     """
     return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
+
+
+def _reads_nothing(logged: Float, tau: Float, rate: float, cutoff: float) -> Bool:
+    """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
+    zero = (np.ptp(logged, axis=0) == 0.0) & (logged[0] == 0.0)
+    span = np.ptp(np.quantile(logged, (0.1, 0.9), axis=0), axis=0)
+    return np.asarray(zero | (span < NOTHING * span.max()) & ~_bears_load(tau, rate, cutoff))
 
 
 def bridged(x: Float, stuck: Bool, rate: float) -> Float:

@@ -9,7 +9,8 @@ import pytest
 
 from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.fitted import fitted_model
-from diagnosis.evidence.model_error import model_error
+from diagnosis.evidence.model_error import model_error, sensor_noise
+from diagnosis.evidence.remainder import remainders
 from ground.errors import RecordingError
 from measurement.auditing.checks.motion import check
 from optimisation.fitting.identify import identify
@@ -69,3 +70,20 @@ def test_the_option_names_all_recordings_or_one():
             passive_joints([wrong], ["a/x.csv"])
     with pytest.raises(RecordingError):
         recording(0).with_passive("elbow")
+
+
+def test_a_torque_that_reads_nothing_but_noise_is_that_of_no_drive():
+    prepared = prepare(Model.standard(), [quiet(k) for k in range(2)], cutoff=5.0)
+    assert not any(one.driven[1] for one in prepared.train) and all(one.driven[0] for one in prepared.train)
+    assert sensor_noise(prepared)[1] == prepared.noise_floor.max()
+
+
+def test_the_torque_of_the_model_explains_nothing_where_no_drive_acts():
+    model = Model.standard()
+    prepared = prepare(model, [quiet(k).with_passive("knee") for k in range(2)], cutoff=5.0)
+    names = {c.name for c in build_library(model, prepared.all).candidates}
+    assert "load_friction:hip" in names and "load_friction:knee" not in names
+    now = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    tried = {(r.joint, r.variable) for r in remainders(now, now.evidence(seed=0, draws=20), placebos=0)}
+    assert {("hip", "load"), ("hip", "ddq1"), ("knee", "ddq1")} < tried
+    assert not {("knee", "load"), ("knee", "ddq2")} & tried

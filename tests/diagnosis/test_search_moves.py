@@ -8,6 +8,7 @@ import pytest
 from synthetic import search, state_with
 
 from diagnosis.rules import RULES
+from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.engine import run
 from diagnosis.search.exchange import exchange
@@ -95,6 +96,28 @@ def test_what_only_some_recordings_support_is_dropped():
     found = drop_unsteady(context, state)
     assert found.names == ()
     assert found.unsteady == {"torque_offset:hip"}
+
+
+def test_a_term_whose_interval_contains_zero_is_possible_and_not_accepted(plain):
+    state = state_with(plain, "stribeck:hip", "viscous_cubic:hip", "torque_offset:knee")
+    last = state.last.fitted
+    wide = tuple(
+        replace(e, low=e.value - 9.0, high=e.value + 9.0) if e.name.startswith("viscous_cubic") else e
+        for e in last.fit.estimates
+    )
+    vague = replace(state.last, fitted=replace(last, fit=replace(last.fit, estimates=wide)))
+    found = drop_unsteady(plain, state.grown(*state.extensions[:-1], vague))
+    assert set(found.names) == {"stribeck:hip", "torque_offset:knee"}
+    assert "contains zero" in plain.doubts[plain.key(found.last), "viscous_cubic:hip"]
+
+
+def test_the_farther_the_error_stays_from_the_noise_the_more_a_term_must_explain(plain):
+    after = state_with(plain, "torque_offset:knee").last
+    score = replace(after.added, share=0.2, unseen=0.2)
+    after, left = replace(after, added=score), after.fitted.judged_rms
+    assert not small_while_far(after, left, RULES)
+    assert not small_while_far(after, left / 3.5, RULES)
+    assert "something larger is missing" in small_while_far(after, left / 40.0, RULES)
 
 
 def test_what_every_recording_supports_stays(plain):

@@ -153,3 +153,40 @@ def test_names_are_checked():
         "degrees",
         "absolute-shank",
     ]
+
+
+def swung(seed, count=1200):
+    """A recording of a leg without friction whose knee drive swings it: nothing drives the hip (an acrobot)."""
+    rng = np.random.default_rng(seed)
+    phase, step, inner = rng.uniform(0, 6, 2), 0.01, 2
+    state, rows = np.zeros((2, 2)), []
+    for k in range(count):
+        t = k * step
+        tau = np.array([0.0, 12.0 * np.sin(3.1 * t + phase[0]) + 6.0 * np.sin(5.3 * t + phase[1])])
+        rows.append((t, *state[0], *tau))
+        for _ in range(inner):
+            rest = torque(LEG, *state, np.zeros(2))
+            mass = np.column_stack([torque(LEG, *state, unit) - rest for unit in np.eye(2)])
+            state[1] += step / inner * np.linalg.solve(mass, tau - rest - 0.8 * state[1])
+            state[0] += step / inner * state[1]
+    t, q, tau = np.split(np.array(rows), [1, 3], axis=1)
+    return Recording(f"swung{seed}", t.ravel(), q, tau)
+
+
+def test_a_leg_without_a_drive_at_the_hip_is_not_read_as_swapped():
+    runs = [swung(seed, 700) for seed in range(2)]
+    assert not check_conventions(runs)
+    assert not any(check_conventions([run]) for run in runs)
+
+
+def test_the_torque_of_a_joint_that_a_lock_holds_speaks_for_no_convention():
+    runs = []
+    for seed, held in enumerate((0, 1, 0)):
+        t, q, dq, _ = moved(seed)
+        q, dq = q.copy(), dq.copy()
+        q[:, held], dq[:, held] = 0.0, 0.0
+        ddq = np.gradient(dq, t, axis=0)
+        tau = np.array([torque(LEG, *state) for state in zip(q, dq, ddq, strict=True)])
+        tau[:, held] = 0.0
+        runs.append(Recording(f"locked{seed}", t, q, tau + 0.02 * np.random.default_rng(seed).normal(size=tau.shape)))
+    assert not check_conventions(runs)
