@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 
 from measurement.bench.leg import standard_leg  # noqa: E402
 from measurement.bench.sensors import Sensors  # noqa: E402
-from measurement.bench.simulation import Bench, run  # noqa: E402 - the repository must be on the path first
+from measurement.bench.simulation import Bench, run_bench  # noqa: E402 - the repository must be on the path first
 from measurement.signals.derivatives import METHODS  # noqa: E402
 from measurement.trajectories.trajectory import random_trajectory  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
@@ -44,7 +44,7 @@ def main() -> int:
     given = parser.parse_args()
     model, leg = Model.standard(), standard_leg()
     path = random_trajectory(np.random.default_rng(3), model.limits, period=10.0)
-    exact = run(excitation=path, bench=Bench(duration=30.0, sensors=Sensors.ideal()), seed=3)
+    exact = run_bench(excitation=path, bench=Bench(duration=30.0, sensors=Sensors.ideal()), seed=3)
     clean = replace(exact.recording, q=exact.motion.q, tau=exact.torque)
     print("| noise [rad] | cut-off [Hz] | " + " | ".join(f"{m}: Φ1, Φ2 [%]" for m in METHODS) + " |")
     print("|---|---|" + "---|" * len(METHODS))

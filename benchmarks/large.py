@@ -31,11 +31,11 @@ STAGES = ("import", "read", "prepare", "identify")
 def write(folder: Path, minutes: int, formats: list[str]) -> None:
     """Write the recording in each format; text goes out a minute at a time."""
     from measurement.bench.sensors import Sensors
-    from measurement.bench.simulation import Bench, run
+    from measurement.bench.simulation import Bench, run_bench
     from measurement.trajectories.trajectory import random_trajectory
 
     path = random_trajectory(np.random.default_rng(3), period=PERIOD)
-    true = run(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
+    true = run_bench(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
     sensors, rng = Sensors(), np.random.default_rng(4)
     blocks = []
     for minute in range(minutes):

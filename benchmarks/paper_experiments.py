@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from measurement.bench.leg import paper_leg
-from measurement.bench.simulation import Bench, Run
-from measurement.bench.simulation import run as run_bench
+from measurement.bench.simulation import Bench, BenchRun
+from measurement.bench.simulation import run_bench as run_bench
 from measurement.signals.conditioning import derivatives, low_pass
 from measurement.trajectories.trajectory import CENTRE, Fourier, largest_scale, paper_trajectory, within
 from optimisation.excitation.design import design
@@ -65,12 +65,12 @@ class Fits:
         return self.error(self.huber, against) / self.error(self.sse, against)
 
 
-def record(seed: int, excitation: Fourier | None) -> Run:
+def record(seed: int, excitation: Fourier | None) -> BenchRun:
     """Run the bench for 35 s at 10 ms with the paper's leg."""
     return run_bench(LEG, paper_leg(), excitation=excitation, seed=seed, bench=Bench(duration=DURATION, rate=RATE))
 
 
-def linear_data(run: Run, tau: np.ndarray) -> LinearData:
+def linear_data(run: BenchRun, tau: np.ndarray) -> LinearData:
     """Return τ = YΦ with Y from smoothed encoders, and `tau` (N, J) as it is: no torque filter, nothing bridged."""
     q = low_pass(run.recording.q, CUTOFF, RATE)
     dq, ddq = derivatives(q, RATE)
@@ -79,19 +79,19 @@ def linear_data(run: Run, tau: np.ndarray) -> LinearData:
     return LinearData(columns, tau.T, np.zeros(len(q), dtype=int), names, units)
 
 
-def usual(run: Run, rng: np.random.Generator) -> np.ndarray:
+def usual(run: BenchRun, rng: np.random.Generator) -> np.ndarray:
     """The bench's own instruments: 0.5 N·m of noise, 6 % outliers, bursts of chatter."""
     return np.asarray(run.recording.tau)
 
 
-def symmetric(run: Run, rng: np.random.Generator) -> np.ndarray:
+def symmetric(run: BenchRun, rng: np.random.Generator) -> np.ndarray:
     """Errors of the size of the paper's δ, as often up as down: every fifth sample is knocked."""
     shape = run.torque.shape
     knocked = rng.random(shape) < 0.2
     return run.torque + PAPER_DELTA * (0.15 + 2.35 * knocked) * rng.standard_normal(shape)
 
 
-def one_sided(run: Run, rng: np.random.Generator) -> np.ndarray:
+def one_sided(run: BenchRun, rng: np.random.Generator) -> np.ndarray:
     """Errors of the size of the paper's δ that all point one way: knocks of about 0.2 s, one a second."""
     torque = run.torque + 0.15 * PAPER_DELTA * rng.standard_normal(run.torque.shape)
     for joint in range(2):
@@ -100,7 +100,7 @@ def one_sided(run: Run, rng: np.random.Generator) -> np.ndarray:
     return torque
 
 
-ERRORS: Mapping[str, Callable[[Run, np.random.Generator], np.ndarray]] = {
+ERRORS: Mapping[str, Callable[[BenchRun, np.random.Generator], np.ndarray]] = {
     "the bench's instruments": usual,
     "as large as the paper's δ, both ways": symmetric,
     "as large as the paper's δ, one way": one_sided,
@@ -118,7 +118,7 @@ def fit_all(seeds: int = SEEDS) -> dict[str, list[Fits]]:
     }
 
 
-def fit_one(train: Run, unseen: Run, wrong: Callable[..., np.ndarray], seed: int) -> Fits:
+def fit_one(train: BenchRun, unseen: BenchRun, wrong: Callable[..., np.ndarray], seed: int) -> Fits:
     """Fit SSE, take δ from it by the 14 % rule, fit Huber, and prove the optimum."""
     rng = np.random.default_rng(seed)
     data = linear_data(train, wrong(train, rng))
@@ -135,7 +135,7 @@ def own_way(seeds: int = SEEDS) -> np.ndarray:
     return np.array([identify(LEG, [run.recording], optimisers=()).linear for run in runs])
 
 
-def misprint(train: Run, unseen: Run) -> dict[str, np.ndarray]:
+def misprint(train: BenchRun, unseen: BenchRun) -> dict[str, np.ndarray]:
     """Return the true RMS error (J,) on unseen motion of an SSE fit with the derived Y and with the printed one."""
     found = {}
     for name, change in (("derived", 0.0), ("printed", 1.0)):

@@ -18,12 +18,12 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.stability import splits_of
-from diagnosis.evidence.stretches import searched, stretches
+from diagnosis.evidence.stretches import searched, searched_stretches
 from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress, SearchContext, silent
 from diagnosis.search.doubt import too_short
-from diagnosis.search.engine import Found, run
+from diagnosis.search.engine import Found, run_search
 from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
 from diagnosis.verdict import (
@@ -173,7 +173,7 @@ class _Question:
             prepared = prepare(self.model, recordings, verify, cutoff=self.cutoff, derivative=self.derivative)
         base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
         answer = _before_any_search(base, self.rules)
-        part = prepared if answer is not None else stretches(prepared, self.rules)
+        part = prepared if answer is not None else searched_stretches(prepared, self.rules)
         library = build_library(self.model, part.all, own_effects(self.model, self.extra))
         context = SearchContext(part, library, self.seed, tick, self.most, self.rules)
         if found is not None:
@@ -181,7 +181,7 @@ class _Question:
         if answer is not None:
             return _Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
         start = Extension(base) if part is prepared else context.fit(self.model)
-        return _Searched(prepared, base, context, run(context, start))
+        return _Searched(prepared, base, context, run_search(context, start))
 
 
 def _part(tick: Progress, low: float, high: float) -> Progress:

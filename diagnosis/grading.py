@@ -22,7 +22,7 @@ class ScoreError(ExoidError):
 
 
 @dataclass(frozen=True)
-class Number:
+class HiddenParameter:
     """A hidden number: its `true` value, the estimate and its 95 % interval."""
 
     name: str
@@ -38,20 +38,20 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Scored:
+class GradedEffect:
     """One hidden effect: `outcome` is "found", "in a class" or "missed"; `by` the accepted one that answers for it."""
 
     name: str
     outcome: str
     by: str | None
-    numbers: tuple[Number, ...] = ()
+    numbers: tuple[HiddenParameter, ...] = ()
 
 
 @dataclass(frozen=True)
-class Score:
+class Grade:
     """How a diagnosis did: every hidden effect, the `extra` ones it accepted, its `verdict`, and if it was right."""
 
-    hidden: tuple[Scored, ...]
+    hidden: tuple[GradedEffect, ...]
     extra: tuple[str, ...]
     verdict: str
 
@@ -119,7 +119,7 @@ def match(hidden: Sequence[str], accepted: Sequence[tuple[str, Sequence[str]]]) 
     return out
 
 
-def score(truth: Truth, found: Mapping[str, Any], where: str = "") -> Score:
+def score(truth: Truth, found: Mapping[str, Any], where: str = "") -> Grade:
     """Score `found`, the JSON of `exoid diagnose` or `discover`, against `truth`; ScoreError for anything else."""
     try:
         if not str(found["schema"]).startswith(SCHEMA):
@@ -135,7 +135,7 @@ def score(truth: Truth, found: Mapping[str, Any], where: str = "") -> Score:
             by = answers[one.term]
             outcome = "missed" if by is None else "found" if by == one.term else "in a class"
             numbers = _numbers(one.values, parts[one.term][1]) if outcome == "found" else ()
-            scored.append(Scored(one.term, outcome, by, numbers))
+            scored.append(GradedEffect(one.term, outcome, by, numbers))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ScoreError(
             "this is not the JSON of exoid diagnose or discover",
@@ -143,12 +143,12 @@ def score(truth: Truth, found: Mapping[str, Any], where: str = "") -> Score:
             remedy="write it with: exoid discover REC... --json found.json",
         ) from error
     used = {by for by in answers.values() if by is not None}
-    return Score(tuple(scored), tuple(name for name in parts if name not in used), verdict)
+    return Grade(tuple(scored), tuple(name for name in parts if name not in used), verdict)
 
 
-def _numbers(true: Mapping[str, float], found: Mapping[str, Any]) -> tuple[Number, ...]:
+def _numbers(true: Mapping[str, float], found: Mapping[str, Any]) -> tuple[HiddenParameter, ...]:
     return tuple(
-        Number(name, float(value), *(float(found[name][key]) for key in ("value", "low", "high")))
+        HiddenParameter(name, float(value), *(float(found[name][key]) for key in ("value", "low", "high")))
         for name, value in true.items()
         if name in found and all(found[name].get(key) is not None for key in ("value", "low", "high"))
     )

@@ -87,7 +87,7 @@ BOUNDARIES: Mapping[str, Callable[[Float, Float, Float], Float]] = MappingProxyT
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class OptimiserRun:
     """One run: best `x` (physical parameters, (P,)), its `fitness`, and how it got there.
 
     `history` (G,) is the best fitness after `counts` (G,) evaluations; `found_at` (K,) are the evaluations that found
@@ -145,7 +145,7 @@ def minimise(
     seed: int = 0,
     start: Float | None = None,
     progress: Callable[[int, float], None] | None = None,
-) -> Run:
+) -> OptimiserRun:
     """Run `optimiser` on `problem` for exactly `individuals` × `generations` evaluations and return the Run.
 
     The first population is drawn evenly from the box unless `start` (I, n) gives it. `progress(evaluations,
@@ -181,7 +181,7 @@ def minimise(
             progress(spent, best_f)
         if len(x) and spent < budget:
             state = optimiser.tell(state, x, f)
-    return Run(
+    return OptimiserRun(
         name or type(optimiser).__name__,
         problem.physical(best_x),
         best_f,

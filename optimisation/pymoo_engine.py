@@ -16,7 +16,7 @@ from symbolic.motion import Float
 
 
 @dataclass(eq=False)
-class Engine:
+class PymooState:
     """The state: pymoo's `algorithm`, which changes itself, and what it `asked` for last."""
 
     algorithm: Any
@@ -24,7 +24,7 @@ class Engine:
     box: Box
 
 
-def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
     """Return the state of `algorithm` after a first population `x` (I, n) with fitness `f` (I,)."""
     from pymoo.core.problem import Problem
     from pymoo.core.termination import NoTermination
@@ -36,11 +36,11 @@ def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator
     algorithm.setup(problem, termination=NoTermination(), seed=0)
     algorithm.random_state = rng
     algorithm.display = _nothing
-    engine = Engine(algorithm, _population(x), box)
+    engine = PymooState(algorithm, _population(x), box)
     return tell(engine, x, f)
 
 
-def ask(engine: Engine, rng: np.random.Generator) -> Float:
+def ask(engine: PymooState, rng: np.random.Generator) -> Float:
     """Return pymoo's next candidates (I, n)."""
     algorithm = engine.algorithm
     algorithm.random_state = rng
@@ -53,7 +53,7 @@ def ask(engine: Engine, rng: np.random.Generator) -> Float:
     return np.asarray(engine.asked.get("X"), dtype=float)
 
 
-def tell(engine: Engine, x: Float, f: Float) -> Engine:
+def tell(engine: PymooState, x: Float, f: Float) -> PymooState:
     """Hand the fitness `f` (I,) of the candidates, as they were evaluated (`x`), to pymoo."""
     # The individuals asked for carry more than their place (a particle its velocity), so they are kept.
     engine.asked.set("X", x)

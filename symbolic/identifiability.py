@@ -19,7 +19,7 @@ import numpy as np
 from ground.cache import cache_folder, read_trusted
 from ground.errors import EffectError
 from ground.files import sha256, write_whole
-from symbolic.codegen.fingerprint import canonical, equations, generator_key, library_versions, term_content
+from symbolic.codegen.fingerprint import canonical_json, equations, generator_key, library_versions, term_content
 from symbolic.language.lower import to_text
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
@@ -108,7 +108,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
         found = structural_look_alikes(model)
         plain = [asdict(one) for one in found]
         try:
-            write_whole(path, canonical({"found": plain, "seal": sha256(canonical(plain))}), at_once=True)
+            write_whole(path, canonical_json({"found": plain, "seal": sha256(canonical_json(plain))}), at_once=True)
         except OSError:
             # A full disk costs the next caller the computation, not this one the answer.
             return found
@@ -150,13 +150,13 @@ def _content_key(model: Model) -> str:
     candidates = [[term_content(term), repr(term.effect.shape)] for term in every_candidate(model)]
     shapes = [repr(entry.shape) for entry in model.shapes]
     parts = [equations(model), shapes, candidates, library_versions(), generator_key(), SEED, STATES, PRECISE_STATES]
-    return sha256(canonical(parts))
+    return sha256(canonical_json(parts))
 
 
 def _read(path: Path) -> tuple[LookAlike, ...] | None:
     try:
         content = json.loads(read_trusted(path, LARGEST_CACHE))
-        if content["seal"] != sha256(canonical(content["found"])):
+        if content["seal"] != sha256(canonical_json(content["found"])):
             return None
         return tuple(LookAlike(tuple(one["names"]), one["relation"], one["absorbed"]) for one in content["found"])
     except (OSError, ValueError, KeyError, TypeError):

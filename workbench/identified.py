@@ -50,7 +50,7 @@ class Options:
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
+class ExportedOperator:
     """An operator with memory: its word, what feeds it (a Function of the inputs), its parameter (None for ddt)."""
 
     operator: str
@@ -76,7 +76,7 @@ class Ready:
     coriolis: Any
     gravity: Any
     forward: Any | None
-    memories: tuple[Memory, ...]
+    memories: tuple[ExportedOperator, ...]
 
 
 def read_ready(path: str) -> Ready:
@@ -121,7 +121,7 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
             "forward_dynamics", [*given, tau], [value], [*_NAMES, "tau"], ["acceleration"], {"cse": True}
         )
     memories = tuple(
-        Memory(
+        ExportedOperator(
             m.operator,
             function(f"argument_{k}", m.argument),
             None if m.parameter is None else float(put_in(m.parameter)),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Block, Evidence, robust_weight
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
 from diagnosis.rules import Rules
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
 from symbolic.model import Model
@@ -80,7 +80,7 @@ class _Question:
     index: int | None
     joint: int = 0
 
-    def column(self, block: Block) -> Float:
+    def column(self, block: RecordingEvidence) -> Float:
         """Return its column (J, K)."""
         if self.index is not None:
             return np.asarray(block.columns[:, :, self.index])
@@ -128,7 +128,7 @@ def differing(now: FittedModel, evidence: Evidence) -> tuple[Differing, ...]:
     return tuple(out.values())
 
 
-def _with_column(block: Block, column: Float) -> Block:
+def _with_column(block: RecordingEvidence, column: Float) -> RecordingEvidence:
     return replace(block, columns=np.concatenate([block.columns, column[:, :, None]], axis=2))
 
 
@@ -145,7 +145,7 @@ def _questions(model: Model, linear: Float, shapes: Float) -> list[_Question]:
 class _Pooled:
     """The model fitted to all recordings together (weighted, linearised at its shapes), ready to be asked."""
 
-    def __init__(self, blocks: list[Block], sigma: Float, prior: Float, rules: Rules) -> None:
+    def __init__(self, blocks: list[RecordingEvidence], sigma: Float, prior: Float, rules: Rules) -> None:
         self.blocks, self.rules = blocks, rules
         self.weights = [robust_weight(b, sigma, rules) / sigma[:, None] ** 2 for b in self.blocks]
         both = list(zip(self.blocks, self.weights, strict=True))

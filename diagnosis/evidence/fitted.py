@@ -12,7 +12,7 @@ from typing import cast
 
 import numpy as np
 
-from diagnosis.evidence.gain import Block, Evidence, pooled_scale
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from diagnosis.rules import RULES, Rules
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.local_shape import shapes_for
@@ -174,13 +174,17 @@ def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]
     return np.sqrt(square / np.maximum(count, 1))
 
 
-def _block(model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, parts: int) -> Block:
+def _block(
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, residual: Float, parts: int
+) -> RecordingEvidence:
     raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
     columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
     smooth = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(columns, axis=2), 0, 1)), 0, 1)
     samples = smooth.shape[1]
     fold = np.arange(samples) * parts // samples
-    return Block(np.ascontiguousarray(smooth), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
+    return RecordingEvidence(
+        np.ascontiguousarray(smooth), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold
+    )
 
 
 def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:

@@ -23,7 +23,7 @@ from symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class RecordingEvidence:
     """One prepared recording as the evidence sees it, all at the K kept samples.
 
     `columns` (J, K, P) of the present model, `residual` (J, K) N·m, `use` (J, K), `motion` (K, J) angles (to see
@@ -75,8 +75,8 @@ class Evidence:
 
     def __init__(
         self,
-        train: Sequence[Block],
-        verify: Sequence[Block],
+        train: Sequence[RecordingEvidence],
+        verify: Sequence[RecordingEvidence],
         *,
         seed: int,
         draws: int | None = None,
@@ -304,7 +304,7 @@ def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
     return np.array(out)
 
 
-def robust_weight(block: Block, sigma: Float, rules: Rules = RULES) -> Float:
+def robust_weight(block: RecordingEvidence, sigma: Float, rules: Rules = RULES) -> Float:
     """Return the weights (J, K) that make the squares of the present residual a bound of its Huber loss.
 
     Bursts and reversals count linearly (Huber 1964): a few hundred bad samples must not drown what all others say.
@@ -313,7 +313,9 @@ def robust_weight(block: Block, sigma: Float, rules: Rules = RULES) -> Float:
     return block.use * np.minimum(1.0, rules.robust * sigma[:, None] / size)
 
 
-def _draw_shifts(blocks: Sequence[Block], draws: int, rng: np.random.Generator, rules: Rules) -> list[np.ndarray]:
+def _draw_shifts(
+    blocks: Sequence[RecordingEvidence], draws: int, rng: np.random.Generator, rules: Rules
+) -> list[np.ndarray]:
     """Return (draws,) shifts in samples for each recording, away from zero and from repeats of the motion."""
     out = []
     for block in blocks:

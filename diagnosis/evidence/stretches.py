@@ -18,7 +18,7 @@ from optimisation.preparation.prepare import Prepared, PreparedRecording
 from symbolic.motion import Motion
 
 
-def stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
+def searched_stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:
     """Return `prepared` itself, or, where it is too long to be searched, stretches as recordings of their own."""
     if sum(_seconds(one) for one in prepared.all) <= rules.whole_seconds:
         return prepared

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Block, Evidence
+from diagnosis.evidence.gain import Evidence, RecordingEvidence
 from diagnosis.evidence.look_alikes import columns_at, look_alikes
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.search.context import SearchContext
@@ -137,7 +137,7 @@ def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> 
     return gain >= max(rules.least_share, rules.own_place * score.share)
 
 
-def _centred(block: Block) -> Block:
+def _centred(block: RecordingEvidence) -> RecordingEvidence:
     """Return a block of which every column and the residual have no mean at either joint."""
     columns = block.columns - _mean(block.columns, block.use[:, :, None], 1)
     return replace(block, columns=columns, residual=block.residual - _mean(block.residual, block.use, 1))

@@ -32,7 +32,7 @@ class Found:
     first: tuple[Score, ...]
 
 
-def run(context: SearchContext, start: Extension) -> Found:
+def run_search(context: SearchContext, start: Extension) -> Found:
     """Search from the fitted model `start` until nothing that helps on unseen motion is left."""
     rules, begun = context.rules, State((start,))
     state = until_no_proxy(context, begun)

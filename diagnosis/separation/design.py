@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.separation.distance import Filtered, Sketch, Truth, distance, planned, residual_noise
+from diagnosis.separation.distance import Filtered, Rival, Sketch, distance, planned, residual_noise
 from diagnosis.separation.indistinguishable import Same, same_torques
 from diagnosis.separation.result import Separation
 from ground.errors import ExoidError
@@ -156,7 +156,7 @@ def _truths(
     prepared: Prepared | None,
     numbers: Numbers | None,
     say: Progress,
-) -> tuple[tuple[Truth, ...], Noise | None]:
+) -> tuple[tuple[Rival, ...], Noise | None]:
     """Return every rival with its numbers, and the noise that the best of their fits leaves."""
     truths, fits = [], []
     for k, term in enumerate(terms):
@@ -164,7 +164,7 @@ def _truths(
         usual = nominal(model, numbers)
         if prepared is None:
             source = "identified" if numbers is not None and _has(numbers, term) else "typical size"
-            truths.append(Truth(term.name, model, usual.linear, usual.shape, source))
+            truths.append(Rival(term.name, model, usual.linear, usual.shape, source))
             continue
         say(0.05 + 0.1 * k, f"fitting {term.name} to the recordings")
         fit = identify(model, prepared.train, optimisers=())
@@ -174,7 +174,7 @@ def _truths(
             count = len(base.parameters)
             linear = np.concatenate([linear[:count], usual.linear[count:]])
             source = "typical size, since its fit has a sign it cannot have"
-        truths.append(Truth(term.name, model, linear, np.array(fit.shape), source))
+        truths.append(Rival(term.name, model, linear, np.array(fit.shape), source))
     if not fits or prepared is None:
         return tuple(truths), None
     best = min(fits, key=lambda fit: fit.loss)
@@ -194,7 +194,7 @@ def _possible(model: Model, linear: Float, term: Term) -> bool:
     return inside and (not own or any(v != 0.0 for v, _ in own))
 
 
-def _pairs(truths: Sequence[Truth], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
+def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[int, int], ...]:
     """Return the (truth, rival) that a motion can distinguish at all."""
     place = {truth.name: k for k, truth in enumerate(truths)}
     lost = set()
@@ -239,7 +239,7 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
 class _Evaluator:
     """Full refits on motions and on recordings, in the same units."""
 
-    truths: tuple[Truth, ...]
+    truths: tuple[Rival, ...]
     pairs: tuple[tuple[int, int], ...]
     noise: Noise
     duration: float

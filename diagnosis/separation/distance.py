@@ -44,7 +44,7 @@ SKETCH_NODES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Truth:
+class Rival:
     """A rival with its numbers: `model` holds it, `linear` (P,) and `shape` (S,) are its values, `source` says
     whence.
     """
@@ -80,7 +80,7 @@ class Filtered(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class SimulatedRecording:
     """The same motion with the torque `tau` (K, J) that a truth makes of it."""
 
     like: Filtered
@@ -159,10 +159,10 @@ def residual_noise(residual: Float, use: Bool, groups: NDArray[np.int64], rate: 
     return Noise(sd, np.minimum(per_second, 2.0 * cutoff), "the residual of the recordings, with its autocorrelation")
 
 
-def distance(truth: Truth, rival: Model, prepared: Sequence[Filtered], noise: Noise, start: Float) -> float:
+def distance(truth: Rival, rival: Model, prepared: Sequence[Filtered], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
     made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
-    told = [Told(one, tau) for one, tau in zip(prepared, made, strict=True)]
+    told = [SimulatedRecording(one, tau) for one, tau in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
     root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]
     weights = np.concatenate(
@@ -186,7 +186,7 @@ def distance(truth: Truth, rival: Model, prepared: Sequence[Filtered], noise: No
     return float(np.sqrt(search_shape(loss, [s.shape for s in rival.shapes], nodes(rival, start, 40)).value))
 
 
-def _known(truth: Truth, rival: Model) -> Float:
+def _known(truth: Rival, rival: Model) -> Float:
     """Return the linear parameters (P,) of `rival` that the truth has too; zero for its own."""
     values = dict(zip((p.name for p in truth.model.parameters), truth.linear, strict=True))
     return np.array([values.get(p.name, 0.0) for p in rival.parameters])
@@ -227,7 +227,7 @@ def _range(model: Model, place: int) -> tuple[float, float]:
 class Sketch:
     """The same distance, cheap and rough, for a search: one period, few samples, shapes on a coarse grid."""
 
-    truths: tuple[Truth, ...]
+    truths: tuple[Rival, ...]
     pairs: tuple[tuple[int, int], ...]
     noise: Noise
     duration: float
@@ -252,7 +252,7 @@ class Sketch:
         ]
         return min(self._gap(motion, torques[a], self.truths[a], self.truths[b], seen) for a, b in self.pairs)
 
-    def _gap(self, motion: Motion, torque: Float, truth: Truth, rival: Truth, seen: Callable[[Float], Float]) -> float:
+    def _gap(self, motion: Motion, torque: Float, truth: Rival, rival: Rival, seen: Callable[[Float], Float]) -> float:
         model, best = rival.model, np.inf
         known = _known(truth, model) if model.needs_reference else None
         for node in nodes(model, rival.shape, SKETCH_NODES):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.separation.distance import Truth
+from diagnosis.separation.distance import Rival
 from diagnosis.separation.indistinguishable import Same
 from diagnosis.separation.plots import separation_figure
 from ground.plain import plain_dict
@@ -42,7 +42,7 @@ class Separation:
     """
 
     model: Model
-    rivals: tuple[Truth, ...]
+    rivals: tuple[Rival, ...]
     same: tuple[Same, ...]
     trajectory: Fourier | None
     apart: Distances

@@ -20,7 +20,7 @@ from diagnosis.discover import discover, own_effects
 from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import ModelError, model_error
-from diagnosis.evidence.stretches import origins, stretches
+from diagnosis.evidence.stretches import origins, searched_stretches
 from diagnosis.results import Diagnosis, Step
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress
@@ -73,7 +73,7 @@ class Session:
     @cached_property
     def searched(self) -> Prepared:
         """What suspects are looked for in: the recordings, or stretches of long ones."""
-        return stretches(self.prepared, self.rules)
+        return searched_stretches(self.prepared, self.rules)
 
     @cached_property
     def origins(self) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ from diagnosis.trials.machines import MACHINES
 from measurement.bench.blind import draw, relative_size
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg
-from measurement.bench.simulation import BenchError, Run, simulate_runs
+from measurement.bench.simulation import BenchError, BenchRun, simulate_runs
 from measurement.signals.conditioning import low_pass
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.catalogue import catalogue
@@ -222,7 +222,7 @@ def _possible(hidden: Hidden, leg: Leg) -> Hidden:
     return replace(hidden, values=values)
 
 
-def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[Run, ...]]:
+def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
     """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
     hidden = hide(case, leg, rng)
     worse = MACHINES.get(case.kind, lambda runs, _: runs)

@@ -75,7 +75,7 @@ def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     return rows
 
 
-def describe(line: Mapping[str, Any]) -> str:
+def describe_miss(line: Mapping[str, Any]) -> str:
     """Return one wrong case in a line."""
     if "error" in line:
         return f"{line['case']}: {line['error']}"

@@ -16,7 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from measurement.bench.simulation import Run
+from measurement.bench.simulation import BenchRun
 from measurement.signals.conditioning import low_pass
 from symbolic.motion import Float
 
@@ -30,11 +30,11 @@ NOISE = (0.3, 3.0)
 """Times the noise of the bench that a run of `uneven` has."""
 
 
-def _with_torque(run: Run, torque: Float) -> Run:
+def _with_torque(run: BenchRun, torque: Float) -> BenchRun:
     return replace(run, recording=replace(run.recording, tau=torque))
 
 
-def _rough(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+def _rough(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
     size = LEFT * float(np.exp(rng.uniform(*np.log(TIMES))))
     out = []
     for run in runs:
@@ -44,12 +44,12 @@ def _rough(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
     return out
 
 
-def _current(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+def _current(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
     gain = float(rng.uniform(*GAIN))
     return [_with_torque(run, gain * run.recording.tau) for run in runs]
 
 
-def _uneven(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+def _uneven(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
     factors = np.exp(rng.permutation(np.linspace(float(np.log(NOISE[0])), float(np.log(NOISE[1])), len(runs))))
     return [
         _with_torque(run, run.torque + factor * (run.recording.tau - run.torque))
@@ -57,7 +57,7 @@ def _uneven(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
     ]
 
 
-def _locked(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
+def _locked(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun]:
     """Return the runs with the knee of the second held: what its lock takes up is nobody's torque."""
     run = runs[1]
     still = np.array(run.motion.q)
@@ -73,7 +73,7 @@ def _locked(runs: Sequence[Run], rng: np.random.Generator) -> list[Run]:
     return [runs[0], replace(run, recording=held, motion=motion, torque=torque), *runs[2:]]
 
 
-MACHINES: Mapping[str, Callable[[Sequence[Run], np.random.Generator], list[Run]]] = MappingProxyType(
+MACHINES: Mapping[str, Callable[[Sequence[BenchRun], np.random.Generator], list[BenchRun]]] = MappingProxyType(
     {"rough": _rough, "current": _current, "uneven": _uneven, "locked": _locked}
 )
 """Kind of trial -> what becomes of its runs."""

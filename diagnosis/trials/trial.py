@@ -15,7 +15,7 @@ from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, visible
 from measurement.bench.blind import relative_size
 from measurement.bench.hidden import Hidden
 from measurement.bench.leg import random_leg
-from measurement.bench.simulation import Run
+from measurement.bench.simulation import BenchRun
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
@@ -72,7 +72,7 @@ def _exactly(found: Diagnosis, hidden: tuple[Hidden, ...]) -> bool:
     return {a.name for a in found.accepted} == {h.name for h in hidden}
 
 
-def _true_structure(model: Model, runs: tuple[Run, ...]) -> tuple[list[float], list[bool]]:
+def _true_structure(model: Model, runs: tuple[BenchRun, ...]) -> tuple[list[float], list[bool]]:
     """Return the error on unseen motion when the structure is known, and which intervals then cover the truth."""
     recordings = [run.recording for run in runs]
     prepared = prepare(model, recordings[:3], recordings[3:])
@@ -83,7 +83,7 @@ def _true_structure(model: Model, runs: tuple[Run, ...]) -> tuple[list[float], l
     return rms.tolist(), _covered(fit.estimates, runs[0])
 
 
-def _covered(estimates: Any, run: Run) -> list[bool]:
+def _covered(estimates: Any, run: BenchRun) -> list[bool]:
     """Return for every number that has an interval whether it contains the truth."""
     truth = run.true.numbers()
     known = [e for e in estimates if e.name in truth and math.isfinite(e.low) and math.isfinite(e.high)]

@@ -19,7 +19,7 @@ import numpy as np
 from measurement.auditing.channels import place
 from measurement.auditing.rough import Smooth, columns, smooth
 from measurement.finding import Finding
-from measurement.reading.conventions import Convention, Map, combined, conventions, gear
+from measurement.reading.conventions import Convention, Map, combined_map, conventions, gear
 from measurement.recording import Recording
 from symbolic.joints import is_leg
 from symbolic.motion import Float
@@ -53,7 +53,7 @@ RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class ConventionHypothesis:
     """A way to read recordings: the `names` of the conventions that they would then keep, and their `map`."""
 
     names: tuple[Convention, ...]
@@ -74,10 +74,10 @@ class Reading:
 class Better:
     """A reading that fits far better: shares of the torques' power (of 2.0) left `now` and `then`; what fits alike."""
 
-    reading: Reading
+    reading: ConventionHypothesis
     now: float
     then: float
-    rivals: tuple[Reading, ...]
+    rivals: tuple[ConventionHypothesis, ...]
 
 
 def check_conventions(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
@@ -130,7 +130,7 @@ def better_reading(recordings: Sequence[Recording]) -> Better | None:
     if len(kept) == 1:  # the option to give is looked for from what the files hold
         sets = [[_undone(motion, *kept) for motion in group] for group in sets]
     enough = min(GOOD, now / min(times for least, times in DOUBTS if now >= least))
-    kinds: list[Reading] = []
+    kinds: list[ConventionHypothesis] = []
     left = np.zeros(0)
     for more in _stages(now, _turning(sets)):
         kinds = [*kinds, *more]
@@ -151,10 +151,10 @@ def better_reading(recordings: Sequence[Recording]) -> Better | None:
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
     """Return the share that is left of the torques' power as the recordings stand."""
-    return float(_left(sets, [Reading((), combined(()))])[0])
+    return float(_left(sets, [ConventionHypothesis((), combined_map(()))])[0])
 
 
-def _stages(now: float, turning: Sequence[int]) -> Iterator[Sequence[Reading]]:
+def _stages(now: float, turning: Sequence[int]) -> Iterator[Sequence[ConventionHypothesis]]:
     """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
     they stand leave very much (`now`), degrees and all combinations too.
     """
@@ -171,7 +171,7 @@ def _turning(sets: Sequence[Sequence[Smooth]]) -> list[int]:
 
 
 @cache
-def readings(most: int = MOST) -> tuple[Reading, ...]:
+def readings(most: int = MOST) -> tuple[ConventionHypothesis, ...]:
     """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once, the
     simplest name of each.
     """
@@ -188,7 +188,7 @@ def readings(most: int = MOST) -> tuple[Reading, ...]:
     ]
     every = (tuple(name for part in parts for name in part) for parts in product(*choices))
     possible = (_reading(names) for names in every if len(names) <= most and _makes_sense(names))
-    found: dict[tuple[float, ...], Reading] = {}
+    found: dict[tuple[float, ...], ConventionHypothesis] = {}
     for one in sorted(possible, key=_cost):
         found.setdefault(_key(one.map), one)
     return tuple(found.values())
@@ -199,12 +199,12 @@ def _makes_sense(names: tuple[str, ...]) -> bool:
     return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
 
 
-def _reading(names: Iterable[str]) -> Reading:
+def _reading(names: Iterable[str]) -> ConventionHypothesis:
     chosen = conventions(tuple(names))
-    return Reading(chosen, combined(chosen))
+    return ConventionHypothesis(chosen, combined_map(chosen))
 
 
-def _cost(one: Reading) -> float:
+def _cost(one: ConventionHypothesis) -> float:
     """Return how many changes a reading needs; among equals the usual ones cost a little less."""
     unusual = {"hip-extension-positive": 0.2, "base-driven-shank": 0.1, "hip-from-horizontal-backwards": 0.1}
     return round(len(one.names) + sum(unusual.get(c.name, 0.0) for c in one.names), 6)
@@ -221,33 +221,33 @@ def _key(to: Map) -> tuple[float, ...]:
 
 
 @cache
-def _in_degrees() -> tuple[Reading, ...]:
+def _in_degrees() -> tuple[ConventionHypothesis, ...]:
     return tuple(_reading(("degrees", *(c.name for c in one.names))) for one in readings(FEW))
 
 
-def _geared_readings(turning: Sequence[int]) -> list[Reading]:
+def _geared_readings(turning: Sequence[int]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
     out = []
     for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), ((), ("flexion-positive",))):
         names = (gear(joint, part, float(ratio)), *conventions(sign))
-        out.append(Reading(names, combined(names)))
+        out.append(ConventionHypothesis(names, combined_map(names)))
     if len(turning) == 2:
         for ratio, part in product(RATIOS, ("", "angle")):
             names = (gear(0, part, float(ratio)), gear(1, part, float(ratio)))
-            out.append(Reading(names, combined(names)))
+            out.append(ConventionHypothesis(names, combined_map(names)))
     return out
 
 
-def _refined(sets: Sequence[Sequence[Smooth]], one: Reading) -> Reading:
+def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
     """Return a reading with gears whose ratio is searched between its neighbours on the grid."""
     from scipy.optimize import minimize_scalar
 
-    def at(change: float) -> Reading:
+    def at(change: float) -> ConventionHypothesis:
         names = []
         for old in one.names:
             stem, equals, ratio = old.name.partition("=")
             names.append(_geared(stem, float(ratio) * change) if equals else old)
-        return Reading(tuple(names), combined(names))
+        return ConventionHypothesis(tuple(names), combined_map(names))
 
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
@@ -261,7 +261,7 @@ def _refined(sets: Sequence[Sequence[Smooth]], one: Reading) -> Reading:
     return rounded if _left(sets, [rounded])[0] <= AS_GOOD * float(found.fun) else best
 
 
-def _rounded(one: Reading) -> Reading:
+def _rounded(one: ConventionHypothesis) -> ConventionHypothesis:
     """Return a reading whose gear ratios are whole numbers, of two digits at most."""
     names = []
     for old in one.names:
@@ -269,7 +269,7 @@ def _rounded(one: Reading) -> Reading:
         names.append(
             _geared(stem, float(f"{float(ratio):.2g}") if float(ratio) > 10 else round(float(ratio))) if equals else old
         )
-    return Reading(tuple(names), combined(names))
+    return ConventionHypothesis(tuple(names), combined_map(names))
 
 
 def _geared(stem: str, ratio: float) -> Convention:
@@ -288,13 +288,13 @@ def _groups(recordings: Sequence[Recording]) -> list[list[Smooth]]:
 
 def _undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
     """Return `motion` as it was before the conventions `names` were taken into account."""
-    to = combined(conventions(names))
+    to = combined_map(conventions(names))
     back = np.linalg.inv(to.angle).T
     q, tau = (motion.q - to.zero) @ back, motion.tau @ np.linalg.inv(to.torque).T
     return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
 
 
-def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[Reading], most: float = np.inf) -> Float:
+def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
     """Return for each reading the share of the torques' power, summed over the joints, that the pendulum leaves.
 
     Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.

@@ -15,7 +15,7 @@ import numpy as np
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, standard_leg
 from measurement.bench.seal import write_seal
-from measurement.bench.simulation import Bench, Run, simulate_runs
+from measurement.bench.simulation import Bench, BenchRun, simulate_runs
 from measurement.recording import write_recording
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.effect import Effect, Shape
@@ -109,7 +109,7 @@ def write_blind(
     return write_runs(folder, runs)
 
 
-def write_runs(folder: str | Path, runs: Iterable[Run]) -> tuple[tuple[Path, ...], Path]:
+def write_runs(folder: str | Path, runs: Iterable[BenchRun]) -> tuple[tuple[Path, ...], Path]:
     """Write `runs` of one leg as `<name>.csv` and their truth as `truth.seal` into `folder`; return the
     paths.
     """

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from measurement.bench.blind import write_runs
 from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, Run, simulate_runs
+from measurement.bench.simulation import Bench, BenchRun, simulate_runs
 
 SEED = 20
 HIDDEN = Hidden("load_friction", "knee", {"c": 0.22})
@@ -20,7 +20,7 @@ NAMES = ("train_1", "train_2", "train_3", "verify")
 DURATION = 20.0
 
 
-def demo_runs() -> tuple[Run, ...]:
+def demo_runs() -> tuple[BenchRun, ...]:
     """Return the four demo runs; the same numbers on every call."""
     runs = simulate_runs(len(NAMES), effects=[HIDDEN], seed=SEED, bench=Bench(duration=DURATION))
     return tuple(

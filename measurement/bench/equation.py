@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
-from measurement.bench.plant import Equation, Memory, Symbols, step_function
+from measurement.bench.plant import Equation, StatefulOperator, Symbols, step_function
 from symbolic.codegen.equation import model_expressions
 from symbolic.language.torque import torques
 from symbolic.language.tree import OPERATORS, Call
@@ -114,7 +114,7 @@ def equation_of(model: Model) -> Equation:
     """
     form = model_expressions(model)
     symbols = Symbols(form.t, form.q, form.dq, form.ddq, form.sign, form.linear, form.shape, form.memory)
-    memories = (Memory(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
+    memories = (StatefulOperator(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
     return Equation(symbols, form.torque, tuple(memories))
 
 

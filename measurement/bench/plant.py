@@ -50,7 +50,7 @@ class Symbols:
 
 
 @dataclass(frozen=True)
-class Memory:
+class StatefulOperator:
     """An operator that remembers: its `argument` x at an instant, its `parameter`, and how its value follows
     x.
 
@@ -72,7 +72,7 @@ class Equation:
 
     symbols: Symbols
     torque: Any
-    memories: tuple[Memory, ...] = ()
+    memories: tuple[StatefulOperator, ...] = ()
 
 
 def friction_impulse(ca: Any, weight: Any, free: Any, bound: Any) -> Any:

@@ -54,7 +54,7 @@ LONGEST, FASTEST, MOST_SAMPLES = 1e5, 1e5, 1e7
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class BenchRun:
     """One run of the bench: the `recording` a user gets, and what only the bench knows.
 
     `motion` is the true motion at the recording's times (with the true sign of friction, fractional where a
@@ -122,7 +122,7 @@ def simulate(
     give the same numbers. Raises EffectError for an unknown effect and BenchError when the leg runs away.
     """
     settings = _settings(bench, duration, rate)
-    return run(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
+    return run_bench(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
 
 
 def simulate_runs(
@@ -135,19 +135,21 @@ def simulate_runs(
     excitation: Fourier | None = None,
     bench: Bench | None = None,
     name: str = "run",
-) -> tuple[Run, ...]:
+) -> tuple[BenchRun, ...]:
     """Return `count` runs of the same leg with the same hidden effects, each on a motion of its own.
 
     With `excitation` all follow that motion; only noise and disturbances then differ.
     """
     hidden = tuple(effects)
     return tuple(
-        run(model, leg, effects=hidden, seed=seed, index=k, excitation=excitation, bench=bench, name=f"{name}_{k}")
+        run_bench(
+            model, leg, effects=hidden, seed=seed, index=k, excitation=excitation, bench=bench, name=f"{name}_{k}"
+        )
         for k in range(count)
     )
 
 
-def run(
+def run_bench(
     model: Model | None = None,
     leg: Leg | None = None,
     *,
@@ -157,7 +159,7 @@ def run(
     excitation: Fourier | None = None,
     bench: Bench | None = None,
     name: str = "run",
-) -> Run:
+) -> BenchRun:
     """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`."""
     model = Model.standard() if model is None else model
     require_leg(model, "the virtual bench")
@@ -177,7 +179,7 @@ def run(
     if motion is not link:
         sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (motion, link))
         torque = torque + next(sides) - next(sides)
-    return Run(
+    return BenchRun(
         recording=_measure(motion, torque, trace.force, bench, sensor_rng, name),
         motion=motion,
         torque=torque,

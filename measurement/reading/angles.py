@@ -41,7 +41,7 @@ def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
     return fill(out, valid), wraps
 
 
-def spikes(q: Float, valid: Mask) -> Mask:
+def angle_spikes(q: Float, valid: Mask) -> Mask:
     """Return where (N,) one or two samples stand far off the angle (N,) before and after them.
 
     Far is 12 robust deviations from the running median of five, 8 usual steps, and 0.5 % of the range of

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.names import Reading, kind_of, quantity_of, recognise, weak_time
+from measurement.reading.names import ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
 from symbolic.joints import LEG, MOST, UNNAMED, Joint
@@ -34,7 +34,7 @@ def required(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     return ("t", *(f"q{k}" for k in numbers), *(f"tau{k}" for k in numbers))
 
 
-def canonical(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
+def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of all columns that a recording of `joints` may have."""
     numbers = range(1, len(joints) + 1)
     return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers))
@@ -69,13 +69,13 @@ def assign(
     rest stands in another file.
     """
     mapping, units = _by_number(mapping or {}, joints), _by_number(units or {}, joints)
-    _check_keys(mapping, canonical(joints), "--map", where)
-    _check_keys(units, (*SI, *canonical(joints), *table.names), "--units", where)
+    _check_keys(mapping, canonical_columns(joints), "--map", where)
+    _check_keys(units, (*SI, *canonical_columns(joints), *table.names), "--units", where)
     chosen = _mapped(table, mapping, where)
     offers = _offers(table, chosen, units, joints)
     side = _side(offers, chosen, leg, required(joints), where)
     hidden: dict[int, str] = {}
-    for name in canonical(joints):
+    for name in canonical_columns(joints):
         if name in chosen:
             continue
         fitting = [offer for offer in offers if offer[0].name == name and offer[0].side in ("", side)]
@@ -89,7 +89,7 @@ def assign(
         _check_missing(chosen, table, where, joints, offers)
     return {
         name: _with_unit(name, chosen[name], units, hidden, where, joints)
-        for name in canonical(joints)
+        for name in canonical_columns(joints)
         if name in chosen
     }
 
@@ -113,7 +113,7 @@ def _by_number(given: Mapping[str, str], joints: Sequence[Joint]) -> dict[str, s
     return {known.get(name, name): value for name, value in given.items()}
 
 
-Offer = tuple[Reading, RawColumn]
+Offer = tuple[ColumnMeaning, RawColumn]
 
 
 def legs(table: RawTable, joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
@@ -139,7 +139,7 @@ def _offers(
             offers.append((found._replace(rank=found.rank + 100 * column.rank), column))
     if not any(reading.name == "t" for reading, _ in offers) and "t" not in chosen:
         weak = [c for c in table.columns if weak_time(c.name) and id(c) not in taken and _runs_forwards(c)]
-        offers += [(Reading("t", rank=50), column) for column in weak[:1]]
+        offers += [(ColumnMeaning("t", rank=50), column) for column in weak[:1]]
     return offers
 
 

@@ -198,7 +198,7 @@ class Map:
     torque: Float
 
 
-def combined(chosen: Iterable[Convention]) -> Map:
+def combined_map(chosen: Iterable[Convention]) -> Map:
     """Return the one map that applying `chosen` one after the other makes."""
     angle, zero, torque = np.eye(2), np.zeros(2), np.eye(2)
     for one in chosen:
@@ -215,7 +215,7 @@ def read_as(recording: Recording, names: str | Iterable[str]) -> Recording:
     chosen = conventions(names)
     if not chosen:
         return recording
-    to = combined(chosen)
+    to = combined_map(chosen)
     q = recording.q @ to.angle.T + to.zero
     if np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle))):
         q = (

@@ -14,9 +14,9 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.finding import Finding
 from measurement.reading import clock
-from measurement.reading.columns import SI, UNIT_OF, assign, canonical
+from measurement.reading.columns import SI, UNIT_OF, assign, canonical_columns
 from measurement.reading.lag import Lag, lag_between
-from measurement.reading.mapping import Told
+from measurement.reading.mapping import StatedMapping
 from measurement.reading.names import kind_of
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.resample import onto
@@ -28,7 +28,7 @@ ABSOLUTE_MOST = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class JoinedFile:
     """One of the files: its columns {canonical: (N,)} in SI, its clock in s, whether that counts from 1970."""
 
     where: str
@@ -38,7 +38,9 @@ class Piece:
     table: RawTable
 
 
-def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]], joints: tuple[Joint, ...] = LEG) -> RawTable:
+def joined(
+    tables: Sequence[tuple[RawTable, str, float | None, StatedMapping]], joints: tuple[Joint, ...] = LEG
+) -> RawTable:
     """Return one table, with canonical names in SI, of (table, path, lag in s or None, what is told).
 
     The first is the recording, the others are joined to it.
@@ -76,7 +78,9 @@ def joined(tables: Sequence[tuple[RawTable, str, float | None, Told]], joints: t
     first = base.t[0]
     made = [RawColumn("t", base.t - first, "s")]
     made += [
-        RawColumn(name, columns[name], UNIT_OF[kind_of(name, joints)]) for name in canonical(joints) if name in columns
+        RawColumn(name, columns[name], UNIT_OF[kind_of(name, joints)])
+        for name in canonical_columns(joints)
+        if name in columns
     ]
     return RawTable(tuple(made), base.table.row, tuple(notes))
 
@@ -85,9 +89,9 @@ def _opposite(lag: float | None) -> float | None:
     return None if lag is None else -lag
 
 
-def _piece(table: RawTable, where: str, told: Told, joints: tuple[Joint, ...]) -> Piece:
+def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint, ...]) -> JoinedFile:
     """Return the columns of one file that are recognised or mapped, in SI, with its clock."""
-    known = (*SI, *canonical(joints))
+    known = (*SI, *canonical_columns(joints))
     mapping = {name: column for name, column in told.columns.items() if column.partition("#")[0] in table.names}
     units = {name: unit for name, unit in told.units.items() if name in known or name in table.names}
     found = assign(table, mapping, units, where=where, leg=told.leg or None, joints=joints, partial=True)
@@ -105,7 +109,7 @@ def _piece(table: RawTable, where: str, told: Told, joints: tuple[Joint, ...]) -
         t = t * epoch[1]
     elif not found["t"].told:
         t = t * _unit(t, columns, where)
-    return Piece(where, t, columns, epoch is not None, table)
+    return JoinedFile(where, t, columns, epoch is not None, table)
 
 
 def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
@@ -122,7 +126,7 @@ def _unit(t: Float, columns: Mapping[str, Float], where: str) -> float:
     return scale
 
 
-def _lag(base: Piece, piece: Piece, told: float | None, count: int) -> tuple[float, Finding]:
+def _lag(base: JoinedFile, piece: JoinedFile, told: float | None, count: int) -> tuple[float, Finding]:
     """Return the lag in s of the clock of `piece` behind that of `base`, and what to say about it."""
     numbers = range(1, count + 1)
     names = [name for key in ("tau", "q") for k in numbers if (name := f"{key}{k}") in piece.columns]

@@ -28,16 +28,16 @@ FIRST_LINE = "# Which column is what. Made by exoid map.\n"
 
 
 @dataclass(frozen=True)
-class Told:
+class StatedMapping:
     """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid)."""
 
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     leg: str = ""
 
-    def over(self, other: Told) -> Told:
+    def over(self, other: StatedMapping) -> StatedMapping:
         """Return both, what `self` says coming first."""
-        return Told({**other.columns, **self.columns}, {**other.units, **self.units}, self.leg or other.leg)
+        return StatedMapping({**other.columns, **self.columns}, {**other.units, **self.units}, self.leg or other.leg)
 
     def __str__(self) -> str:
         parts = [f"{name}={value}" for name, value in (*self.columns.items(), *self.units.items())]
@@ -47,7 +47,7 @@ class Told:
         return bool(self.columns or self.units or self.leg)
 
 
-def remembered(folder: Path, names: Sequence[str]) -> Told | None:
+def remembered(folder: Path, names: Sequence[str]) -> StatedMapping | None:
     """Return what `exoid.toml` in `folder` says of files with exactly the columns `names`, None where it says nothing.
 
     RecordingError when there is such a file and it cannot be understood.
@@ -56,7 +56,7 @@ def remembered(folder: Path, names: Sequence[str]) -> Told | None:
     return found[-1] if found else None
 
 
-def entries(path: Path) -> list[tuple[list[str], Told]]:
+def entries(path: Path) -> list[tuple[list[str], StatedMapping]]:
     """Return (header, mapping) of every entry of the file `path`; empty where there is no such file."""
     where = str(path)
     try:
@@ -78,7 +78,7 @@ def entries(path: Path) -> list[tuple[list[str], Told]]:
         raise RecordingError(error.what, where=error.where, remedy=error.remedy) from error
 
 
-def _entry(table: Table) -> tuple[list[str], Told]:
+def _entry(table: Table) -> tuple[list[str], StatedMapping]:
     table.only("header", "columns", "units", "leg")
     header = table.values.get("header")
     if not isinstance(header, list) or not all(isinstance(name, str) for name in header) or len(header) > 10_000:
@@ -87,7 +87,7 @@ def _entry(table: Table) -> tuple[list[str], Told]:
     leg = table.text("leg", "")
     if leg not in ("", "left", "right", "ipsi", "contra", "both"):
         raise table.error("leg", f"leg is {leg[:20]!r}", "write left, right or both")
-    return list(header), Told(columns, units, leg)
+    return list(header), StatedMapping(columns, units, leg)
 
 
 def _texts(table: Table, key: str) -> dict[str, str]:
@@ -97,7 +97,7 @@ def _texts(table: Table, key: str) -> dict[str, str]:
     return {name: inner.text_of(name) for name in inner.values}
 
 
-def remember(folder: Path, names: Sequence[str], mapping: Told, *, replacing: bool = False) -> Path:
+def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, replacing: bool = False) -> Path:
     """Add `mapping` for files with the columns `names` to `exoid.toml` in `folder` and return its path.
 
     Another mapping for the same columns is only replaced with `replacing`; everything else in the file stays as it is,

@@ -83,7 +83,7 @@ _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items(
 _SIDE = {word: side for side, words in SIDES.items() for word in words}
 
 
-class Reading(NamedTuple):
+class ColumnMeaning(NamedTuple):
     """What a column can be: canonical `name`, the `unit` hidden in its own name, `rank` (the smaller is taken before
     the larger: number of filler words), `side` of the body ("" if unsaid)."""
 
@@ -104,10 +104,10 @@ class _Part(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> Reading | None:
+def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | None:
     """Return what the column `name` of a machine with `joints` can be, None where it cannot be said.
 
-    "tau1_mNm" is Reading("tau1", "mNm"); "hip_flexion_r_moment" is Reading("tau1", side="right").
+    "tau1_mNm" is ColumnMeaning("tau1", "mNm"); "hip_flexion_r_moment" is ColumnMeaning("tau1", side="right").
     """
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
@@ -118,7 +118,7 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> Reading | None:
     while len(path) > 1 and PORT.fullmatch(path[-1]):
         path.pop()
     if len(path) > 1 and path[-1].lower() == "stamp":
-        return Reading("t", rank=-1)  # the instant of the measurement, before that of its arrival
+        return ColumnMeaning("t", rank=-1)  # the instant of the measurement, before that of its arrival
     whole = _text(" ".join(path) if len(path) < 4 else path[-1], joints)
     found = whole or (_in_groups(path, joints) if len(path) > 1 else None)
     # Programs for controllers put the type in front of a name: fHipAngle, lrKneeTorque.
@@ -143,7 +143,7 @@ def kind_of(name: str, joints: Sequence[Joint]) -> str:
     return quantity if not number or joints[int(number) - 1].turns else SLIDING.get(quantity, quantity)
 
 
-def _text(text: str, joints: tuple[Joint, ...]) -> Reading | None:
+def _text(text: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     """Return what a name without groups says, with its unit, which may stand at the end."""
     parts = [part for part in re.split(r"[\W_]+", text) if part]
     for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
@@ -158,12 +158,12 @@ def _is_unit_of(quantity: str, tail: str) -> bool:
     return factor(quantity, tail) is not None or is_scaled(quantity, tail)
 
 
-def _whole(parts: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None:
+def _whole(parts: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     found = _sorted_out(parts, joints)
     if found.rest or len(found.sides) > 1:
         return None
     if found.quantity == "t" and not found.joints and not found.sides:
-        return Reading("t", rank=found.rank)
+        return ColumnMeaning("t", rank=found.rank)
     if found.quantity in ("", "t"):
         return None
     if len(joints) == 1 and not found.joints:  # one joint need not be named
@@ -176,14 +176,14 @@ def _whole(parts: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None:
 
 def _reading(
     quantity: str, number: int, rank: int, sides: frozenset[str], words: Sequence[str], joints: tuple[Joint, ...]
-) -> Reading:
+) -> ColumnMeaning:
     """Return the reading of a column; what is called a force is the drive's where the joint slides."""
     if quantity == "f" and not joints[number - 1].turns and "force" in (word.lower() for word in words):
         quantity, rank = "tau", rank + 1
-    return Reading(f"{quantity}{number}", "", rank, "".join(sides))
+    return ColumnMeaning(f"{quantity}{number}", "", rank, "".join(sides))
 
 
-def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None:
+def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     """Return what a path says: quantity, joint and side each from the innermost part that has it."""
     unit = ""
     last = [part for part in re.split(r"[\W_]+", path[-1]) if part]
@@ -194,7 +194,7 @@ def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> Reading | None
         return None
     quantity, found, sides, rank = inner.quantity, inner.joints, inner.sides, inner.rank
     if quantity == "t":
-        return None if found or sides else Reading("t", unit, rank)
+        return None if found or sides else ColumnMeaning("t", unit, rank)
     for part in reversed(path[:-1]):
         words = [word for word in re.split(r"[\W_]+", part) if word]
         outer = _sorted_out(words, joints)

@@ -21,7 +21,7 @@ from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
 from measurement.reading.join import joined
 from measurement.reading.large import Progress, in_stretches
-from measurement.reading.mapping import FILE, Told, remembered
+from measurement.reading.mapping import FILE, StatedMapping, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
 from measurement.reading.sources import digest, expand, find_formats, folder_of, opened
@@ -64,7 +64,7 @@ def read_recording(
     means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that
     cannot be used, with the place and the remedy.
     """
-    told = Told(dict(columns or {}), dict(units or {}), leg or "")
+    told = StatedMapping(dict(columns or {}), dict(units or {}), leg or "")
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
     machine = None if joints is None else tuple(joints)
@@ -94,7 +94,7 @@ def read_recordings(
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
     (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`.
     """
-    told = Told(dict(columns or {}), dict(units or {}), leg or "")
+    told = StatedMapping(dict(columns or {}), dict(units or {}), leg or "")
     machine = None if joints is None else tuple(joints)
     out: list[Recording] = []
     for path in expand(sources):
@@ -122,7 +122,7 @@ def read_recordings(
 
 def _in_pieces(
     path: Path,
-    told: Told,
+    told: StatedMapping,
     convention: str | Iterable[str],
     most: int,
     progress: Progress | None,
@@ -139,7 +139,7 @@ def _in_pieces(
             )
         origin, home = Source(str(path), digest(real)), folder_of(path)
         said: list[Finding] = []
-        kept: Told | None = None
+        kept: StatedMapping | None = None
 
         def finish(table: RawTable) -> Recording:
             nonlocal kept
@@ -156,7 +156,7 @@ def _in_pieces(
         return (out[0].with_findings((*said, *out[0].findings)), *out[1:])
 
 
-def _note(home: Path, kept: Told, path: Path) -> Finding:
+def _note(home: Path, kept: StatedMapping, path: Path) -> Finding:
     return Finding(
         "mapping", "info", f"columns as kept in {home / FILE}: {kept}", str(path),
         remedy="--map, --units and --leg come before it",
@@ -164,8 +164,8 @@ def _note(home: Path, kept: Told, path: Path) -> Finding:
 
 
 def _whole(
-    source: Any, told: Told, name: str, others: Sequence[Joined], machine: Machine
-) -> tuple[RawTable, Source, str, Told]:
+    source: Any, told: StatedMapping, name: str, others: Sequence[Joined], machine: Machine
+) -> tuple[RawTable, Source, str, StatedMapping]:
     """Return what `_loaded` does, with the files that are joined to it."""
     table, origin, name, here = _loaded(source, told, name)
     if not others:
@@ -174,7 +174,7 @@ def _whole(
         raise RecordingError(
             "files are joined for one leg at a time", where=origin.path or name, remedy="--leg left or --leg right"
         )
-    pieces: list[tuple[RawTable, str, float | None, Told]] = [(table, origin.path or name, None, here)]
+    pieces: list[tuple[RawTable, str, float | None, StatedMapping]] = [(table, origin.path or name, None, here)]
     sums = [origin.sha256]
     for other in others:
         file, lag = other if isinstance(other, tuple) else (other, None)
@@ -183,10 +183,10 @@ def _whole(
         sums.append(place.sha256)
     one = joined(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, Told()
+    return one, Source(origin.path, sha256("".join(sums))), name, StatedMapping()
 
 
-def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, Told]:
+def _loaded(source: Any, told: StatedMapping, name: str) -> tuple[RawTable, Source, str, StatedMapping]:
     """Return the table of `source`, where it came from, its name, and all that is said of its columns."""
     if not isinstance(source, (str, Path)):
         return join_split(table_from(source, name or "table")), Source(), name or "table", told
@@ -202,7 +202,7 @@ def _loaded(source: Any, told: Told, name: str) -> tuple[RawTable, Source, str, 
 
 
 def _finished(
-    table: RawTable, origin: Source, name: str, told: Told, convention: str | Iterable[str], machine: Machine
+    table: RawTable, origin: Source, name: str, told: StatedMapping, convention: str | Iterable[str], machine: Machine
 ) -> Recording:
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))

@@ -352,7 +352,7 @@ def _angles(draft: Draft) -> Draft:
                 limit=0.0,
                 remedy="nothing",
             )
-        spikes = angles.spikes(values, draft.valid)
+        spikes = angles.angle_spikes(values, draft.valid)
         valid = draft.valid
         if spikes.any():
             valid = valid & ~spikes

@@ -54,7 +54,7 @@ LONGEST, MOST_FACTORS = 80, 12
 NUMBER = re.compile(r"\d{1,12}(?:\.\d{0,12})?(?:[eE][+-]?\d{1,2})?|\.\d{1,12}", re.ASCII)
 
 
-def plain(unit: str) -> str:
+def plain_unit(unit: str) -> str:
     """Return `unit` in the spelling of the table: "N·m" -> "nm", "rad/s²" -> "rad/s2", "µs" -> "us"."""
     unit = unit.strip().replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
     unit = unit.replace("µ", "u").replace("μ", "u").replace("º", "°")
@@ -66,7 +66,7 @@ def plain(unit: str) -> str:
 
 def is_unit(text: str) -> bool:
     """Whether `text` is a unit of any quantity a recording holds ("-" counts: a column without one)."""
-    word = plain(text)
+    word = plain_unit(text)
     return (
         word in PASSED_OVER
         or text in PASSED_OVER
@@ -77,7 +77,7 @@ def is_unit(text: str) -> bool:
 
 def is_scaled(quantity: str, unit: str) -> bool:
     """Whether `unit` says the quantity per something else ("Nm/kg", "%"): it becomes SI only with a further number."""
-    word = plain(unit)
+    word = plain_unit(unit)
     above, slash, below = word.rpartition("/")
     if slash:
         return above in QUANTITIES.get(quantity, {}) and any(below in table for table in SOURCES)
@@ -96,7 +96,7 @@ def factor(quantity: str, unit: str, column_unit: str = "") -> float | None:
         return None
     found = re.fullmatch(r"\s*([+-]?)\s*(\d{1,9}(?:\.\d{1,9})?|)\s*([^\d\s.+-].{0,30})", unit)
     if found:
-        known = QUANTITIES[quantity].get(plain(found[3]))
+        known = QUANTITIES[quantity].get(plain_unit(found[3]))
         scale = float(found[2] or 1.0) * (-1.0 if found[1] == "-" else 1.0)
         if known is not None and scale != 0.0:
             return scale * known
@@ -130,7 +130,7 @@ def _product(quantity: str, text: str, column_unit: str) -> float | None:
             words += ("/" if operator == "/" else "*" if words else "") + piece
     if not words or not numbers or words.startswith("/"):
         return None
-    base = _base(quantity, plain(words), plain(column_unit))
+    base = _base(quantity, plain_unit(words), plain_unit(column_unit))
     if base is None:
         return None
     scale = sign * value * base

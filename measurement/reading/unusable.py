@@ -22,13 +22,13 @@ def mask_unusable(recording: Recording) -> Recording:
     """Return `recording` without the rows in which a channel is certainly frozen or at its end of scale."""
     bad = np.zeros(len(recording), dtype=bool)
     findings: list[Finding] = []
-    for channel, rows, certain in frozen.stretches(recording):
+    for channel, rows, certain in frozen.frozen_stretches(recording):
         if certain:
             bad[rows] = True
-            findings.append(frozen.finding(recording, channel, rows, masked=True))
-    for channel, level, rows in saturated.stretches(recording):
+            findings.append(frozen.frozen_finding(recording, channel, rows, masked=True))
+    for channel, level, rows in saturated.saturated_stretches(recording):
         bad[rows] = True
-        findings.append(saturated.finding(recording, channel, level, rows, masked=True))
+        findings.append(saturated.saturated_finding(recording, channel, level, rows, masked=True))
     bad &= recording.valid
     if not bad.any() or bad.sum() > MOST * recording.valid.sum():
         return recording

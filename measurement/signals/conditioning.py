@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import NotEnoughDataError
-from measurement.reading.angles import running_median
+from measurement.reading.angles import median_over_seconds
 from measurement.recording import Recording
 from measurement.signals.butterworth import Filter, both_ways, both_ways_at, low_pass_filter
 from symbolic.mechanics.payload import Payload
@@ -50,7 +50,7 @@ class EvenSignals:
     @cached_property
     def despiked(self) -> Float:
         """Torque (N, J) in N·m without spikes of a few milliseconds, which decimation would smear."""
-        spiky, middle = spikes(self.tau, 0.03, self.rate, 8.0)
+        spiky, middle = median_outliers(self.tau, 0.03, self.rate, 8.0)
         return np.where(spiky, middle, self.tau)
 
 
@@ -236,10 +236,10 @@ def velocity_noise(density: Float, cutoff: float) -> Float:
     return np.sqrt(density * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
 
 
-def spikes(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
+def median_outliers(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
     """Return where `x` (N, J) leaves its running median by more than `limit` robust deviations, and the median."""
     window = max(5, round(seconds * rate) | 1)
-    middle = np.column_stack([running_median(channel, window) for channel in x.T])
+    middle = np.column_stack([median_over_seconds(channel, window) for channel in x.T])
     away = np.abs(x - middle)
     scale = np.median(away, axis=0) / 0.6745
     return away > limit * np.maximum(scale, 1e-300), middle

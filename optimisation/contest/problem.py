@@ -18,7 +18,7 @@ import numpy as np
 from ground.errors import ExoidError
 from measurement.bench.leg import paper_leg
 from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run
+from measurement.bench.simulation import Bench, run_bench
 from measurement.trajectories.trajectory import paper_trajectory
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import Search
@@ -130,7 +130,7 @@ def paper_contest(seed: int = 0, individuals: int = INDIVIDUALS, generations: in
     model = Model.standard()
     sensors = replace(Sensors.ideal(), torque_noise=NOISE, outlier_share=OUTLIERS, outlier_size=30.0 * NOISE)
     bench = Bench(duration=DURATION, rate=RATE, sensors=sensors)
-    made = run(model, paper_leg(), excitation=paper_trajectory(), seed=seed, bench=bench)
+    made = run_bench(model, paper_leg(), excitation=paper_trajectory(), seed=seed, bench=bench)
     tau = made.recording.tau.T
     names, units = zip(*((p.name, p.unit) for p in model.parameters), strict=True)
     data = LinearData(model.columns(made.motion), tau, np.zeros(tau.shape[1], dtype=np.int64), names, units)

@@ -20,7 +20,7 @@ from ground.engines.engine import Engine, completed
 from ground.engines.processes import processes
 from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, paper_contest, race
 from optimisation.contest.standings import Rivals
-from optimisation.contest.store import Store
+from optimisation.contest.store import RunStore
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import SEARCHES, Search, identify
 from optimisation.optimiser import GENERATIONS, INDIVIDUALS
@@ -29,7 +29,7 @@ from symbolic.model import Model
 
 if TYPE_CHECKING:
     from measurement.recording import Recording
-    from optimisation.fitting.assemble import FittableModel, Prepared
+    from optimisation.fitting.assemble import FilteredRecording, FittableModel
 
 SEEDS = 51
 Progress = Callable[[float, str], None]
@@ -50,7 +50,7 @@ def entrants(whitened: bool = False) -> Mapping[str, Search]:
 
 def rivals(
     subject: FittableModel | Fit | Contest | None = None,
-    recordings: Sequence[Prepared] | Sequence[Recording] = (),
+    recordings: Sequence[FilteredRecording] | Sequence[Recording] = (),
     *,
     seeds: int = SEEDS,
     seed: int = 0,
@@ -80,7 +80,7 @@ def rivals(
     contest = _contest(subject, recordings, seed, individuals, generations)
     searches = dict(competing or entrants(whitened))
     tasks = [(name, k) for k in range(seed, seed + seeds) for name in searches]
-    store = Store(folder, contest)
+    store = RunStore(folder, contest)
     done = {task: kept for task in tasks if (kept := store.read(task[0], searches[task[0]], task[1])) is not None}
     if store.damaged:
         warnings.warn(

@@ -28,7 +28,7 @@ DAMAGE = (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, 
 """What reading a file raises that is no run."""
 
 
-class Store:
+class RunStore:
     """The runs of one contest in `folder`; without a folder nothing is kept."""
 
     def __init__(self, folder: str | Path | None, contest: Contest) -> None:

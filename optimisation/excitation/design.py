@@ -16,7 +16,7 @@ import numpy as np
 from measurement.trajectories.extremes import bounds, margin, uses
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
 from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
-from optimisation.excitation.result import Candidate, Excitation, Precision
+from optimisation.excitation.result import DesignedMotion, Excitation, Precision
 from optimisation.excitation.search import DesignError, MotionSearch, NoMotionError, Progress
 from optimisation.excitation.space import motion_space
 from optimisation.fitting.nominal import Nominal, nominal, sizes
@@ -85,7 +85,7 @@ def design(
     info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
     search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
     found = search.run()
-    references: list[Candidate] = []
+    references: list[DesignedMotion] = []
     if starts > 0 and not printed and not memory_operations(model):
         say(0.6, "IPOPT")
         references = search.reference(starts)
@@ -121,7 +121,7 @@ def evaluate(
     )  # fmt: skip
     swing = np.concatenate([trajectory.sine, trajectory.cosine], axis=1)[None]
     value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
-    one = Candidate(name, trajectory, float(value[0]), 1, 0.0, "")
+    one = DesignedMotion(name, trajectory, float(value[0]), 1, 0.0, "")
     rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
     return _evaluated(
         model, one, (one,), aim, at, criterion, room, "given", rest, 0, (), time.perf_counter() - began
@@ -162,8 +162,8 @@ def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
 
 def _evaluated(
     model: Model,
-    best: Candidate,
-    candidates: tuple[Candidate, ...],
+    best: DesignedMotion,
+    candidates: tuple[DesignedMotion, ...],
     aim: Aim,
     at: Nominal,
     criterion: str,

@@ -31,7 +31,7 @@ MEANING = {
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class DesignedMotion:
     """A motion that a search ended with: its criterion `value`, `evaluations` (IPOPT: iterations), its last word."""
 
     name: str
@@ -75,7 +75,7 @@ class Excitation:
     value: float
     condition: float
     log_det: float
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[DesignedMotion, ...]
     chosen: str
     uses: tuple[Use, ...]
     precision: tuple[Precision, ...]

@@ -25,7 +25,7 @@ from ground.errors import ExoidError
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
-from optimisation.excitation.result import Candidate
+from optimisation.excitation.result import DesignedMotion
 from optimisation.excitation.space import MotionSpace
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import Box, Optimiser, minimise
@@ -45,7 +45,7 @@ class NoMotionError(DesignError):
 
 
 @dataclass(frozen=True)
-class Stage:
+class PenaltyStage:
     """A `share` of the budget with limits of order 2^`doublings` and eigenvalues of order `power`; 0: exactly.
 
     `whitened`: in the coordinates of the curvature at the best motion so far.
@@ -58,10 +58,10 @@ class Stage:
 
 
 STAGES = (
-    Stage(0.375, 4, 2.0),
-    Stage(0.25, 4, 4.0, whitened=True),
-    Stage(0.25, 5, 8.0, whitened=True),
-    Stage(0.125, 0, 0.0),
+    PenaltyStage(0.375, 4, 2.0),
+    PenaltyStage(0.25, 4, 4.0, whitened=True),
+    PenaltyStage(0.25, 5, 8.0, whitened=True),
+    PenaltyStage(0.125, 0, 0.0),
 )
 """From smooth to exact. Chosen on 96 seeds that are not those of docs/design.md."""
 RECIPE = NFO(alpha=0.9, crossover=0.95)
@@ -145,14 +145,14 @@ class MotionSearch:
         value = CRITERIA[self.criterion](sums.gram, self.aim)
         return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.printed else value
 
-    def smooth(self, y: Float, stage: Stage) -> Float:
+    def smooth(self, y: Float, stage: PenaltyStage) -> Float:
         """Return the proxy (I,) of the criterion that `stage` searches."""
         swings, offsets = self.space.split(y)
         gram = self.info.sums(swings, offsets, rescale=True, doublings=stage.doublings).gram
         soft = self.criterion == "condition" and stage.power > 0.0
         return softened(gram, stage.power) if soft else CRITERIA[self.criterion](gram, self.aim)
 
-    def run(self) -> Candidate:
+    def run(self) -> DesignedMotion:
         """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
         began = time.perf_counter()
         if self.printed:
@@ -202,7 +202,7 @@ class MotionSearch:
         return x[best], float(value[best])
 
     def _stage(
-        self, stage: Stage, x: Float, generations: int, form: Callable[[Float], Float], rng: np.random.Generator,
+        self, stage: PenaltyStage, x: Float, generations: int, form: Callable[[Float], Float], rng: np.random.Generator,
         seed: int,
     ) -> tuple[Float, Float]:  # fmt: skip
         """Return the population (I, n) after a stage, and what it searched for of each (I,)."""
@@ -246,7 +246,7 @@ class MotionSearch:
         out[:, : 2 * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
         return out
 
-    def reference(self, starts: int) -> list[Candidate]:
+    def reference(self, starts: int) -> list[DesignedMotion]:
         """Return where IPOPT ends from what short searches of its own find, best first."""
         began = time.perf_counter()
         points = [self._staged(SHORT, self._seed(k))[0] for k in range(starts)]
@@ -258,7 +258,9 @@ class MotionSearch:
         for k, value in enumerate(values):
             swing = ended.swings[k] * sums.factor[k][:, None]
             motion = self.space.trajectory(swing, ended.offsets[k])
-            out.append(Candidate(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k]))
+            out.append(
+                DesignedMotion(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k])
+            )
         return sorted(out, key=lambda one: one.value if np.isfinite(one.value) else np.inf)
 
     @property
@@ -276,11 +278,11 @@ class MotionSearch:
         edge = self._edge(width)
         return Problem(fitness, -edge, edge, self.space.names, ("1",) * self.space.size)
 
-    def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> Candidate:
+    def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> DesignedMotion:
         swings, offsets = self.space.split(y)
         factor = self.info.sums(swings, offsets, rescale=False).factor[0] if not self.printed else np.ones(2)
         motion: Fourier = self.space.trajectory(swings[0] * factor[:, None], offsets[0])
-        return Candidate(name, motion, value, evaluations, seconds, "")
+        return DesignedMotion(name, motion, value, evaluations, seconds, "")
 
     def _seed(self, k: int) -> int:
         return int(np.random.SeedSequence([self.seed, k]).generate_state(1)[0])

@@ -21,7 +21,7 @@ FIXED_POINT_ROUNDS = 60
 FIXED_POINT_TOLERANCE = 1e-11
 
 
-class Prepared(Protocol):
+class FilteredRecording(Protocol):
     """A recording ready to be fitted: `motion` (N samples), `tau` and `use` (K, J) of the K samples kept."""
 
     @property
@@ -65,7 +65,7 @@ class Assembly:
     comes out as it did last time is not filtered again.
     """
 
-    def __init__(self, model: FittableModel, prepared: Sequence[Prepared]) -> None:
+    def __init__(self, model: FittableModel, prepared: Sequence[FilteredRecording]) -> None:
         self.model = model
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
@@ -114,7 +114,7 @@ class Assembly:
 
 def assemble(
     model: FittableModel,
-    prepared: Sequence[Prepared],
+    prepared: Sequence[FilteredRecording],
     shape: Float | None = None,
     reference: Float | None = None,
 ) -> LinearData:

@@ -15,7 +15,7 @@ from optimisation.linear.certificate import Certificate
 from optimisation.linear.physical import Held
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import Reference
-from optimisation.optimiser import Run
+from optimisation.optimiser import OptimiserRun
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class FitStage:
     """One of the two stages ("sse", "huber"): parameters, loss, the optimisers' runs, IPOPT, the proof."""
 
     kind: str
@@ -33,7 +33,7 @@ class Stage:
     shape: Float
     delta: Float
     loss: float
-    runs: Mapping[str, Run]
+    runs: Mapping[str, OptimiserRun]
     reference: Reference | None
     certificate: Certificate
 
@@ -71,11 +71,11 @@ class Fit:
     delta: Float
     rms: Float
     loss: float
-    runs: Mapping[str, Run]
+    runs: Mapping[str, OptimiserRun]
     reference: Reference | None
     certificate: Certificate
     plausibility: tuple[Finding, ...]
-    sse: Stage
+    sse: FitStage
     data: LinearData = field(repr=False)
     covariance: Float = field(repr=False)
     best_known: bool

@@ -18,8 +18,8 @@ import numpy as np
 from ground.errors import ExoidError, ExpressionError, NotEnoughDataError
 from measurement.finding import Finding
 from measurement.recording import Recording
-from optimisation.fitting.assemble import Assembly, FittableModel, Prepared, Settled, settle
-from optimisation.fitting.fit import Fit, Stage
+from optimisation.fitting.assemble import Assembly, FilteredRecording, FittableModel, Settled, settle
+from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.local_shape import descend, own_shapes
 from optimisation.fitting.plausibility import check_plausibility
 from optimisation.fitting.shapes import GRID, STARTS, ShapeMethod, search_shape, to_unit
@@ -31,7 +31,7 @@ from optimisation.linear.problem import LinearData, huber_problem, sse_problem
 from optimisation.linear.reference import Reference, solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.linear.uncertainty import Covariance, covariance
-from optimisation.optimiser import Optimiser, Run, minimise
+from optimisation.optimiser import Optimiser, OptimiserRun, minimise
 from optimisation.optimisers import optimisers as optimiser_kinds
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.prepare import prepare
@@ -60,7 +60,7 @@ Progress = Callable[[str], None]
 
 def identify(
     model: FittableModel,
-    data: Sequence[Prepared] | Sequence[Recording],
+    data: Sequence[FilteredRecording] | Sequence[Recording],
     *,
     optimisers: Mapping[str, Search] | tuple[()] = SEARCHES,
     shape: Float | None = None,
@@ -193,11 +193,13 @@ def _price(model: FittableModel, held: Held | None) -> list[Finding]:
     return [Finding("possible", "warning", what, "physical", held.cost, 0.0, remedy)]
 
 
-def _prepared(model: FittableModel, data: Sequence[Prepared] | Sequence[Recording]) -> Sequence[Prepared]:
+def _prepared(
+    model: FittableModel, data: Sequence[FilteredRecording] | Sequence[Recording]
+) -> Sequence[FilteredRecording]:
     """Return prepared recordings; those just read are prepared for `model`, with the cut-off chosen."""
     raw = [one for one in data if isinstance(one, Recording)]
     if not raw:
-        return cast("Sequence[Prepared]", data)
+        return cast("Sequence[FilteredRecording]", data)
     return prepare(cast("Model", model), raw).train
 
 
@@ -297,10 +299,10 @@ def _stage(
     say: Progress,
     scope: str,
     possible: Physics | None = None,
-) -> Stage:
+) -> FitStage:
     """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
     data = found.data
-    runs: dict[str, Run] = {}
+    runs: dict[str, OptimiserRun] = {}
     reference: Reference | None = None
     if possible is not None:
         scope = f"{scope}, among those a leg can have"
@@ -309,7 +311,7 @@ def _stage(
         reference = physical_reference(data, delta, possible, solve_sse(data))
         floor = max(certificate.primal, np.finfo(float).tiny)
         reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
-        return Stage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
+        return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
     certificate = certify(data, found.linear, delta, scope=scope)
     if searches:
         compiled = population_fitness(data)
@@ -325,7 +327,7 @@ def _stage(
         say(f"IPOPT ({kind})")
         reference = solve_reference(data, delta)
         reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
-    return Stage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
+    return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
 
 
 def _spread(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> Covariance:
@@ -419,7 +421,7 @@ def _numerical(model: FittableModel, found: Settled, shape: Float, searched: boo
     return cautions
 
 
-def _unproven(stage: Stage) -> list[Finding]:
+def _unproven(stage: FitStage) -> list[Finding]:
     """Return a warning where the optimum could not be proven."""
     if stage.certificate.holds:
         return []

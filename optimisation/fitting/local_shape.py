@@ -17,8 +17,8 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
+    from optimisation.fitting.assemble import FilteredRecording as Working
     from optimisation.fitting.assemble import FittableModel
-    from optimisation.fitting.assemble import Prepared as Working
     from optimisation.fitting.fit import Fit
     from optimisation.linear.problem import LinearData
     from optimisation.preparation.prepare import Prepared, PreparedRecording

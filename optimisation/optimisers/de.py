@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import Engine, ask, begin, tell
+from optimisation.pymoo_engine import PymooState, ask, begin, tell
 from symbolic.motion import Float
 
 
@@ -30,7 +30,7 @@ class DE:
     boundary: str = "clip"
     invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
-    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Keep the first population."""
         from pymoo.algorithms.soo.nonconvex.de import DE as Differential
 
@@ -38,11 +38,11 @@ class DE:
         evolution = Differential(pop_size=len(x), variant=variant, F=self.weight, CR=self.crossover, prob_mut=0.0)
         return begin(evolution, x, f, box, rng)
 
-    def ask(self, state: Engine, rng: np.random.Generator) -> Float:
+    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
         """Return one trial point per individual."""
         return ask(state, rng)
 
-    def tell(self, state: Engine, x: Float, f: Float) -> Engine:
+    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
         """Keep of each individual and its trial the better one."""
         return tell(state, x, f)
 

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import Engine, ask, begin, tell
+from optimisation.pymoo_engine import PymooState, ask, begin, tell
 from symbolic.motion import Float
 
 
@@ -26,7 +26,7 @@ class GA:
     boundary: str = "clip"
     invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
-    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the first generation of parents."""
         from pymoo.algorithms.soo.nonconvex.ga import GA as Genetic
         from pymoo.operators.crossover.sbx import SBX
@@ -35,11 +35,11 @@ class GA:
         crossover, mutation = SBX(eta=self.crossover_index), PM(eta=self.mutation_index)
         return begin(Genetic(pop_size=len(x), crossover=crossover, mutation=mutation), x, f, box, rng)
 
-    def ask(self, state: Engine, rng: np.random.Generator) -> Float:
+    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
         """Return the children."""
         return ask(state, rng)
 
-    def tell(self, state: Engine, x: Float, f: Float) -> Engine:
+    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
         """Let the best of parents and children survive."""
         return tell(state, x, f)
 

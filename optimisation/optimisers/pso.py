@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import Engine, ask, begin, tell
+from optimisation.pymoo_engine import PymooState, ask, begin, tell
 from symbolic.motion import Float
 
 
@@ -27,17 +27,17 @@ class PSO:
     boundary: str = "clip"
     invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
-    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Engine:
+    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the swarm, with random velocities."""
         from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
 
         return begin(Swarm(pop_size=len(x), w=self.inertia, c1=self.own, c2=self.social), x, f, box, rng)
 
-    def ask(self, state: Engine, rng: np.random.Generator) -> Float:
+    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
         """Return where the particles fly next."""
         return ask(state, rng)
 
-    def tell(self, state: Engine, x: Float, f: Float) -> Engine:
+    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
         """Remember each particle's best place."""
         return tell(state, x, f)
 

@@ -33,9 +33,9 @@ from measurement.signals.conditioning import (
     fine_derivatives,
     low_pass,
     low_pass_at,
+    median_outliers,
     noise_density,
     quiet_noise,
-    spikes,
     velocity_noise,
     widen,
 )
@@ -316,7 +316,7 @@ def _prepare_one(
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload)
     known = tau * 0.0 if beta is None else base.torque(motion, beta)
-    bad, middle = spikes(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
     bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
     tau = np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))

@@ -21,7 +21,7 @@ from typing import Any
 from ground.cache import cache_folder, distrust, read_trusted
 from ground.files import sha256, sha256_file
 from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
-from symbolic.codegen.fingerprint import canonical, generator_key, library_versions, processor
+from symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, processor
 
 LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
 
@@ -76,7 +76,7 @@ def load_library(
 
 def _key(content: Any, compiler: Compiler, flags: tuple[str, ...]) -> str:
     parts = [content, library_versions(), compiler.identity, flags, processor(), generator_key()]
-    return sha256(canonical(parts))
+    return sha256(canonical_json(parts))
 
 
 def _open(entry: Path) -> CompiledLibrary | None:
@@ -104,9 +104,9 @@ def _build(entry: Path, source: GeneratedC, compiler: Compiler) -> None:
     try:
         (folder / "library.c").write_text(source.text)
         compiler.build(folder / "library.c", folder / LIBRARY, source.flags)
-        (folder / RECORD).write_text(canonical(source.record))
+        (folder / RECORD).write_text(canonical_json(source.record))
         seal = {name: sha256_file(folder / name) for name in (LIBRARY, RECORD)}
-        (folder / SEAL).write_text(canonical(seal))
+        (folder / SEAL).write_text(canonical_json(seal))
         for name in (LIBRARY, RECORD, SEAL):
             (folder / name).chmod(0o600)  # whatever the umask says: `_open` trusts no other
         try:

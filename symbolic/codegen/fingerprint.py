@@ -30,12 +30,12 @@ def model_key(model: Model) -> str:
     """Return the hash of everything the numbers of a model depend on, plus its name and limits."""
     limits = {joint: [*limit.angle, limit.velocity, limit.acceleration] for joint, limit in model.limits.items()}
     own = [[effect.id, effect.joints, repr(effect.torque)] for effect in model.custom]
-    return sha256(canonical({"name": model.name, "limits": limits, "custom": own, **equations(model)}))
+    return sha256(canonical_json({"name": model.name, "limits": limits, "custom": own, **equations(model)}))
 
 
 def equations_key(model: Model) -> str:
     """Return the hash of the model's equations alone: models that differ in name or limits share it."""
-    return sha256(canonical(equations(model)))
+    return sha256(canonical_json(equations(model)))
 
 
 def equations(model: Model) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def _code(code: CodeType) -> list[Any]:
     return [code.co_code.hex(), constants, list(code.co_names), list(code.co_varnames)]
 
 
-def canonical(content: Any) -> str:
+def canonical_json(content: Any) -> str:
     """Return JSON with one spelling per content."""
     return json.dumps(content, sort_keys=True, ensure_ascii=True, separators=(",", ":"))
 

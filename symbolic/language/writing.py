@@ -14,22 +14,24 @@ SUM, PRODUCT, SIGN, POWER, ATOM = range(5)
 
 
 @dataclass(frozen=True)
-class Piece:
+class WrittenTerm:
     """A written subtree and how strongly its outermost operation binds."""
 
     text: str
     strength: int = ATOM
 
 
-def _inside(piece: Piece, strength: int, brackets: tuple[str, str]) -> str:
+def _inside(piece: WrittenTerm, strength: int, brackets: tuple[str, str]) -> str:
     return piece.text if piece.strength >= strength else brackets[0] + piece.text + brackets[1]
 
 
-def _infix(sign: str, strength: int, right: int, brackets: tuple[str, str]) -> Callable[[Piece, Piece], Piece]:
+def _infix(
+    sign: str, strength: int, right: int, brackets: tuple[str, str]
+) -> Callable[[WrittenTerm, WrittenTerm], WrittenTerm]:
     """Write an operation that binds with `strength` and wants at least `right` behind it."""
 
-    def write(a: Piece, b: Piece) -> Piece:
-        return Piece(f"{_inside(a, strength, brackets)}{sign}{_inside(b, right, brackets)}", strength)
+    def write(a: WrittenTerm, b: WrittenTerm) -> WrittenTerm:
+        return WrittenTerm(f"{_inside(a, strength, brackets)}{sign}{_inside(b, right, brackets)}", strength)
 
     return write
 
@@ -43,15 +45,15 @@ def number_text(value: float) -> str:
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
-def _call(word: str) -> Callable[..., Piece]:
-    return lambda *arguments: Piece(f"{word}({', '.join(a.text for a in arguments)})")
+def _call(word: str) -> Callable[..., WrittenTerm]:
+    return lambda *arguments: WrittenTerm(f"{word}({', '.join(a.text for a in arguments)})")
 
 
 TEXT = Spelling(
-    number=lambda value: Piece(number_text(value)),
-    name=Piece,
-    negative=lambda a: Piece("-" + _inside(a, SIGN, _ROUND), SIGN),
-    power=lambda base, exponent: Piece(f"{_inside(base, ATOM, _ROUND)}**{number_text(exponent)}", POWER),
+    number=lambda value: WrittenTerm(number_text(value)),
+    name=WrittenTerm,
+    negative=lambda a: WrittenTerm("-" + _inside(a, SIGN, _ROUND), SIGN),
+    power=lambda base, exponent: WrittenTerm(f"{_inside(base, ATOM, _ROUND)}**{number_text(exponent)}", POWER),
     binary={
         "+": _infix(" + ", SUM, PRODUCT, _ROUND),
         "-": _infix(" - ", SUM, PRODUCT, _ROUND),
@@ -98,35 +100,35 @@ def _latex_number(value: float) -> str:
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
-def _latex_call(word: str) -> Callable[..., Piece]:
+def _latex_call(word: str) -> Callable[..., WrittenTerm]:
     named = word if word in ("sin", "cos", "tan", "exp", "log", "tanh", "max", "min") else ""
     head = "\\" + named if named else rf"\mathrm{{{word}}}"
-    return lambda *arguments: Piece(rf"{head}\left({', '.join(a.text for a in arguments)}\right)")
+    return lambda *arguments: WrittenTerm(rf"{head}\left({', '.join(a.text for a in arguments)}\right)")
 
 
-def _latex_power(base: Piece, exponent: float) -> Piece:
-    return Piece(f"{_inside(base, ATOM, _TALL)}^{{{number_text(exponent)}}}", POWER)
+def _latex_power(base: WrittenTerm, exponent: float) -> WrittenTerm:
+    return WrittenTerm(f"{_inside(base, ATOM, _TALL)}^{{{number_text(exponent)}}}", POWER)
 
 
-def _fraction(a: Piece, b: Piece) -> Piece:
-    return Piece(rf"\frac{{{a.text}}}{{{b.text}}}", POWER)
+def _fraction(a: WrittenTerm, b: WrittenTerm) -> WrittenTerm:
+    return WrittenTerm(rf"\frac{{{a.text}}}{{{b.text}}}", POWER)
 
 
-def _juxtapose(a: Piece, b: Piece) -> Piece:
+def _juxtapose(a: WrittenTerm, b: WrittenTerm) -> WrittenTerm:
     right = _inside(b, POWER, _TALL)
     sign = r" \cdot " if right[0].isdigit() else r" \, "
-    return Piece(_inside(a, PRODUCT, _TALL) + sign + right, PRODUCT)
+    return WrittenTerm(_inside(a, PRODUCT, _TALL) + sign + right, PRODUCT)
 
 
 _SPECIAL: dict[str, Any] = {
-    "abs": lambda a: Piece(rf"\left|{a.text}\right|"),
-    "sqrt": lambda a: Piece(rf"\sqrt{{{a.text}}}"),
+    "abs": lambda a: WrittenTerm(rf"\left|{a.text}\right|"),
+    "sqrt": lambda a: WrittenTerm(rf"\sqrt{{{a.text}}}"),
 }
 
 LATEX = Spelling(
-    number=lambda value: Piece(_latex_number(value), ATOM if "e" not in number_text(value) else POWER),
-    name=lambda name: Piece(latex_name(name)),
-    negative=lambda a: Piece("-" + _inside(a, SIGN, _TALL), SIGN),
+    number=lambda value: WrittenTerm(_latex_number(value), ATOM if "e" not in number_text(value) else POWER),
+    name=lambda name: WrittenTerm(latex_name(name)),
+    negative=lambda a: WrittenTerm("-" + _inside(a, SIGN, _TALL), SIGN),
     power=_latex_power,
     binary={
         "+": _infix(" + ", SUM, PRODUCT, _TALL),

@@ -18,7 +18,7 @@ from symbolic.codegen.code import generate
 from symbolic.model import Model
 from symbolic.model_file import Numbers, read_model, write_model
 from workbench.command import main
-from workbench.command_line.files import to_json, write_text
+from workbench.command_line.files import json_text, write_text
 from workbench.export import c, casadi, numpy, urdf
 from workbench.identified import ExportError, Options, ready
 from workbench.reserved import is_taken
@@ -218,7 +218,7 @@ def test_a_file_name_does_not_command_the_terminal(tmp_path, capsys):
 
 def test_a_file_name_in_another_encoding_is_no_traceback(tmp_path, capsys):
     name = b"caf\xe9\x9b.csv".decode("utf-8", "surrogateescape")
-    text = to_json({"file": name, "control": "\x7f\x9b\u2028"})
+    text = json_text({"file": name, "control": "\x7f\x9b\u2028"})
     assert text.isprintable() or set(text) - {"\n"} == {c for c in text if c.isprintable()}
     import json
 

@@ -92,12 +92,12 @@ def test_a_range_says_itself():
 }.items(), ids=lambda value: value if isinstance(value, str) else "")  # fmt: skip
 def test_a_run_that_was_damaged_or_altered_is_run_again(name, change, tmp_path, kept):
     text, contest, search, path = kept
-    from optimisation.contest.store import Store
+    from optimisation.contest.store import RunStore
 
     path.write_text(text)
-    assert Store(path.parent, contest).read("de", search, 0) is not None
+    assert RunStore(path.parent, contest).read("de", search, 0) is not None
     path.write_bytes(change(text).encode("utf-8", "surrogateescape"))
-    store = Store(path.parent, contest)
+    store = RunStore(path.parent, contest)
     assert store.read("de", search, 0) is None and store.damaged == 1
 
 
@@ -117,11 +117,11 @@ def kept(tmp_path_factory):
     """The file of one short run."""
     from optimisation.contest.problem import paper_contest, race
     from optimisation.contest.rivals import entrants
-    from optimisation.contest.store import Store
+    from optimisation.contest.store import RunStore
 
     folder = tmp_path_factory.mktemp("runs")
     contest, search = paper_contest(0, 8, 4), entrants()["de"]
-    Store(folder, contest).write(race(contest, "de", search, 0), search)
+    RunStore(folder, contest).write(race(contest, "de", search, 0), search)
     (path,) = folder.iterdir()
     return path.read_text(), contest, search, path
 
@@ -129,12 +129,12 @@ def kept(tmp_path_factory):
 def test_a_pipe_in_the_place_of_a_run(kept):
     import os
 
-    from optimisation.contest.store import Store
+    from optimisation.contest.store import RunStore
 
     text, contest, search, path = kept
     path.unlink()
     os.mkfifo(path)
-    store = Store(path.parent, contest)
+    store = RunStore(path.parent, contest)
     assert store.read("de", search, 0) is None and store.damaged == 1
     path.unlink()
     path.write_text(text)

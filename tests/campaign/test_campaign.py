@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 
 from ground.engines.local import local
-from workbench.campaign.page import render
+from workbench.campaign.page import render_campaign
 from workbench.campaign.plan import Job, Plan, read_plan
 from workbench.campaign.run import run_campaign
-from workbench.campaign.store import CampaignError, Store
+from workbench.campaign.store import CampaignError, JobStore
 from workbench.campaign.table import flat, write_tables
 from workbench.command import main
 
@@ -77,7 +77,7 @@ def test_an_answer_that_was_edited_or_cut_is_not_believed(finished, plan_file, t
 
     found, folder = finished
     shutil.copytree(folder, tmp_path / "out")
-    store = Store(tmp_path / "out", versions())
+    store = JobStore(tmp_path / "out", versions())
     job = read_plan(plan_file).jobs[0]
     key = store.key(job)
     path = store.path(job, key)
@@ -152,7 +152,7 @@ def fake_plan(count):
 
 
 def test_names_from_files_are_data_in_the_page_and_in_tables(tmp_path):
-    page = render(fake_plan(20), rows(20), [HOSTILE], running=False)
+    page = render_campaign(fake_plan(20), rows(20), [HOSTILE], running=False)
     assert HOSTILE not in page and page.count("</script>") == 2
     write_tables(tmp_path, fake_plan(1), [{**rows(1)[0], "name": "=cmd()"}])
     assert "\n'=cmd()," in (tmp_path / "table.csv").read_text()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign.plan import Plan
-from workbench.campaign.pooled import Z, combined, pool
+from workbench.campaign.pooled import Z, pool, pooled_mean
 
 pytestmark = pytest.mark.slow  # the extra `campaign`, which CI installs for the slow tests
 pytest.importorskip("statsmodels")
@@ -19,7 +19,7 @@ def row(device, value, sigma):
 
 
 def test_equal_devices_have_no_spread_and_the_mean_of_weighted_squares():
-    mean, variance, tau2 = combined([(1.0, 0.04), (1.0, 0.01), (1.0, 0.01)])
+    mean, variance, tau2 = pooled_mean([(1.0, 0.04), (1.0, 0.01), (1.0, 0.01)])
     assert mean == pytest.approx(1.0) and tau2 == pytest.approx(0.0, abs=1e-9)
     assert variance == pytest.approx(1.0 / (25 + 100 + 100))
 

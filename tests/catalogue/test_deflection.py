@@ -5,7 +5,7 @@ import pytest
 
 from measurement.bench.hidden import Hidden
 from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run
+from measurement.bench.simulation import Bench, run_bench
 from symbolic.catalogue import find_effect
 from symbolic.effect import Coefficient, Effect
 from symbolic.effect_declaration import check_effect
@@ -72,7 +72,7 @@ def test_a_gap_that_follows_the_load_changes_both_joints():
 
 def test_the_bench_turns_the_encoder_and_not_the_leg():
     bench = Bench(duration=3.0, lead_in=0.0, sensors=Sensors.ideal())
-    one, plain = (run(effects=e, seed=1, bench=bench) for e in ([Hidden("motor_elasticity", "knee")], []))
+    one, plain = (run_bench(effects=e, seed=1, bench=bench) for e in ([Hidden("motor_elasticity", "knee")], []))
     np.testing.assert_allclose(one.motion.q[:, 0], plain.motion.q[:, 0], atol=1e-12)
     twist = one.motion.q[:, 1] - plain.motion.q[:, 1]
     load = plain.torque[:, 1] - plain.true.linear[6:8] @ [plain.motion.sign[:, 1], plain.motion.dq[:, 1]]

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Block, Evidence
+from diagnosis.evidence.gain import Evidence, RecordingEvidence
 
 
-def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> Block:
+def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> RecordingEvidence:
     columns = rng.normal(size=(2, samples, width))
     columns[1, :, 0] = 0.0
     residual = rng.normal(size=(2, samples))
     use = rng.uniform(size=(2, samples)) > 0.1
     motion = np.cumsum(rng.normal(size=(samples, 2)), axis=0)
-    return Block(columns, residual, use, motion, 50.0, np.zeros(samples, int) if fold is None else fold)
+    return RecordingEvidence(columns, residual, use, motion, 50.0, np.zeros(samples, int) if fold is None else fold)
 
 
 def refit(blocks, extra, fit, held, sigma):
@@ -92,7 +92,7 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
     t = np.arange(1500) / 50.0
     motion = np.column_stack([np.sin(2 * np.pi * t / 10), np.cos(2 * np.pi * t / 10)])
     rng = np.random.default_rng(0)
-    one = Block(
+    one = RecordingEvidence(
         rng.normal(size=(2, 1500, 2)),
         rng.normal(size=(2, 1500)),
         np.ones((2, 1500), bool),

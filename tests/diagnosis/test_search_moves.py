@@ -10,7 +10,7 @@ from synthetic import search, state_with
 from diagnosis.rules import RULES
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
-from diagnosis.search.engine import run
+from diagnosis.search.engine import run_search
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
 from diagnosis.search.merge import merge
@@ -129,12 +129,14 @@ def test_a_quiet_recording_does_not_veto_what_loud_ones_show():
     """One recording hardly moves: it loses much of its own small error, and nearly nothing in N·m."""
     names = ["torque_offset:knee", "stribeck:hip"]
     context = search(OFFSET, names, scales=(1.0, 1.0, 1.0, 1.0, 0.8, 1.2), noise=0.1)
-    assert run(context, context.fit(state_with(context).last.fitted.model)).state.names == ("torque_offset:knee",)
+    assert run_search(context, context.fit(state_with(context).last.fitted.model)).state.names == (
+        "torque_offset:knee",
+    )
 
 
 def test_the_engine_finds_nothing_where_nothing_is_hidden():
     context = search({}, ["stribeck:hip", "torque_offset:knee", "viscous_cubic:hip"])
-    found = run(context, state_with(context).last)
+    found = run_search(context, state_with(context).last)
     assert found.state.names == ()
     assert found.state.left is None
 
@@ -143,5 +145,5 @@ def test_a_small_gain_far_above_the_noise_is_only_possible():
     """An offset of a few per cent beside a large torque that no candidate explains."""
     hidden = {"end_stop:knee": ([30.0], [-0.8, 1.0]), "torque_offset:knee": ([0.5], [])}
     context = search(hidden, ["torque_offset:knee"], rules=replace(RULES, small_gain=0.9))
-    found = run(context, state_with(context).last)
+    found = run_search(context, state_with(context).last)
     assert found.state.names == ()

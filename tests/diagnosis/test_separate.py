@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.separation.design import SeparateError, separate
-from diagnosis.separation.distance import Truth, distance, planned, residual_noise
+from diagnosis.separation.distance import Rival, distance, planned, residual_noise
 from diagnosis.separation.indistinguishable import same_torques
 from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import simulate
@@ -27,7 +27,7 @@ def term(name):
 def truth(name):
     model = LEG.with_effect(name)
     at = nominal(model)
-    return Truth(name, model, at.linear, at.shape, "typical size")
+    return Rival(name, model, at.linear, at.shape, "typical size")
 
 
 def test_exact_look_alikes_and_what_else_would_help():
@@ -68,7 +68,7 @@ def test_the_distance_grows_with_size_and_with_the_root_of_time():
     near = distance(one, rival, [planned(path, 20.0, 6.0)], noise, rival.typical_shape)
     twice = distance(one, rival, [planned(path, 20.0, 6.0)] * 4, noise, rival.typical_shape)
     assert twice == pytest.approx(2.0 * near, rel=1e-6)
-    bigger = Truth(one.name, one.model, one.linear * np.where(np.arange(9) == 8, 3.0, 1.0), one.shape, "")
+    bigger = Rival(one.name, one.model, one.linear * np.where(np.arange(9) == 8, 3.0, 1.0), one.shape, "")
     assert distance(bigger, rival, [planned(path, 20.0, 6.0)], noise, rival.typical_shape) == pytest.approx(
         3.0 * near, rel=1e-6
     )

@@ -15,7 +15,7 @@ from measurement.bench.hidden import Hidden, parse_hidden, true_model
 from measurement.bench.leg import paper_leg, random_leg, standard_leg
 from measurement.bench.seal import open_seal
 from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, BenchError, run, simulate, simulate_runs
+from measurement.bench.simulation import Bench, BenchError, run_bench, simulate, simulate_runs
 from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import to_csv
 from measurement.trajectories.trajectory import paper_trajectory
@@ -45,19 +45,19 @@ def test_runs_of_one_seed_have_motions_and_noise_of_their_own():
     runs = simulate_runs(3, seed=1, bench=SHORT)
     assert [one.recording.name for one in runs] == ["run_0", "run_1", "run_2"]
     assert not np.allclose(runs[0].motion.q, runs[1].motion.q, atol=0.05)
-    alone = run(seed=1, index=2, bench=SHORT, name="run_2")
+    alone = run_bench(seed=1, index=2, bench=SHORT, name="run_2")
     assert to_csv(alone.recording) == to_csv(runs[2].recording)
 
 
 def test_hiding_an_effect_leaves_motion_and_noise_alone():
-    plain, hidden = (run(effects=e, seed=3, bench=SHORT) for e in ([], [STRIBECK]))
+    plain, hidden = (run_bench(effects=e, seed=3, bench=SHORT) for e in ([], [STRIBECK]))
     noise = [one.recording.tau - one.torque for one in (plain, hidden)]
     assert noise[0] == pytest.approx(noise[1], abs=2e-4)
     assert plain.recording.q == pytest.approx(hidden.recording.q, abs=0.05)
 
 
 def test_the_recording_looks_like_an_instrumented_leg():
-    one = run(seed=2, bench=Bench(duration=30.0))
+    one = run_bench(seed=2, bench=Bench(duration=30.0))
     recording = one.recording
     assert len(recording) == 3000 and recording.rate == pytest.approx(100.0)
     for j, limit in enumerate(TABLE_1.values()):
@@ -72,7 +72,7 @@ def test_the_recording_looks_like_an_instrumented_leg():
 
 @pytest.mark.parametrize("leg", [standard_leg(), paper_leg(), random_leg(np.random.default_rng(4))])
 def test_every_leg_follows_and_obeys_its_own_model(leg):
-    one = run(leg=leg, seed=1, bench=IDEAL)
+    one = run_bench(leg=leg, seed=1, bench=IDEAL)
     assert one.true.torque(one.motion) == pytest.approx(one.torque, abs=1e-7)
     assert np.array_equal(one.recording.tau, one.torque)
     assert np.array_equal(one.recording.q, one.motion.q)
@@ -80,37 +80,37 @@ def test_every_leg_follows_and_obeys_its_own_model(leg):
 
 def test_the_published_motion_can_be_driven():
     path = paper_trajectory()
-    one = run(leg=paper_leg(), excitation=path, bench=Bench(duration=10.0, lead_in=2.0))
+    one = run_bench(leg=paper_leg(), excitation=path, bench=Bench(duration=10.0, lead_in=2.0))
     assert np.abs(one.motion.q - path.at(one.motion.t).q).max() < 0.1
 
 
 def test_the_rate_decides_the_step_and_motors_saturate():
-    one = run(seed=1, bench=Bench(duration=1.0, rate=300.0))
+    one = run_bench(seed=1, bench=Bench(duration=1.0, rate=300.0))
     assert np.diff(one.motion.t) == pytest.approx(np.full(299, 1.0 / 300.0))
     stiff = Bench(duration=2.0, controller=Controller(bandwidth=(30.0, 30.0)), lead_in=0.0)
-    weak = run(leg=paper_leg(), seed=1, bench=stiff)
+    weak = run_bench(leg=paper_leg(), seed=1, bench=stiff)
     assert weak.saturated > 0.0 and np.all(np.abs(weak.torque) <= np.array(paper_leg().torque_limit))
 
 
 def test_several_effects_and_a_users_own_act_together():
     hidden = [STRIBECK, Hidden("end_stop", "hip", {"theta_s": 0.6}), Hidden(BRAKE, "knee", size=4.0)]
-    one = run(effects=hidden, seed=1, bench=IDEAL)
+    one = run_bench(effects=hidden, seed=1, bench=IDEAL)
     assert one.true.torque(one.motion) == pytest.approx(one.torque, abs=1e-6)
     assert one.truth.terms == ("stribeck:knee", "end_stop:hip", "magnet_brake:knee")
     assert one.truth.effects[2].values == {"c": 4.0, "w": 0.3}
-    plain = run(seed=1, bench=IDEAL)
+    plain = run_bench(seed=1, bench=IDEAL)
     assert np.abs(one.torque - plain.torque).max() > 0.5
 
 
 def test_a_term_the_model_knows_already_is_simulated_too():
     known = Model.standard().with_effect("stribeck", joint="knee")
-    one = run(known, seed=1, bench=IDEAL)
+    one = run_bench(known, seed=1, bench=IDEAL)
     assert one.true.numbers()["stribeck:knee.c"] > 0 and one.truth.terms == ()
 
 
 def test_cuff_forces_close_the_equation_of_motion():
     wearer = Wearer()
-    one = run(seed=1, bench=replace(IDEAL, wearer=wearer))
+    one = run_bench(seed=1, bench=replace(IDEAL, wearer=wearer))
     assert one.recording.force is not None and np.abs(one.recording.force).max() > 3.0
     pushed = cuff_torque(one.recording.force, one.motion.q, wearer.reach, 0.40)
     assert one.torque + pushed == pytest.approx(one.true.torque(one.motion), abs=1e-7)

@@ -8,7 +8,7 @@ import pytest
 from measurement.bench.equation import belongs_to_channel
 from measurement.bench.hidden import Hidden
 from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run
+from measurement.bench.simulation import Bench, run_bench
 from symbolic.catalogue import catalogue
 
 IDEAL = Bench(duration=5.0, lead_in=0.0, sensors=Sensors.ideal())
@@ -35,12 +35,12 @@ FIRST_ORDER = {"motor_elasticity", "series_backlash"}
 
 @pytest.fixture(scope="module")
 def plain():
-    return run(seed=1, bench=IDEAL)
+    return run_bench(seed=1, bench=IDEAL)
 
 
 @pytest.mark.parametrize(("name", "joint"), EVERYWHERE)
 def test_a_hidden_effect_is_the_models_own_torque(name, joint, plain):
-    one = run(effects=[Hidden(name, joint, VALUES.get((name, joint), {}))], seed=1, bench=IDEAL)
+    one = run_bench(effects=[Hidden(name, joint, VALUES.get((name, joint), {}))], seed=1, bench=IDEAL)
     error = np.abs(one.true.torque(one.motion) - one.torque)
     missing = plain.true.torque(one.motion) - one.torque
     if name in FIRST_ORDER:
@@ -61,7 +61,7 @@ def test_only_what_belongs_to_the_torque_channel_is_added_there():
     channel = {
         name
         for name, joint in EVERYWHERE
-        for term in run(effects=[Hidden(name, joint)], bench=Bench(duration=0.1, lead_in=0.0)).true.model.terms
+        for term in run_bench(effects=[Hidden(name, joint)], bench=Bench(duration=0.1, lead_in=0.0)).true.model.terms
         if belongs_to_channel(term)
     }
     assert channel == {"drive_gain", "time_delay", "joint_elasticity"}

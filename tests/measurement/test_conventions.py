@@ -10,7 +10,7 @@ import pytest
 
 from ground.errors import RecordingError
 from measurement.auditing.convention import better_reading, check_conventions, readings
-from measurement.reading.conventions import combined, conventions, read_as
+from measurement.reading.conventions import combined_map, conventions, read_as
 from measurement.recording import Recording
 from tests.newton_euler import Leg, torque
 
@@ -43,7 +43,7 @@ def motion(seed=0, noise=0.05, friction=True):
 
 def kept(recording, names):
     """`recording` as a lab would write it that keeps the conventions `names`."""
-    to = combined(conventions(names))
+    to = combined_map(conventions(names))
     q = (recording.q - to.zero) @ np.linalg.inv(to.angle).T
     return replace(recording, q=q, tau=recording.tau @ np.linalg.inv(to.torque).T)
 
@@ -131,12 +131,12 @@ def test_angle_and_torque_of_a_pair_keep_power(name):
     run = motion()
     rate = np.gradient(run.q, 0.01, axis=0)
     other = kept(replace(run, dq=rate), name)
-    turned = read_as(replace(other, dq=rate @ np.linalg.inv(combined(conventions(name)).angle).T), name)
+    turned = read_as(replace(other, dq=rate @ np.linalg.inv(combined_map(conventions(name)).angle).T), name)
     np.testing.assert_allclose(np.sum(turned.dq * turned.tau, axis=1), np.sum(rate * run.tau, axis=1))
 
 
 def test_absolute_angles_with_their_own_torques_keep_power():
-    to = combined(conventions("absolute-shank,base-driven-shank"))
+    to = combined_map(conventions("absolute-shank,base-driven-shank"))
     np.testing.assert_allclose(to.torque.T @ to.angle, np.eye(2))
 
 

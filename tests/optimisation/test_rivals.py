@@ -162,7 +162,7 @@ def test_files_that_are_broken_or_of_other_settings_are_not_believed(fit, tmp_pa
 def test_an_infinite_fitness_survives_the_file(fit, tmp_path):
     contest = contest_of(fit)
     search = entrants()["nfo"]
-    store = contest_store.Store(tmp_path, contest)
+    store = contest_store.RunStore(tmp_path, contest)
     gap = float(contest.gap(huber(contest.data.residual(np.zeros(8)), contest.delta)))
     run = Outcome("nfo", 3, np.array([1.0, 5.0]), np.array([np.inf, gap]), np.zeros(8), 480, 0.1)
     store.write(run, search)

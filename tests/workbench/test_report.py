@@ -16,7 +16,7 @@ from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, figure, mate
 
 from ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from workbench.report.material import Material, Steps
-from workbench.report.page import find_sections, render, slug, write_report
+from workbench.report.page import figure_file_name, find_sections, render_report, write_report
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -55,7 +55,7 @@ class Page(HTMLParser):
 
 
 def test_nothing_is_requested_from_outside():
-    text = render(material())
+    text = render_report(material())
     page = Page(text)
     assert page.links
     assert all(link.startswith(("#", "data:")) for link in page.links)
@@ -63,19 +63,19 @@ def test_nothing_is_requested_from_outside():
 
 
 def test_figures_have_words_and_live_in_the_page():
-    images = [i for i in Page(render(material())).images if "src" in i]
+    images = [i for i in Page(render_report(material())).images if "src" in i]
     assert len(images) == 2
     assert all((i["alt"] or "").strip() and (i["src"] or "").startswith("data:image/") for i in images)
 
 
 def test_hostile_text_stays_text():
-    text = render(material())
+    text = render_report(material())
     assert HOSTILE not in text
     assert Page(text).scripts == 1
 
 
 def test_every_section_is_shown_with_its_title():
-    text = render(material())
+    text = render_report(material())
     shown = [section for section in find_sections() if section.context(material()) is not None]
     assert len(shown) >= 8
     for section in shown:
@@ -88,17 +88,17 @@ def test_sections_keep_quiet_without_material(section):
 
 
 def test_an_almost_empty_page_renders():
-    assert "only this" in render(Material(title="t", answer="only this"))
+    assert "only this" in render_report(Material(title="t", answer="only this"))
 
 
 @pytest.mark.parametrize("verdict", ["adequate", "missing", "ambiguous", "unexplained"])
 def test_every_verdict_renders(verdict):
-    assert f'class="verdict {verdict}"' in render(replace(material(), diagnosis=FakeDiagnosis(verdict=verdict)))
+    assert f'class="verdict {verdict}"' in render_report(replace(material(), diagnosis=FakeDiagnosis(verdict=verdict)))
 
 
 def test_without_unseen_recordings_no_unseen_error_is_claimed():
     steps = Steps(({"model": "base", "train_rms": [1.0, float("inf")], "verify_rms": None, "sentence": ""},))
-    text = render(Material(title="t", steps=steps, comparison=FakeComparison(unseen=False)))
+    text = render_report(Material(title="t", steps=steps, comparison=FakeComparison(unseen=False)))
     assert "has not seen" not in text
     assert not re.search(r">\s*(nan|inf)\b", text)
 
@@ -113,7 +113,7 @@ def test_files_of_a_report(tmp_path):
 
 
 def test_the_same_material_gives_the_same_page():
-    assert render(material()) == render(material())
+    assert render_report(material()) == render_report(material())
 
 
 def test_svg_follows_dark_mode_and_heavy_figures_become_png():
@@ -132,8 +132,8 @@ def test_svg_follows_dark_mode_and_heavy_figures_become_png():
 
 
 def test_slug_is_a_file_name():
-    assert slug("Where: θ/../x ") == "where-x"
-    assert slug("θ") == "figure"
+    assert figure_file_name("Where: θ/../x ") == "where-x"
+    assert figure_file_name("θ") == "figure"
 
 
 @pytest.fixture(scope="module")

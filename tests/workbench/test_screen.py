@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ground.plain import plain
-from workbench.command_line.files import OutputError, check_folder, make_folder, to_json, write_text
+from workbench.command_line.files import OutputError, check_folder, json_text, make_folder, write_text
 from workbench.terminal import progress as waiting
 from workbench.terminal.screen import Screen, bar
 
@@ -83,7 +83,7 @@ def test_json_is_strict():
         "c": np.float64(2.0),
         "d": (np.int64(3), np.bool_(True)),
     }
-    text = to_json(payload)
+    text = json_text(payload)
     assert json.loads(text, parse_constant=pytest.fail) == {"a": [1.0, None], "b": None, "c": 2.0, "d": [3, True]}
     with pytest.raises(TypeError, match="no JSON form"):
         plain(object())

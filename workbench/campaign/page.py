@@ -25,10 +25,12 @@ def write_page(
     folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool
 ) -> Path:
     """Write `folder`/index.html about the `rows` that are there (None: not yet); return its path."""
-    return write_whole(folder / "index.html", render(plan, rows, events, running=running), at_once=True)
+    return write_whole(folder / "index.html", render_campaign(plan, rows, events, running=running), at_once=True)
 
 
-def render(plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool) -> str:
+def render_campaign(
+    plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool
+) -> str:
     """Return the page as HTML text; text from files is data in it, never markup."""
     from markupsafe import Markup
 

@@ -74,7 +74,7 @@ def has_statsmodels() -> bool:
     return importlib.util.find_spec("statsmodels") is not None
 
 
-def combined(values: Iterable[tuple[float, float]]) -> tuple[float, float, float]:
+def pooled_mean(values: Iterable[tuple[float, float]]) -> tuple[float, float, float]:
     """Return mean, its variance and τ² of (value, variance) pairs; a single pair is its own mean."""
     pairs = list(values)
     if len(pairs) == 1:
@@ -90,8 +90,8 @@ def combined(values: Iterable[tuple[float, float]]) -> tuple[float, float, float
 
 
 def _pooled(name: str, unit: str, found: Mapping[str, list[tuple[float, float]]]) -> Pooled:
-    devices = {device: combined(values)[:2] for device, values in sorted(found.items())}
-    mean, variance, tau2 = combined(devices.values())
+    devices = {device: pooled_mean(values)[:2] for device, values in sorted(found.items())}
+    mean, variance, tau2 = pooled_mean(devices.values())
     half = Z * math.sqrt(variance)
     return Pooled(
         name, unit, len(devices), mean, mean - half, mean + half, math.sqrt(max(tau2, 0.0)), _outliers(devices)
@@ -106,7 +106,7 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
     raw = []
     for device, (value, variance) in devices.items():
         others = [pair for name, pair in devices.items() if name != device]
-        mean, error, tau2 = combined(others)
+        mean, error, tau2 = pooled_mean(others)
         distance = (value - mean) / math.sqrt(variance + error + max(tau2, 0.0))
         raw.append((2.0 * float(t.sf(abs(distance), len(others) - 1)), device, value, distance))
     out, highest = [], 0.0

@@ -14,7 +14,7 @@ from ground.engines.cell import in_cell
 from ground.engines.engine import Engine, completed
 from ground.files import write_whole
 from workbench.campaign.plan import Job, Plan
-from workbench.campaign.store import FINAL, CampaignError, Store, slug, task_of
+from workbench.campaign.store import FINAL, CampaignError, JobStore, job_file_name, task_of
 from workbench.campaign.work import FUNCTION
 
 Progress = Callable[[float, str], None]
@@ -84,7 +84,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     folder = Path(folder)
     here = dict(versions())
     with _alone(folder):
-        store = Store(folder, here)
+        store = JobStore(folder, here)
         report(0.0, "looking at what is there already")
         keys = [store.key(job) for job in plan.jobs]
         rows: list[dict[str, Any] | None] = [store.read(job, key) for job, key in zip(plan.jobs, keys, strict=True)]
@@ -100,7 +100,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
             job = plan.jobs[k]
             row, page, note = _row(job, keys[k], future)
             if page is not None:
-                write_whole(folder / "reports" / f"{slug(job.name)}-{keys[k][:16]}.html", page, at_once=True)
+                write_whole(folder / "reports" / f"{job_file_name(job.name)}-{keys[k][:16]}.html", page, at_once=True)
             store.write(job, keys[k], row)
             rows[k] = row
             retried += note != ""

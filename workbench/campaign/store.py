@@ -26,7 +26,7 @@ class CampaignError(ExoidError):
     """A campaign that cannot start or go on."""
 
 
-class Store:
+class JobStore:
     """The answers in `folder`/jobs."""
 
     def __init__(self, folder: Path, versions: Mapping[str, str]) -> None:
@@ -42,7 +42,7 @@ class Store:
 
     def path(self, job: Job, key: str) -> Path:
         """Return where the answer to `job` is kept."""
-        return self._folder / f"{slug(job.name)}-{key[:16]}.json"
+        return self._folder / f"{job_file_name(job.name)}-{key[:16]}.json"
 
     def read(self, job: Job, key: str) -> dict[str, Any] | None:
         """Return the row of `job` if it is there, whole and unchanged."""
@@ -76,7 +76,7 @@ def task_of(job: Job, *, ships: bool, report: bool, versions: Mapping[str, str])
     }  # fmt: skip
 
 
-def slug(name: str) -> str:
+def job_file_name(name: str) -> str:
     """Return a name as a file name: letters, digits, dot, dash and underscore only."""
     kept = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "-" for c in name)
     return kept.strip("-.")[:80] or "job"

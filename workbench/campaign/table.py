@@ -91,9 +91,9 @@ def unreadable(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def report_of(row: Mapping[str, Any]) -> str:
     """Return the path of a job's report beside the page, "" where there is none."""
-    from workbench.campaign.store import slug
+    from workbench.campaign.store import job_file_name
 
-    return f"reports/{slug(row['name'])}-{row['key']}.html" if row.get("report") else ""
+    return f"reports/{job_file_name(row['name'])}-{row['key']}.html" if row.get("report") else ""
 
 
 def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Path]:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
 from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
 from workbench.terminal.progress import part, progress
@@ -17,7 +17,9 @@ Question = Callable[..., Any]
 """`diagnose` or `discover` of `diagnosis.discover`."""
 
 
-def ask(args: argparse.Namespace, question: Question, title: str, *, write: str | None = None, **more: Any) -> int:
+def answer_question(
+    args: argparse.Namespace, question: Question, title: str, *, write: str | None = None, **more: Any
+) -> int:
     """Read what `args` name, put the `question`, show and write the answer; return 1 if channels are in doubt.
 
     `more` goes to the question.
@@ -35,7 +37,7 @@ def ask(args: argparse.Namespace, question: Question, title: str, *, write: str 
 
         write_model(found.model, write, found.fit)
         screen.say(f"model: {write}")
-    deliver(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
+    deliver_results(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
     return 1 if found.verdict == "check_channels" else 0
 
 

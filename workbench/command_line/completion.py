@@ -54,7 +54,7 @@ class Verb:
         return tuple(effects) if takes == "effect" else ()
 
 
-def places_of(parser: argparse.ArgumentParser) -> tuple[Place, ...]:
+def option_places(parser: argparse.ArgumentParser) -> tuple[Place, ...]:
     """Return the options and positionals of `parser`."""
     found = []
     for action in parser._actions:

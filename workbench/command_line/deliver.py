@@ -21,7 +21,7 @@ def check_places(args: argparse.Namespace) -> None:
         check_folder(args.out)
 
 
-def deliver(
+def deliver_results(
     args: argparse.Namespace, screen: Screen, payload: Any, material: Callable[[], Material] | None = None
 ) -> None:
     """Write `payload` to --json and to --out, where the report of `material()` goes too."""

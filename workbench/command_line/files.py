@@ -25,7 +25,7 @@ class OutputError(ExoidError):
     """A file or folder that cannot be written."""
 
 
-def to_json(payload: Any) -> str:
+def json_text(payload: Any) -> str:
     """Return `payload` as strict JSON text that ends with a line feed."""
     text = json.dumps(plain(payload), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
@@ -120,7 +120,7 @@ def _beginning(path: Path) -> bytes:
 
 def write_json(target: str, payload: Any) -> None:
     """Write `payload` as JSON to the file `target`, or to standard output for "-"."""
-    text = to_json(payload)
+    text = json_text(payload)
     if target == "-":
         # A stream without θ gets \u03b8, which is the same JSON.
         sys.stdout.write(text if spells(sys.stdout, text) else json.dumps(json.loads(text), indent=2) + "\n")

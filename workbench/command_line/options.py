@@ -73,7 +73,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--cutoff",
         metavar="HZ",
-        type=positive,
+        type=positive_number,
         help="cut-off of the common filter (chosen from the recordings)",
     )
 
@@ -111,7 +111,7 @@ def whole_number(text: str) -> int:
     return value
 
 
-def number(text: str) -> float:
+def finite_number(text: str) -> float:
     """Return a finite number."""
     try:
         value = float(text)
@@ -122,9 +122,9 @@ def number(text: str) -> float:
     return value
 
 
-def positive(text: str) -> float:
+def positive_number(text: str) -> float:
     """Return a finite number above zero."""
-    value = number(text)
+    value = finite_number(text)
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text} is not above zero")
     return value
@@ -134,7 +134,7 @@ def between(low: float, high: float, unit: str = "") -> Callable[[str], float]:
     """Return what reads a number from `low` to `high`."""
 
     def read(text: str) -> float:
-        value = number(text)
+        value = finite_number(text)
         if not low <= value <= high:
             raise argparse.ArgumentTypeError(f"{text} is not between {low:g} and {high:g}{unit and ' '}{unit}")
         return value
@@ -156,7 +156,7 @@ def count_to(most: int) -> Callable[[str], int]:
 
 def limits(text: str) -> tuple[float, float]:
     """Return a limit per joint from "0.5" or "0.5,0.8"."""
-    parts = [positive(part) for part in text.split(",")]
+    parts = [positive_number(part) for part in text.split(",")]
     if len(parts) not in (1, 2):
         raise argparse.ArgumentTypeError(f"{text!r} has {len(parts)} numbers; give one, or two as hip,knee")
     return parts[0], parts[-1]

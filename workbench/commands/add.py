@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     _show(screen, found, target)
     payload = {"schema": "exoid.addition/1", **found.to_json(), "model_file": target}
-    deliver(args, screen, payload, lambda: _material(args, given, found))
+    deliver_results(args, screen, payload, lambda: _material(args, given, found))
     return 0 if found.helped else 1
 
 

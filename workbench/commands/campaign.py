@@ -113,13 +113,13 @@ def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None
         heads = ("job", "status", "verdict", "effects", "reason")
         screen.table("", heads, [[str(row[head])[:200] for head in heads] for row in rows])
     if found.plan.verb == BLIND:
-        from diagnosis.trials.count import HEADS, counted, describe, right
+        from diagnosis.trials.count import HEADS, counted, describe_miss, right
 
         lines = blind_lines(found.rows)
         screen.table("", HEADS, counted(lines))
         for line in lines:
             if not right(line):
-                screen.say(describe(line))
+                screen.say(describe_miss(line))
     parts = ", ".join(f"{count} {status}" for status, count in sorted(found.counts.items()))
     kept = f", {found.kept} of them from before" if found.kept else ""
     screen.say(f"{len(rows)} jobs: {parts}{kept}; {engine.name}, {found.seconds:.0f} s")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     if over:
         screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
-    deliver(args, screen, payload, lambda: Material(
+    deliver_results(args, screen, payload, lambda: Material(
         title="Model against measurement", answer=_sentence(rms, found.verify_rms is not None),
         recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
         pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from workbench.command_line.completion import SHELLS, Verb, places_of
+from workbench.command_line.completion import SHELLS, Verb, option_places
 from workbench.command_line.options import add_common
 
 HELP = """print the completion script for bash, zsh or fish
@@ -42,5 +42,7 @@ def script(shell: str) -> str:
     from symbolic.catalogue import catalogue
     from workbench.command import find_verbs, load_verb, verb_parser
 
-    verbs = [Verb(name, load_verb(name).HELP.splitlines()[0], places_of(verb_parser(name))) for name in find_verbs()]
+    verbs = [
+        Verb(name, load_verb(name).HELP.splitlines()[0], option_places(verb_parser(name))) for name in find_verbs()
+    ]
     return SHELLS[shell](verbs, sorted(catalogue()))

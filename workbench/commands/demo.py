@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
 
     from diagnosis.discover import discover
     from workbench.command_line.asking import answer, material_of
-    from workbench.command_line.deliver import deliver
+    from workbench.command_line.deliver import deliver_results
     from workbench.command_line.inputs import Inputs, load_model, read
     from workbench.report.material import Steps
     from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     truth = _truth()
     screen.say(truth)
     payload = {**found.to_json(), "seconds": time.perf_counter() - began}
-    deliver(args, screen, payload, lambda: material_of(args, "exoid demo", given, found, comparison, truth))
+    deliver_results(args, screen, payload, lambda: material_of(args, "exoid demo", given, found, comparison, truth))
     screen.say("next: your own recordings with exoid diagnose run1.csv run2.csv --verify run3.csv")
     return 0
 

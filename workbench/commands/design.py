@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import add_common, add_reading, between, count_to, number
+from workbench.command_line.options import add_common, add_reading, between, count_to, finite_number
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, warn
@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="rate of the sampled table in Hz (100)",
     )
     motion.add_argument(
-        "--target", metavar="VALUE", type=number, help="exit with status 1 when the criterion is above VALUE"
+        "--target", metavar="VALUE", type=finite_number, help="exit with status 1 when the criterion is above VALUE"
     )
     search = parser.add_argument_group("the search")
     search.add_argument(
@@ -131,7 +131,7 @@ def _design(args: argparse.Namespace) -> int:
     )
     alt = "Angle, velocity and acceleration of hip and knee over one period, each between its limits."
     payload = {"schema": "exoid.design/1", **found.to_json()}
-    deliver(args, screen, payload, lambda: _material(args, "A motion for identification", answer, found, alt))
+    deliver_results(args, screen, payload, lambda: _material(args, "A motion for identification", answer, found, alt))
     return 0 if found.feasible and found.informative and not missed else 1
 
 
@@ -269,7 +269,7 @@ def _separate(args: argparse.Namespace) -> int:
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
     alt = "How far apart the rivals will be on this motion, at random and at present; the angles of both joints."
     payload = {"schema": "exoid.separation/1", **found.to_json()}
-    deliver(
+    deliver_results(
         args, screen, payload, lambda: _material(args, "A motion that distinguishes rivals", found.sentence, found, alt)
     )
     return 0 if found.separable else 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.asking import ask
+from workbench.command_line.asking import answer_question
 from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
 
 HELP = """which physical effect is missing, how sure that is, and what looks like it
@@ -24,4 +24,4 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose and show; a missing effect is an answer (0), channels that cannot be what they say are none (1)."""
     from diagnosis.discover import diagnose
 
-    return ask(args, diagnose, "Which effect is missing")
+    return answer_question(args, diagnose, "Which effect is missing")

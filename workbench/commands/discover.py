@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.asking import ask
+from workbench.command_line.asking import answer_question
 from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
 
 HELP = """add missing effects one after the other until the verdict says stop
@@ -30,4 +30,4 @@ def run(args: argparse.Namespace) -> int:
     """Discover and show; 0 whatever is found, 1 where the channels cannot be what they say."""
     from diagnosis.discover import discover
 
-    return ask(args, discover, "What the model was missing", write=args.write, splits=args.splits)
+    return answer_question(args, discover, "What the model was missing", write=args.write, splits=args.splits)

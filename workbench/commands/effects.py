@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     chosen = known if found is None else {found.id: found}
     screen = Screen.of(args)
     if found is not None:
-        screen.say(describe(found))
+        screen.say(describe_effect(found))
     else:
         head, rows = ["effect", "joint", "what it means"], [[e.id, joints(e), e.explains] for e in chosen.values()]
         if width() >= WIDE:
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
                 row.insert(2, next(iter(formula(effect).values())))
         screen.table("", head, rows)
         screen.say(f"{len(rows)} effects; exoid effects ID explains one of them")
-    payload: dict[str, Any] = {"schema": "exoid.effects/1", "effects": [to_json(e) for e in chosen.values()]}
+    payload: dict[str, Any] = {"schema": "exoid.effects/1", "effects": [effect_record(e) for e in chosen.values()]}
     if found is not None:
         same = never(found, load_model(args.model, any_machine=True), args.quiet)
         payload["effects"][0]["never_separable"] = {name: list(others) for name, others in same.items()}
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
         folder = make_folder(args.out)
         write_json(str(folder / "effects.json"), payload)
         for effect in chosen.values():
-            write_text(folder / f"{effect.id}.txt", describe(effect) + "\n")
+            write_text(folder / f"{effect.id}.txt", describe_effect(effect) + "\n")
         screen.say(f"wrote {folder}")
     return 0
 
@@ -100,7 +100,7 @@ def written(same: Mapping[str, tuple[str, ...]]) -> str:
     return "\n".join(lines if len(alone) < len(same) else ["", *(line.strip() for line in lines[2:])])
 
 
-def describe(effect: Effect) -> str:
+def describe_effect(effect: Effect) -> str:
     """Return everything the catalogue says about `effect`, as text."""
     lines = [f"{effect.id}: {effect.title or effect.family}", f"  {effect.explains}", ""]
     for joint, text in formula(effect).items():
@@ -140,7 +140,7 @@ def _shape(entry: Shape) -> str:
     return f"{entry.unit or '1'}, {span}{typical}" + (f"; {entry.explains}" if entry.explains else "")
 
 
-def to_json(effect: Effect) -> dict[str, Any]:
+def effect_record(effect: Effect) -> dict[str, Any]:
     """Return the entry in plain types."""
     return {
         "id": effect.id,

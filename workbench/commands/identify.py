@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
     payload["by_recording"] = alone.to_json()
     payload["thigh_length"] = None if length is None else length.to_json()
-    deliver(args, screen, payload, lambda: Material(
+    deliver_results(args, screen, payload, lambda: Material(
         title="Identified parameters",
         answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,

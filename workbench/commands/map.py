@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the columns, ask for what is not said, check the answer and keep it."""
-    from measurement.reading.mapping import FILE, Told, entries, remember
+    from measurement.reading.mapping import FILE, StatedMapping, entries, remember
     from measurement.reading.read import open_table
     from measurement.reading.sources import folder_of
     from workbench.command_line.files import check_json, make_folder
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     if args.json and args.json != "-":
         check_json(args.json)
     screen = Screen.of(args)
-    told = Told(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
+    told = StatedMapping(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
     table = open_table(args.file)
     folder = Path(args.out) if args.out else folder_of(Path(args.file))
     kept = [mapping for header, mapping in entries(folder / FILE) if header == table.names]

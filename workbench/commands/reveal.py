@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     if args.diagnosis is None:
         screen.say(truth_sentence(truth))
-        deliver(args, screen, {"schema": "exoid.truth/1", **truth.to_json()})
+        deliver_results(args, screen, {"schema": "exoid.truth/1", **truth.to_json()})
         return 0
     from diagnosis.grading import score
     from workbench.command_line.files import read_json
@@ -42,5 +42,5 @@ def run(args: argparse.Namespace) -> int:
     screen.say(truth_sentence(truth))
     for line in scored.lines:
         screen.say(f"  {line}")
-    deliver(args, screen, {"schema": "exoid.truth/1", **truth.to_json(), "score": scored.to_json()})
+    deliver_results(args, screen, {"schema": "exoid.truth/1", **truth.to_json(), "score": scored.to_json()})
     return 0 if scored.right else 1

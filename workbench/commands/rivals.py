@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.deliver import check_places, deliver
+from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_model, add_recordings, count_to
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.report.material import Material, command_of, pictures_of, settings_of
 
     payload = {"schema": "exoid.rivals/1", **found.to_json()}
-    deliver(args, screen, payload, lambda: Material(
+    deliver_results(args, screen, payload, lambda: Material(
         title="Optimisers against the certified optimum", answer=_sentence(found),
         recordings=() if given is None else given.recordings, pictures=pictures_of(found),
         command=command_of(args), settings=settings_of(args), seconds=found.seconds,

@@ -9,7 +9,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json
-from workbench.command_line.options import add_common, positive, whole_number
+from workbench.command_line.options import add_common, positive_number, whole_number
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -36,8 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
     parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the shank, M below the knee (2@0.35)")
     parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
-    parser.add_argument("--duration", metavar="S", type=positive, default=30.0, help="length of each in s (30)")
-    parser.add_argument("--rate", metavar="HZ", type=positive, default=100.0, help="sampling rate in Hz (100)")
+    parser.add_argument("--duration", metavar="S", type=positive_number, default=30.0, help="length of each in s (30)")
+    parser.add_argument("--rate", metavar="HZ", type=positive_number, default=100.0, help="sampling rate in Hz (100)")
     add_common(parser, out=f"write the recordings into DIR (default: {DEFAULT_FOLDER})")
 
 

@@ -16,7 +16,7 @@ from typing import Any
 from ground.text import in_comment
 from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.quantity import JOINTS
-from workbench.identified import ExportError, Memory, Options, Ready
+from workbench.identified import ExportedOperator, ExportError, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 
@@ -123,11 +123,11 @@ typedef struct {name}_state {{
 """
 
 
-def _field(k: int, memory: Memory) -> str:
+def _field(k: int, memory: ExportedOperator) -> str:
     return f"{memory.operator}{k}"
 
 
-def _ring(memory: Memory, options: Options) -> int:
+def _ring(memory: ExportedOperator, options: Options) -> int:
     assert memory.parameter is not None and options.sample_time is not None
     return math.floor(memory.parameter / options.sample_time) + 2
 
@@ -205,7 +205,7 @@ def _memory_steps(ready: Ready, options: Options) -> str:
     return "\n".join(["  int whole = 1;", *lines, "  if (whole) state->started = 1;", ""])
 
 
-def _step(k: int, memory: Memory, options: Options) -> list[str]:
+def _step(k: int, memory: ExportedOperator, options: Options) -> list[str]:
     p = memory.parameter
     own = f"state->{_field(k, memory)}"
     if memory.operator == "play":

@@ -20,7 +20,7 @@ INDIFFERENT = 1.0
 
 
 @dataclass(frozen=True)
-class Segment:
+class UrdfLink:
     """Mass kg, centre of mass m below its joint, inertia kg·m² about it."""
 
     mass: float
@@ -28,7 +28,7 @@ class Segment:
     inertia: float
 
 
-def segments(phi: tuple[float, float, float, float], thigh: float) -> tuple[Segment, Segment]:
+def segments(phi: tuple[float, float, float, float], thigh: float) -> tuple[UrdfLink, UrdfLink]:
     """Return a thigh and a shank with these base parameters; ExportError where no leg has them.
 
     With H = Φ1 - Φ2 - m_sh a² the inertia of the thigh about the hip: I_sh > 0 needs m_sh > Φ3²/(a² Φ2), H > 0 needs
@@ -43,11 +43,11 @@ def segments(phi: tuple[float, float, float, float], thigh: float) -> tuple[Segm
             remedy="URDF needs Φ2 > 0 and Φ3² < Φ2 (Φ1 - Φ2); export the other formats, or identify on richer motion",
         )
     mass = math.sqrt(low * high) if low > 0.0 else 0.5 * high
-    shank = Segment(mass, third / (thigh * mass), second - third**2 / (thigh**2 * mass))
+    shank = UrdfLink(mass, third / (thigh * mass), second - third**2 / (thigh**2 * mass))
     about_hip = first - second - mass * thigh**2
     moment = (fourth + about_hip) / thigh
     heavy = 2.0 * moment**2 / about_hip or INDIFFERENT
-    return Segment(heavy, moment / heavy, about_hip - moment**2 / heavy), shank
+    return UrdfLink(heavy, moment / heavy, about_hip - moment**2 / heavy), shank
 
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
@@ -80,7 +80,7 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     }
 
 
-def _link(name: str, one: Segment) -> str:
+def _link(name: str, one: UrdfLink) -> str:
     # Only the inertia about y moves in a plane; a body of the same size about every axis is always possible.
     return f"""  <link name="{name}"><inertial>
     <origin xyz="0 0 {-one.com!r}"/><mass value="{one.mass!r}"/>

@@ -21,7 +21,7 @@ FOLDER = Path(__file__).parent
 
 
 @dataclass(frozen=True)
-class Block:
+class PageSection:
     """A section as it stands in the page."""
 
     id: str
@@ -36,7 +36,7 @@ def find_sections() -> tuple[ModuleType, ...]:
     return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
 
 
-def render(material: Material) -> str:
+def render_report(material: Material) -> str:
     """Return the page as HTML text."""
     from markupsafe import Markup
 
@@ -48,7 +48,7 @@ def render(material: Material) -> str:
             continue
         name = section.__name__.rsplit(".", 1)[1]
         html = templates.get_template(f"sections/{name}.html").render(context)
-        blocks.append(Block(name, section.TITLE, Markup(html)))  # escaped by its own template
+        blocks.append(PageSection(name, section.TITLE, Markup(html)))  # escaped by its own template
     # The two files below are ours and contain no text from outside.
     style = Markup((FOLDER / "page.css").read_text("utf-8"))
     script = Markup((FOLDER / "page.js").read_text("utf-8"))
@@ -61,11 +61,11 @@ def write_report(material: Material, folder: str | Path) -> Path:
     from ground.figures import to_png
 
     target = make_folder(folder)
-    page = write_text(target / "report.html", render(material))
+    page = write_text(target / "report.html", render_report(material))
     if material.pictures:
         figures = make_folder(target / "figures")
         for index, picture in enumerate(material.pictures, start=1):
-            write_bytes(figures / f"{index:02d}-{slug(picture.title)}.png", to_png(picture.figure))
+            write_bytes(figures / f"{index:02d}-{figure_file_name(picture.title)}.png", to_png(picture.figure))
     return page
 
 
@@ -77,13 +77,13 @@ def environment() -> Environment:
         loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
-    templates.filters["number"] = number
-    templates.filters["percent"] = percent
+    templates.filters["number"] = number_in_page
+    templates.filters["percent"] = percent_in_page
     templates.filters["uri"] = uri
     return templates
 
 
-def number(value: Any, digits: int = 3) -> str:
+def number_in_page(value: Any, digits: int = 3) -> str:
     """Return a number with `digits` significant digits, or a dash for None and what is not finite."""
     if value is None or not math.isfinite(value):
         return "–"
@@ -93,7 +93,7 @@ def number(value: Any, digits: int = 3) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def percent(value: Any) -> str:
+def percent_in_page(value: Any) -> str:
     """Return a share as per cent."""
     return "–" if value is None or not math.isfinite(value) else f"{100 * value:.0f} %"
 
@@ -105,7 +105,7 @@ def uri(picture: Picture) -> str:
     return to_data_uri(picture.figure)
 
 
-def slug(title: str) -> str:
+def figure_file_name(title: str) -> str:
     """Return a title as a file name."""
     kept = "".join(c if c.isascii() and c.isalnum() else "-" for c in title.lower())
     return "-".join(part for part in kept.split("-") if part)[:60] or "figure"

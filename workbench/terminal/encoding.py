@@ -27,7 +27,7 @@ BAR = str.maketrans({**dict.fromkeys("█▉▊▋▌", "#"), **dict.fromkeys("�
 """Bars of blocks as bars of "#"."""
 
 
-def plain(text: str) -> str:
+def ascii_text(text: str) -> str:
     """Return `text` in ASCII; a character without a spelling becomes "?"."""
     return "".join(c if c.isascii() else PLAIN.get(c, "?") for c in text.translate(BAR))
 
@@ -52,4 +52,4 @@ def install() -> None:
 def _handle(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    return plain(error.object[error.start : error.end]), error.end
+    return ascii_text(error.object[error.start : error.end]), error.end

@@ -13,7 +13,7 @@ from typing import Any
 
 from ground.text import printable
 from symbolic.quantity import JOINTS
-from workbench.terminal.encoding import plain, spells
+from workbench.terminal.encoding import ascii_text, spells
 
 BLOCKS = " ▏▎▍▌▋▊▉█"
 EMPTY = (None, "", "–")
@@ -49,7 +49,7 @@ class Screen:
 
             _console().print(Text(text, style=STYLES[style]))
             return
-        for line in (text if spells(sys.stdout) else plain(text)).split("\n"):
+        for line in (text if spells(sys.stdout) else ascii_text(text)).split("\n"):
             sys.stdout.write(folded(line) + "\n")
 
     def table(self, title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], note: str = "") -> None:
@@ -72,14 +72,14 @@ class Screen:
         for index, name in enumerate(head):
             numeric = bool(rows) and all(_is_number(row[index]) for row in rows)
             # A sentence and a head may wrap, a number or an identifier may not, nor a word of the head.
-            name, cells = (name if spelt else plain(name)), (str(row[index]) for row in rows)
-            longest = max((len(cell if spelt else plain(cell)) for cell in cells), default=0)
+            name, cells = (name if spelt else ascii_text(name)), (str(row[index]) for row in rows)
+            longest = max((len(cell if spelt else ascii_text(cell)) for cell in cells), default=0)
             word = max((len(part) for part in name.split()), default=0)
             table.add_column(name, justify="right" if numeric else "left", overflow="fold",
                              min_width=max(word, longest if longest <= 24 else 0))  # fmt: skip
         for row in rows:
             # Spelt out before the table is laid out: "N*m" is as wide as "N·m", "theta" is not as wide as "θ".
-            table.add_row(*(Text(str(cell) if spelt else plain(str(cell))) for cell in row))
+            table.add_row(*(Text(str(cell) if spelt else ascii_text(str(cell))) for cell in row))
         if colours:
             _console().print(table)
             return

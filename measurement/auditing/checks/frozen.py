@@ -17,10 +17,10 @@ LEAST_ROWS, LEAST_SECONDS = 10, 0.1
 def check(recording: Recording) -> list[Finding]:
     """Warn of stretches of one and the same value that the channel leaves with a jump, or that noise
     excludes."""
-    return [finding(recording, channel, rows) for channel, rows, _ in stretches(recording)]
+    return [frozen_finding(recording, channel, rows) for channel, rows, _ in frozen_stretches(recording)]
 
 
-def stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], bool]]:
+def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], bool]]:
     """Yield channel, indices of the recording where it is frozen, and whether that is certain."""
     for channel in channels(recording, "q", "tau"):
         likely, certain = _frozen(channel, recording)
@@ -29,7 +29,7 @@ def stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64]
                 yield channel, np.concatenate(rows), sure
 
 
-def finding(recording: Recording, channel: Channel, rows: NDArray[np.int64], *, masked: bool = False) -> Finding:
+def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64], *, masked: bool = False) -> Finding:
     """Return what there is to say; `masked` when the rows have been left out of the fit."""
     what = f"the {channel.label} is frozen in {rows.size} rows while the leg moves"
     return Finding(

@@ -23,10 +23,12 @@ step is one of the encoder's own)."""
 def check(recording: Recording) -> list[Finding]:
     """Warn where a channel stays exactly at its largest or smallest value, an angle in stretches of three rows or
     more."""
-    return [finding(recording, channel, level, rows) for channel, level, rows in stretches(recording)]
+    return [
+        saturated_finding(recording, channel, level, rows) for channel, level, rows in saturated_stretches(recording)
+    ]
 
 
-def stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
+def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
     """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
     for channel in channels(recording, "q", "tau"):
         levels, counts = np.unique(channel.values, return_counts=True)
@@ -59,7 +61,7 @@ def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
     return not entering.size or bool(np.median(entering) < slow)
 
 
-def finding(
+def saturated_finding(
     recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64], *, masked: bool = False
 ) -> Finding:
     """Return what there is to say; `masked` when the rows have been left out of the fit."""

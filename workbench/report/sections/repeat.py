@@ -6,7 +6,7 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.command_line.files import to_json
+from workbench.command_line.files import json_text
 from workbench.report.material import Material
 
 TITLE = "To repeat this"
@@ -18,7 +18,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     from workbench.command import versions
 
     model = material.model
-    data = "" if material.payload is None else base64.b64encode(to_json(material.payload).encode()).decode("ascii")
+    data = "" if material.payload is None else base64.b64encode(json_text(material.payload).encode()).decode("ascii")
     terms = [term.name for term in getattr(model, "terms", ())]
     return {
         "command": material.command,

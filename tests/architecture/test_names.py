@@ -1,0 +1,41 @@
+"""A public name means one thing: no two classes or functions of the packages share one."""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from pathlib import PurePosixPath
+
+from tests.architecture.test_imports import ROOT, SOURCES, tree_of
+
+PLUG_INS = {
+    "workbench/commands": {"add_arguments", "run"},
+    "workbench/report/sections": {"context"},
+    "workbench/export": {"write"},
+    "measurement/auditing/checks": {"check"},
+    "measurement/reading/formats": {"read", "is_large", "pieces"},
+    "symbolic/effects": {"derive"},
+}
+"""What each file of a folder of plug-ins defines for whoever reads the folder."""
+
+ENTRY = "main"
+"""Where a process begins; each program has one."""
+
+
+def test_no_two_classes_or_functions_share_a_name():
+    places = defaultdict(set)
+    for path in SOURCES:
+        file = PurePosixPath(path.relative_to(ROOT))
+        ours = PLUG_INS.get(str(file.parent), set()) | {ENTRY}
+        for node in tree_of(path).body:
+            if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and node.name not in ours:
+                places[node.name].add(f"{file}:{node.lineno}")
+    shared = {name: sorted(found) for name, found in places.items() if len(found) > 1 and not name.startswith("_")}
+    assert shared == {}
+
+
+def test_every_plug_in_name_is_used():
+    for folder, names in PLUG_INS.items():
+        trees = [tree_of(path) for path in SOURCES if path.parent == ROOT / folder]
+        defined = [n.name for tree in trees for n in tree.body if isinstance(n, ast.FunctionDef)]
+        assert all(defined.count(name) > 1 for name in names), folder
