@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import NotEnoughDataError
-from measurement.reading.angles import median_over_seconds
+from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import Filter, both_ways, both_ways_at, low_pass_filter
 from symbolic.mechanics.payload import Payload
@@ -239,7 +239,7 @@ def velocity_noise(density: Float, cutoff: float) -> Float:
 def median_outliers(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
     """Return where `x` (N, J) leaves its running median by more than `limit` robust deviations, and the median."""
     window = max(5, round(seconds * rate) | 1)
-    middle = np.column_stack([median_over_seconds(channel, window) for channel in x.T])
+    middle = np.column_stack([running_median(channel, window) for channel in x.T])
     away = np.abs(x - middle)
     scale = np.median(away, axis=0) / 0.6745
     return away > limit * np.maximum(scale, 1e-300), middle
