@@ -1,10 +1,14 @@
 """An hour at 1 kHz through reading, preparing, fitting and `exoid discover`: seconds and peak memory of each.
 
     python benchmarks/large.py [--minutes 60] [--formats csv npz h5] [--discover]
+    python benchmarks/large.py --hours 24 [--formats csv parquet] [--keep FOLDER]
 
 The recording is a minute of the virtual bench (a periodic motion, so that the copies join), repeated, with sensor noise
 of its own in every copy. Each stage runs in a process of its own, because peak memory never goes down within one; its
 figure contains the interpreter, the libraries and the stages before it. Nothing is asserted.
+
+With `--hours` numbers are written in full, 90 bytes a row, so that a day is 8 GB of text; it is audited and its
+stretches are chosen piece by piece, in bounded memory.
 """
 
 from __future__ import annotations
@@ -69,6 +73,39 @@ def write(folder: Path, minutes: int, formats: list[str]) -> None:
             pd.DataFrame(table, columns=names).to_parquet(file)
 
 
+def write_hours(folder: Path, hours: float, formats: list[str]) -> None:
+    """Write a recording of hours in each format, a minute at a time: the legs rest in the middle of every hour."""
+    import pyarrow
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    from measurement.bench.sensors import Sensors
+    from measurement.bench.simulation import Bench, run
+    from measurement.trajectories.trajectory import random_trajectory
+
+    path = random_trajectory(np.random.default_rng(3), period=PERIOD)
+    true = run(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
+    rng = np.random.default_rng(4)
+    clean = np.hstack([true.motion.q, true.torque])
+    noise = np.array([2e-4, 2e-4, 0.3, 0.2])
+    schema = pyarrow.schema([(name, "f8") for name in ("t", "q1", "q2", "tau1", "tau2")])
+    opened = {
+        kind: pyarrow.csv.CSVWriter(folder / f"hours.{kind}", schema)
+        if kind == "csv"
+        else pyarrow.parquet.ParquetWriter(folder / f"hours.{kind}", schema)
+        for kind in formats
+    }
+    for minute in range(round(60 * hours)):
+        rests = 25 <= minute % 60 < 35
+        cells = (np.broadcast_to(clean[0], clean.shape) if rests else clean) + noise * rng.normal(size=clean.shape)
+        t = np.arange(len(cells)) / RATE + 60.0 * minute
+        table = pyarrow.Table.from_arrays([pyarrow.array(column) for column in (t, *cells.T)], schema=schema)
+        for writer in opened.values():
+            writer.write(table)
+    for writer in opened.values():
+        writer.close()
+
+
 def peak() -> float:
     """Return the largest memory of this process so far in MB; where the system tells, without what its parent held."""
     try:
@@ -80,14 +117,19 @@ def peak() -> float:
 
 def stage(name: str, path: Path) -> None:
     """Run the work up to the stage `name` and print the seconds it took, the peak memory in MB, and what came out."""
-    from measurement.reading.read import read_recording
+    from measurement.reading.read import read_recording, read_recordings
     from optimisation.fitting.identify import identify
     from optimisation.preparation.prepare import prepare
     from symbolic.model import Model
 
     said = ""
     began = time.perf_counter()
-    if name != "import":
+    if name == "stretches":
+        shares: list[float] = []
+        runs = read_recordings([path], progress=lambda share, text: shares.append(share))
+        first = next((one.what for one in runs[0].findings if one.check == "large"), "read as a whole")
+        said = f"{first}; progress was told {len(shares)} times"
+    elif name != "import":
         recording = read_recording(path)
         said = f"{len(recording)} rows, {[f.check for f in recording.findings]}"
     if name == "prepare":
@@ -98,7 +140,8 @@ def stage(name: str, path: Path) -> None:
         began = time.perf_counter()
         said = str(identify(Model.standard(), [recording])).splitlines()[0]
     took = time.perf_counter() - began
-    print(f"{name:>10} {took:8.1f} s {peak():8.0f} MB   {said}", flush=True)
+    busy = time.process_time()
+    print(f"{name:>10} {took:8.1f} s (processor {busy:.0f} s) {peak():8.0f} MB   {said}", flush=True)
 
 
 def command(arguments: list[str]) -> None:
@@ -120,28 +163,34 @@ def main() -> None:
     """Make the recording, then run every stage on every format."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--minutes", type=int, default=60)
-    parser.add_argument("--formats", nargs="+", default=["csv", "npz", "h5"])
+    parser.add_argument("--hours", type=float, help="so many hours, which are read piece by piece")
+    parser.add_argument("--formats", nargs="+")
     parser.add_argument("--discover", action="store_true", help="also run exoid discover on the first format")
     parser.add_argument("--keep", type=Path, help="make the files in this folder and leave them there")
     parser.add_argument("--write", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--stage", nargs=2, help=argparse.SUPPRESS)
     args = parser.parse_args()
+    args.formats = args.formats or (["csv", "parquet"] if args.hours else ["csv", "npz", "h5"])
     if args.stage:
         stage(args.stage[0], Path(args.stage[1]))
+        return
+    if args.write and args.hours:
+        write_hours(args.write, args.hours, args.formats)
         return
     if args.write:
         write(args.write, args.minutes, args.formats)
         return
     with tempfile.TemporaryDirectory() as scratch:
         folder = args.keep or Path(scratch)
-        files = [folder / f"hour.{kind}" for kind in args.formats]
+        files = [folder / f"{'hours' if args.hours else 'hour'}.{kind}" for kind in args.formats]
         if not all(file.exists() for file in files):
             # In a process of its own: what this one holds would be counted with every process it starts.
             given = ["--write", str(folder), "--minutes", str(args.minutes), "--formats", *args.formats]
+            given += ["--hours", str(args.hours)] if args.hours else []
             subprocess.run([sys.executable, __file__, *given], check=True)
         for index, file in enumerate(files):
             print(f"{file.name}: {file.stat().st_size / 1e6:.0f} MB")
-            for name in STAGES if index == 0 else STAGES[1:2]:
+            for name in ("stretches",) if args.hours else STAGES if index == 0 else STAGES[1:2]:
                 subprocess.run([sys.executable, __file__, "--stage", name, str(file)], check=True)
         if args.discover:
             command(["discover", str(files[0])])

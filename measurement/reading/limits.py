@@ -6,7 +6,10 @@ going to unpack, and asks first.
 
 from __future__ import annotations
 
+import io
+import os
 from dataclasses import dataclass
+from pathlib import Path
 
 from ground.errors import RecordingError
 
@@ -43,3 +46,16 @@ class Budget:
             raise RecordingError(
                 f"the file holds more than {MOST_ENTRIES} entries", where=self.where, remedy="export the channels alone"
             )
+
+
+class Within(io.BufferedReader):
+    """A file from which no more is asked for than it holds: readers make room for as many bytes as the file claims."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(io.FileIO(path))
+        self.size = os.fstat(self.fileno()).st_size
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Return at most `size` bytes, all that are left where it is None or negative."""
+        left = max(0, self.size - self.tell())
+        return super().read(left if size is None or size < 0 else min(size, left))

@@ -14,7 +14,7 @@ SLOW_TO_IMPORT = {
     "numpy", "pandas", "platformdirs", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
     "atexit", "dataclasses", "difflib", "distributed", "fcntl", "importlib", "shutil", "statsmodels",
     "submitit", "traceback",
-    "matio", "nptdms", "polars", "python_calamine", "rosbags", "xarray",
+    "lz4", "matio", "nptdms", "polars", "python_calamine", "rosbags", "xarray",
 }  # fmt: skip
 """What may be imported where it is used, so that a command that does not need it does not wait for it."""
 

@@ -257,3 +257,65 @@ def test_a_budget_is_one_for_the_whole_file():
     for size in (1e300, float("inf"), 10**40):
         with pytest.raises(RecordingError, match="GB"):
             Budget("x").take(size)
+
+
+def test_two_cells_in_opposite_corners_of_a_sheet(tmp_path, monkeypatch):
+    """Its reader asks for all cells between them, and ends its process where there is no room."""
+    openpyxl = pytest.importorskip("openpyxl")
+    pytest.importorskip("python_calamine")
+    book = openpyxl.Workbook()
+    book.active["A1"], book.active["XFD1048576"] = 1, 2
+    book.save(tmp_path / "run.xlsx")
+    refused(tmp_path / "run.xlsx", "damaged, or takes too much memory")
+    book = openpyxl.Workbook()
+    for row in range(100):
+        book.active.append([float(row)] * 20)
+    book.save(tmp_path / "run.xlsx")
+    monkeypatch.setattr(limits, "MOST_BYTES", 100_000)
+    refused(tmp_path / "run.xlsx")
+
+
+def test_bag_that_claims_or_unpacks_to_any_size(tmp_path):
+    pytest.importorskip("rosbags")
+    from rosbags.rosbag1 import Writer
+
+    writer = Writer(tmp_path / "run.bag")
+    writer.set_compression(Writer.CompressionFormat.BZ2)
+    with writer:
+        digest = "992ce8a1687cec8c8bd883ec73ca41d1"
+        line = writer.add_connection("/x", "std_msgs/msg/String", msgdef="string data\n", md5sum=digest)
+        for k in range(3):
+            writer.write(line, k, struct.pack("<I", MOST) + bytes(MOST))
+    assert (tmp_path / "run.bag").stat().st_size < 20_000
+    refused(tmp_path / "run.bag", "unpacks to more than")
+    (tmp_path / "run.bag").write_bytes(b"#ROSBAG V2.0\n" + b"\xff\xff\xff\x7f" + bytes(100))
+    refused(tmp_path / "run.bag", "damaged")
+    head = b"\x89MCAP0\r\n\x01" + struct.pack("<Q", 2**60)
+    (tmp_path / "run.mcap").write_bytes(head + bytes(60) + b"\x89MCAP0\r\n")
+    refused(tmp_path / "run.mcap", "damaged")
+
+
+def test_bag_whose_rows_are_computed(tmp_path):
+    import sqlite3
+
+    pytest.importorskip("rosbags")
+    store = sqlite3.connect(tmp_path / "run.db3")
+    store.execute("CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT)")
+    store.execute(
+        "CREATE VIEW messages AS WITH RECURSIVE c(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM c) "
+        "SELECT id, 1 AS topic_id, id AS timestamp, zeroblob(100000000) AS data FROM c"
+    )
+    store.commit()
+    store.close()
+    refused(tmp_path / "run.db3", "computed, not recorded")
+
+
+def test_tdms_that_claims_any_size(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    path = tmp_path / "run.tdms"
+    with nptdms.TdmsWriter(str(path)) as writer:
+        writer.write_segment([nptdms.ChannelObject("leg", name, values) for name, values in COLUMNS.items()])
+    data, count = path.read_bytes(), struct.pack("<Q", len(T))
+    assert data.count(count) >= 5
+    path.write_bytes(data.replace(count, struct.pack("<Q", 2**60)))
+    refused(path, "GB|damaged|columns|samples")

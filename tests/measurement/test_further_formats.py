@@ -1,7 +1,6 @@
 """Formats of other worlds: OpenSim, spreadsheets, TDMS, ROS bags, objects of MATLAB, archives, tables in memory."""
 
 import datetime
-import warnings
 import zipfile
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tables import leg, text
+from written import FORMATS, bag
 
 from ground.errors import RecordingError
 from measurement.reading.read import read_recording, read_recordings
@@ -20,97 +20,15 @@ TAU = np.column_stack([LEG["tau1"], LEG["tau2"]])
 NAMES = ("hip", "knee")
 
 
-def _mot(path):
-    rows = "\n".join(f"{t:.4f}\t{np.degrees(a):.9g}\t{np.degrees(b):.9g}\t{u:.9g}\t{v:.9g}" for t, a, b, u, v in zip(
-        *LEG.values(), strict=True))  # fmt: skip
-    path.write_text(
-        "Coordinates\nversion=1\nnRows=800\nnColumns=5\ninDegrees=yes\n\nUnits are S.I. units\nendheader\n"
-        "time\thip_flexion_r\tknee_angle_r\thip_flexion_r_moment\tknee_angle_r_moment\n" + rows
-    )
-
-
-def _xlsx(path):
-    openpyxl = pytest.importorskip("openpyxl")
-    pytest.importorskip("python_calamine")
-    book = openpyxl.Workbook()
-    book.active.append(["exported from the bench", None, None, None, None])
-    book.active.append(["Time", "Hip Angle", "Knee Angle", "Hip Torque", "Knee Torque"])
-    book.active.append(["s", "rad", "rad", "Nm", "Nm"])
-    for row in zip(*LEG.values(), strict=True):
-        book.active.append([float(cell) for cell in row])
-    book.create_sheet("notes").append(["nothing"])
-    book.save(path)
-
-
-def _tdms(path):
-    nptdms = pytest.importorskip("nptdms")
-    channels = [
-        nptdms.ChannelObject("leg", name, LEG[name], properties={"wf_increment": 0.01, "unit_string": unit})
-        for name, unit in (("q1", "rad"), ("q2", "rad"), ("tau1", "Nm"), ("tau2", "Nm"))
-    ]
-    with nptdms.TdmsWriter(str(path)) as writer:
-        writer.write_segment(channels)
-
-
-def _bag(path, two_topics=False):
-    pytest.importorskip("rosbags")
-    from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import Writer as Writer2
-    from rosbags.typesys import Stores, get_typestore
-
-    old = path.suffix == ".bag"
-    store = get_typestore(Stores.ROS1_NOETIC if old else Stores.ROS2_HUMBLE)
-    state, header, time = (store.types[t] for t in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header",
-                                                    "builtin_interfaces/msg/Time"))  # fmt: skip
-    with Writer1(path) if old else Writer2(path, version=9) as writer:
-        topics = ("/joint_states", "/torques") if two_topics else ("/joint_states",)
-        lines = [writer.add_connection(topic, state.__msgtype__, typestore=store) for topic in topics]
-        for k in range(800):
-            stamp = 1_700_000_000_000_000_000 + k * 10_000_000
-            more = {"seq": k} if old else {}
-            head = header(stamp=time(sec=stamp // 10**9, nanosec=stamp % 10**9), frame_id="", **more)
-            for i, line in enumerate(lines):
-                with_q, with_tau = i == 0, i == len(lines) - 1
-                message = state(header=head, name=["hip_joint", "knee_joint"],
-                                position=Q[k] if with_q else np.zeros(0), velocity=np.zeros(0),
-                                effort=TAU[k] if with_tau else np.zeros(0))  # fmt: skip
-                raw = (store.serialize_ros1 if old else store.serialize_cdr)(message, state.__msgtype__)
-                writer.write(line, stamp + 3_000_000, raw)
-
-
-def _timetable(path):
-    matio = pytest.importorskip("matio")
-    stamps = pd.to_timedelta(LEG["t"], unit="s")
-    frame = pd.DataFrame({name: LEG[name] for name in ("q1", "q2", "tau1", "tau2")}, index=stamps)
-    frame.index.name = "Time"
-    with warnings.catch_warnings(action="ignore"):
-        matio.save_to_mat(str(path), {"run": frame}, version="v7" if path.stem == "v7" else "v7.3")
-
-
-def _timeseries(path):
-    matio = pytest.importorskip("matio")
-    from matio.utils.matclass import MatlabOpaque
-
-    content = {}
-    for name in ("q1", "q2", "tau1", "tau2"):
-        properties = {"Data_": LEG[name][:, None], "Time_": LEG["t"][:, None], "Name": name}
-        content[name] = MatlabOpaque(properties=properties, classname="timeseries")
-    matio.save_to_mat(str(path), content, version="v7.3")
-
-
-FORMATS = {"a.mot": _mot, "a.sto": _mot, "a.xlsx": _xlsx, "a.tdms": _tdms, "a.bag": _bag, "bag": _bag,
-           "v7.mat": _timetable, "v73.mat": _timetable, "series.mat": _timeseries}  # fmt: skip
-
-
 @pytest.mark.parametrize("name", FORMATS)
 def test_reads_alike_and_breaks_politely(name, tmp_path):
     path = tmp_path / name
-    FORMATS[name](path)
+    FORMATS[name](path, LEG)
     recording = read_recording(path)
     np.testing.assert_allclose(recording.q, Q, atol=1e-8)
     np.testing.assert_allclose(recording.tau, TAU, rtol=1e-7, atol=1e-7)
     np.testing.assert_allclose(recording.t - recording.t[0], LEG["t"], atol=1e-6)
-    target = next(path.glob("*.db3")) if path.is_dir() else path
+    target = next(file for file in path.iterdir() if file.suffix != ".yaml") if path.is_dir() else path
     whole = target.read_bytes()
     for keep in (0.7, 0.3):
         target.write_bytes(whole[: int(keep * len(whole))])
@@ -136,7 +54,7 @@ def test_any_bytes_are_refused(name, tmp_path, noise):
 
 
 def test_topics_of_a_bag_come_onto_one_clock(tmp_path):
-    _bag(tmp_path / "bag", two_topics=True)
+    bag(tmp_path / "bag", LEG, two_topics=True)
     recording = read_recording(tmp_path / "bag")
     np.testing.assert_allclose(recording.tau[5:-5], TAU[5:-5], rtol=1e-6, atol=1e-6)
     assert any("put on the clock of /joint_states" in f.what for f in recording.findings)

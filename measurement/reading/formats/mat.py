@@ -116,19 +116,16 @@ def _with_objects(path: Path) -> RawTable | None:
             import matio
     except ImportError:
         return None
-    try:
-        content = matio.load_from_mat(str(path), add_table_attrs=True)
-    except Exception:  # noqa: BLE001 - a damaged file raises whatever its bytes happen to hit; SciPy's message is better
-        return None
     arrays: dict[str, Any] = {}
     labels: dict[str, list[str]] = {}
     units: dict[str, str] = {}
-    for name, value in content.items():
-        if not str(name).startswith("__"):
-            _object(str(name), value, arrays, labels, units, depth=0)
     try:
+        content = matio.load_from_mat(str(path), add_table_attrs=True)
+        for name, value in content.items():
+            if not str(name).startswith("__"):
+                _object(str(name), value, arrays, labels, units, depth=0)
         return table_from_arrays(label_matrices(arrays, labels), where=str(path), units=units)
-    except RecordingError:
+    except Exception:  # noqa: BLE001 - a damaged file raises whatever its bytes happen to hit; SciPy's message is better
         return None
 
 

@@ -7,15 +7,22 @@ arrival. Topics are put on the clock of the one with the joint angles.
 
 from __future__ import annotations
 
+import bz2
+import re
+import sqlite3
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import IO, Any
 
 import numpy as np
 
 from ground.errors import RecordingError
 from measurement.finding import Finding
+from measurement.reading import limits
+from measurement.reading.limits import Budget, Within
 from measurement.reading.names import quantity_of, recognise
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.resample import onto
@@ -23,9 +30,14 @@ from symbolic.motion import Float
 
 SUFFIXES = (".bag", ".mcap", ".db3")
 SIGNATURES = (b"#ROSBAG V", b"\x89MCAP0\r\n")
-MOST_CELLS = 100_000_000
 WIDEST = 64
 """Numbers of one message; more are an image or a scan."""
+LONGEST = 100_000
+"""Bytes of one message."""
+MESSAGE = 32
+"""Bytes that a message takes beside its numbers: its stamps."""
+COMPUTED = re.compile(r"\b(AS|VIRTUAL|VIEW|TRIGGER)\b", re.IGNORECASE)
+"""Words of a table that is not stored but computed, at any length."""
 DEEPEST = 5
 
 
@@ -35,13 +47,15 @@ class Topic:
 
     sent: list[int] = field(default_factory=list)
     arrived: list[int] = field(default_factory=list)
-    columns: dict[str, list[float]] = field(default_factory=dict)
+    columns: dict[str, array[float]] = field(default_factory=dict)
 
-    def add(self, numbers: dict[str, float], sent: int, arrived: int) -> None:
+    def add(self, numbers: dict[str, float], sent: int, arrived: int, budget: Budget) -> None:
         """Append one message; what it lacks, and what the ones before lacked, is NaN."""
-        count = len(self.arrived)
+        count, new = len(self.arrived), len(numbers.keys() - self.columns.keys())
+        budget.count(new)
+        budget.take(MESSAGE + 8 * (len(self.columns) + new * (count + 1)), "the messages of the bag")
         for name, value in numbers.items():
-            self.columns.setdefault(name, [float("nan")] * count).append(value)
+            self.columns.setdefault(name, array("d", [float("nan")]) * count).append(value)
         for column in self.columns.values():
             if len(column) == count:
                 column.append(float("nan"))
@@ -67,13 +81,17 @@ def read(path: Path) -> RawTable:
             where=str(path),
             remedy="pip install 'exoid[ros]'",
         ) from error
+    _bound_unpacking()
     topics: dict[str, Topic] = {}
     skipped: set[str] = set()
-    cells = 0
+    budget = Budget(str(path))
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        for part in path.glob("*.db3") if path.is_dir() else (path,):
+            if part.suffix == ".db3":
+                _refuse_computed_tables(part)
+        with AnyReader([_BoundedPath(path)], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             for connection, arrived, raw in reader.messages():
-                if len(raw) > 100_000 or connection.topic in skipped:
+                if len(raw) > LONGEST or connection.topic in skipped:
                     skipped.add(connection.topic)
                     continue
                 try:
@@ -85,23 +103,81 @@ def read(path: Path) -> RawTable:
                 if not numbers or len(numbers) > WIDEST:
                     skipped.add(connection.topic)
                     continue
-                topics.setdefault(connection.topic, Topic()).add(numbers, _stamp(message), arrived)
-                cells += len(numbers)
-                if cells > MOST_CELLS:
-                    raise RecordingError(
-                        f"the bag holds more than {MOST_CELLS} numbers",
-                        where=str(path),
-                        remedy="cut it, or fewer topics",
-                    )
+                topics.setdefault(connection.topic, Topic()).add(numbers, _stamp(message), arrived, budget)
     except RecordingError:
         raise
-    except Exception as error:
+    except Exception as error:  # the package raises whatever the bytes of a damaged bag happen to hit
         raise RecordingError(
             f"the bag is damaged or incomplete ({str(error)[:200]})",
             where=str(path),
             remedy="ros2 bag reindex or rosbag reindex may mend it",
         ) from error
     return _table(topics, skipped, str(path))
+
+
+class _BoundedPath(type(Path())):  # type: ignore[misc]
+    """A path whose files never make room for more bytes than they have, whatever a record in them claims."""
+
+    def open(self, mode: str = "r", *args: Any, **options: Any) -> IO[Any]:
+        """Return the file open for reading."""
+        return Within(Path(self)) if mode == "rb" else super().open(mode, *args, **options)
+
+
+def _bound_unpacking() -> None:
+    """Put a bound on what the package unpacks: a few kB stand for any number of bytes."""
+    import lz4.frame
+    from rosbags.rosbag1 import reader as old
+    from rosbags.rosbag2 import reader, storage_mcap
+
+    zstd = storage_mcap.zstd
+    old.decompressors["bz2"] = lambda data: _unpacked(bz2.BZ2Decompressor(), data)
+    old.decompressors["lz4"] = lambda data: _unpacked(lz4.frame.LZ4FrameDecompressor(), data)
+    storage_mcap.DECOMPRESSORS["lz4"] = lambda data, _: _unpacked(lz4.frame.LZ4FrameDecompressor(), data)
+    storage_mcap.DECOMPRESSORS["zstd"] = lambda data, _: _unpacked(zstd.ZstdDecompressor(), data)
+    bounded = SimpleNamespace(
+        decompress=lambda data: _unpacked(zstd.ZstdDecompressor(), data),
+        open=lambda stream, mode: _BoundedStream(zstd.open(stream, mode)),
+    )
+    vars(reader)["zstd"] = bounded
+
+
+def _unpacked(unpack: Any, data: Any) -> bytes:
+    most = limits.MOST_BYTES // 4
+    out: bytes = unpack.decompress(bytes(data), most)
+    if not unpack.eof:
+        raise ValueError(f"a chunk unpacks to more than {most / 1e9:g} GB, or is cut off")
+    return out
+
+
+@dataclass(eq=False)
+class _BoundedStream:
+    """A packed file of which no more is unpacked than a recording may take."""
+
+    stream: Any
+    budget: Budget = field(default_factory=lambda: Budget("the packed file of the bag"))
+
+    def __enter__(self) -> _BoundedStream:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stream.close()
+
+    def read(self, size: int) -> bytes:
+        """Return at most `size` bytes more."""
+        out: bytes = self.stream.read(size)
+        self.budget.take(len(out), "it")
+        return out
+
+
+def _refuse_computed_tables(path: Path) -> None:
+    """Refuse a database with views, triggers or computed columns: they can yield any number of rows of any size."""
+    store = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro&immutable=1", uri=True)
+    try:
+        found = store.execute("SELECT type, substr(sql, 1, 10000) FROM sqlite_master").fetchmany(limits.MOST_ENTRIES)
+    finally:
+        store.close()
+    if any(kind not in ("table", "index") or COMPUTED.search(sql or "") for kind, sql in found):
+        raise ValueError("its tables are computed, not recorded")
 
 
 def _stamp(message: Any) -> int:

@@ -6,7 +6,10 @@ Formulas count as the value that was stored with them; nothing is computed.
 
 from __future__ import annotations
 
-import datetime
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,49 +18,79 @@ import numpy as np
 
 from ground.errors import RecordingError
 from measurement.finding import Finding
+from measurement.reading import limits, sheet_process
+from measurement.reading.limits import TEXT, Budget
 from measurement.reading.names import recognise
 from measurement.reading.raw import RawTable, column_from_cells, split_unit
 from measurement.reading.units import is_unit
 
 SUFFIXES = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 SIGNATURES = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
-MOST_BYTES, MOST_ROWS = 200_000_000, 1_100_000
+MOST_ROWS = 1_100_000
+PROGRAM = 500_000_000
+"""Bytes of addresses that the process which reads it takes beside its cells."""
 HEAD_ROWS = 100
 
 
 def read(path: Path) -> RawTable:
     """Return the columns of the table; raises RecordingError when there is none or python-calamine is missing."""
     try:
-        import python_calamine
+        import python_calamine  # noqa: F401 - the process that reads needs it
     except ImportError as error:
         raise RecordingError(
             "spreadsheets need the package python-calamine, which is not installed",
             where=str(path),
             remedy="pip install 'exoid[excel]', or save the sheet as CSV",
         ) from error
-    if path.stat().st_size > MOST_BYTES:
-        raise RecordingError("the spreadsheet is too large", where=str(path), remedy="save the sheet as CSV")
-    try:
-        with python_calamine.CalamineWorkbook.from_path(str(path)) as book:
-            for name in book.sheet_names:
-                rows = book.get_sheet_by_name(name).to_python(skip_empty_area=True, nrows=MOST_ROWS)
-                found = _table(rows, str(path))
-                if found is not None:
-                    what = f"sheet {name!r} was read"
-                    others = len(book.sheet_names) - 1
-                    note = Finding(
-                        "format", "info", what + (f", {others} others were not" if others else ""), str(path)
-                    )
-                    return replace(found, notes=(*found.notes, note)) if others else found
-    except (python_calamine.CalamineError, OSError, ValueError, TypeError, OverflowError) as error:
-        raise RecordingError(
-            f"the spreadsheet is damaged or incomplete ({error})", where=str(path), remedy="save it again, or as CSV"
-        ) from error
+    budget = Budget(str(path))
+    budget.take(path.stat().st_size, "the spreadsheet")
+    for others, name, rows in _sheets(path, budget):
+        found = _table(rows, str(path))
+        if found is not None:
+            what = f"sheet {name!r} was read"
+            note = Finding("format", "info", what + (f", {others} others were not" if others else ""), str(path))
+            return replace(found, notes=(*found.notes, note)) if others else found
     raise RecordingError(
         "no sheet of the spreadsheet holds a table of numbers",
         where=str(path),
         remedy="one row of column names and one row of numbers per sample",
     )
+
+
+def _sheets(path: Path, budget: Budget) -> Iterator[tuple[int, str, list[list[Any]]]]:
+    """Yield (number of other sheets, name, rows) of each sheet, as a process of its own reads them."""
+    arguments = [str(path.absolute()), str(limits.MOST_BYTES + PROGRAM), str(MOST_ROWS)]
+    reader = subprocess.Popen(
+        [sys.executable, "-P", str(Path(sheet_process.__file__)), *arguments],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8",
+    )  # fmt: skip
+    assert reader.stdout is not None and reader.stderr is not None
+    try:
+        name: str | None = None
+        rows: list[list[Any]] = []
+        sheets: int | None = None
+        for line in reader.stdout:
+            value = json.loads(line)
+            if sheets is None:
+                sheets = int(value)
+            elif name is None:
+                name = str(value)
+            elif value is None:
+                yield sheets - 1, name, rows
+                name, rows = None, []
+            else:
+                budget.take(TEXT * (1 + len(value)), f"sheet {name[:40]}")
+                rows.append(value)
+        if reader.wait() != 0:
+            said = reader.stderr.read().strip().splitlines() if reader.returncode == 1 else []
+            raise RecordingError(
+                f"the spreadsheet is damaged, or takes too much memory ({said[-1] if said else 'its reader gave up'})",
+                where=str(path),
+                remedy="save it again, or as CSV",
+            )
+    finally:
+        reader.kill()
+        reader.communicate()
 
 
 def _table(rows: list[list[Any]], where: str) -> RawTable | None:
@@ -85,7 +118,7 @@ def _table(rows: list[list[Any]], where: str) -> RawTable | None:
 
 def _is_data(row: list[Any]) -> bool:
     filled = [cell for cell in row if cell != ""]
-    kinds = (int, float, datetime.datetime, datetime.time, datetime.timedelta)
+    kinds = (int, float, list)
     return len(filled) > 1 and sum(isinstance(c, kinds) and not isinstance(c, bool) for c in filled) > 0.6 * len(filled)
 
 
@@ -96,9 +129,7 @@ def _share(row: list[str], test: Any) -> float:
 
 def _cell(cell: Any) -> Any:
     """Return a cell as a number or a text; a time of day is what a clock would show."""
-    if isinstance(cell, datetime.timedelta):
-        return cell.total_seconds()
-    return cell.isoformat() if isinstance(cell, (datetime.datetime, datetime.time, datetime.date)) else cell
+    return cell[0] if isinstance(cell, list) else cell
 
 
 def _numbers(cells: list[Any]) -> Any:

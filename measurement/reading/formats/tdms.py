@@ -5,6 +5,7 @@ A channel without a time beside it carries start and increment of its waveform, 
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -12,33 +13,42 @@ import numpy as np
 
 from ground.errors import RecordingError
 from measurement.finding import Finding
+from measurement.reading.limits import TEXT, Budget, Within
 from measurement.reading.names import recognise
 from measurement.reading.raw import RawTable, table_from_arrays
 
 SUFFIXES = (".tdms",)
 SIGNATURES = (b"TDSm",)
-MOST_BYTES = 2_000_000_000
+SCALED = 2
+"""Arrays that a channel is at one time: as it lies in the file, and scaled."""
 
 
 def read(path: Path) -> RawTable:
     """Return the channels of the file as columns; raises RecordingError when it is damaged or npTDMS is missing."""
     try:
         import nptdms
+        import nptdms.log
     except ImportError as error:
         raise RecordingError(
             "TDMS files need the package npTDMS, which is not installed",
             where=str(path),
             remedy="pip install 'exoid[tdms]', or save the recording as CSV",
         ) from error
-    if path.stat().st_size > MOST_BYTES:
-        raise RecordingError("the file is too large", where=str(path), remedy="cut it into shorter recordings")
     arrays: dict[str, Any] = {}
     units: dict[str, str] = {}
     steps: list[float] = []
+    # What the package says of a file (it is cut off, for example) goes into the findings instead of to the screen.
+    said, console = io.StringIO(), nptdms.log.log_manager.console_handler
+    before = console.setStream(said)
     try:
-        with nptdms.TdmsFile.open(path) as file:
-            if sum(len(channel) for group in file.groups() for channel in group.channels()) > MOST_BYTES // 8:
-                raise RecordingError("the file claims too many samples", where=str(path), remedy="cut it")
+        with Within(path) as stream, nptdms.TdmsFile.open(stream) as file:
+            budget = Budget(str(path))
+            for group in file.groups():
+                for channel in group.channels():
+                    budget.count()
+                    kind = np.dtype(channel.dtype)
+                    each = TEXT if kind.hasobject else SCALED * max(8, kind.itemsize)
+                    budget.take(each * len(channel), f"channel {str(channel.name)[:40]}")
             for group in file.groups():
                 for channel in group.channels():
                     name = f"{group.name}.{channel.name}" if len(file.groups()) > 1 else str(channel.name)
@@ -47,14 +57,17 @@ def read(path: Path) -> RawTable:
                     steps.append(float(channel.properties.get("wf_increment", 0.0) or 0.0))
     except RecordingError:
         raise
-    except Exception as error:
+    except Exception as error:  # the package raises whatever the bytes of a damaged file happen to hit
         raise RecordingError(
             f"the TDMS file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
         ) from error
-    notes: tuple[Finding, ...] = ()
+    finally:
+        console.setStream(before)
+    texts = [text[:150] for text in said.getvalue().splitlines() if text.isprintable() and "reader WARNING" in text]
+    notes = tuple(Finding("format", "warning", f"npTDMS says: {text}", str(path)) for text in texts[:3])
     timed = any((found := recognise(name)) and found.name == "t" for name in arrays)
     if arrays and not timed and len(set(steps)) == 1 and steps[0] > 0:
         longest = max(np.size(array) for array in arrays.values())
         arrays, units = {"time": np.arange(longest) * steps[0], **arrays}, {"time": "s", **units}
-        notes = (Finding("format", "info", f"the time was made from the increment {steps[0]:g} s", str(path)),)
+        notes += (Finding("format", "info", f"the time was made from the increment {steps[0]:g} s", str(path)),)
     return table_from_arrays(arrays, where=str(path), units=units, notes=notes)
