@@ -16,7 +16,7 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
-from symbolic.catalogue import catalogue
+from symbolic.catalogue import every_effect
 from symbolic.quantity import JOINTS, Estimate
 from symbolic.term import Term
 
@@ -183,7 +183,7 @@ def _deciding(alike: Sequence[Accepted]) -> str:
         apart = [name for name in one.look_alikes if name not in one.never_separable]
         if apart:
             parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
-        known = catalogue().get(one.effect)
+        known = every_effect().get(one.effect)
         if known is not None and known.tells_apart:
             parts.append(known.tells_apart)
     return "; ".join(dict.fromkeys(parts))

@@ -12,18 +12,27 @@ from types import MappingProxyType
 from ground.errors import EffectError, ExpressionError
 from symbolic import effects
 from symbolic.effect import Effect
-from symbolic.term import Term
+from symbolic.joints import LEG, Joint
+from symbolic.term import Term, places_of
 
 FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drift", "contact", "base")
 """Families in the order in which the catalogue lists them."""
 
 
 @cache
-def catalogue() -> Mapping[str, Effect]:
-    """Return {id: effect}, by family, then id; EffectError for a file that defines none."""
+def catalogue(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Effect]:
+    """Return {id: effect} of the effects that a machine with these joints may have, by family, then id.
+
+    EffectError for a file that defines none.
+    """
     found = [_load(info.name) for info in pkgutil.iter_modules(effects.__path__)]
     ordered = sorted(found, key=lambda effect: (FAMILIES.index(effect.family), effect.id))
-    return MappingProxyType({effect.id: effect for effect in ordered})
+    return MappingProxyType({effect.id: effect for effect in ordered if not joints or places_of(effect, joints)})
+
+
+def every_effect() -> Mapping[str, Effect]:
+    """Return {id: effect}, whichever machine has them."""
+    return catalogue(())
 
 
 def find_effect(id: str) -> Effect:
@@ -31,7 +40,7 @@ def find_effect(id: str) -> Effect:
 
     EffectError with the nearest ids where there is none, or with the joints it can have.
     """
-    known = catalogue()
+    known = every_effect()
     name, colon, joint = str(id)[:80].partition(":")
     if name in known:
         if colon:

@@ -7,7 +7,7 @@ random physical legs in any case.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from symbolic.codegen.tree_columns import CONFIRMED
 from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
-from symbolic.mechanics.newton_euler import link_torques
+from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from symbolic.mechanics.regressor import compare_with_printed, regressor
 from symbolic.motion import Float
 
@@ -72,15 +72,18 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
 
     rng, joints = np.random.default_rng(SEED), model.chain
     bare, count = compiled(model.base()), len(model.chain)
-    motion = Motion(np.arange(float(STATES)), *rng.normal(size=(3, STATES, count)))
+    at_rest = Motion(np.arange(float(STATES)), *(rng.normal(size=(STATES, count)) for _ in range(3)))
+    base = rng.normal(size=(STATES, 5)) if model.moving_base else None
+    motion = replace(at_rest, base=base)
     mass, along, own = rng.uniform(0.5, 3.0, count), rng.uniform(0.05, 0.3, count), rng.uniform(0.01, 0.2, count)
     links = {"J": own + mass * along**2, "X": mass * along, "m": mass}
     phi = [
         links[p.kind][p.link] + sum(factor * links[kind][link] for link, kind, factor in p.parts)
-        for p in base_parameters(joints, model.gravity)
+        for p in base_parameters(joints, model.gravity, model.moving_base)
     ]
     linear = np.array([*phi, *([0.0] * 2 * count)])
-    torques = link_torques(joints, model.gravity, [*motion.q.T], [*motion.dq.T], [*motion.ddq.T], np)
+    swaying = STILL if base is None else BaseMotion(*base.T)
+    torques = link_torques(joints, model.gravity, [*motion.q.T], [*motion.dq.T], [*motion.ddq.T], np, swaying)
     still = np.zeros(STATES)
     wanted = np.zeros((STATES, count))
     for k, one in enumerate(torques):
@@ -88,6 +91,7 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
             wanted += links[kind][k] * np.column_stack([row + still for row in rows])
     found = bare.inverse_dynamics(motion, linear)
     m, c = bare.mass_matrix(motion, linear), bare.coriolis(motion, linear)
+    apart = bare.gravity(at_rest, linear) - bare.inverse_dynamics(at_rest, linear)
     assembled = np.einsum("nij,nj->ni", m, motion.ddq) + np.einsum("nij,nj->ni", c, motion.dq)
     eigenvalues = np.linalg.eigvalsh(m)
     size = float(np.max(np.abs(wanted)))
@@ -98,7 +102,7 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
             "M is positive definite", bool(eigenvalues.min() > 0.0), "tried",
             f"smallest eigenvalue {float(np.min(eigenvalues[:, 0] / eigenvalues[:, -1])):.3g} of its largest",
         ),
-        _close("equation of motion", assembled + bare.gravity(motion, linear) - found, size, "M θ'' + C θ' + G"),
+        _close("equation of motion", assembled + apart, size, "M θ'' + C θ' + G"),
         agreement(model),
     )  # fmt: skip
 
@@ -128,8 +132,6 @@ def _skew(mechanism: Mechanism, motion: Dynamics) -> Check:
 
 def _energy(mechanism: Mechanism, motion: Dynamics) -> Check:
     """Power at the joints is the rate of change of the energy (of a base that does not move)."""
-    from dataclasses import replace
-
     from sympy import Integer, Matrix
 
     still = replace(mechanism, base_acceleration=(Integer(0), Integer(0)))

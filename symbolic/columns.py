@@ -27,7 +27,7 @@ from symbolic.evaluation import (
     torque_values,
     vector,
 )
-from symbolic.language.deflection import JOINT_NUMBERS, STATES
+from symbolic.language.deflection import STATES
 from symbolic.language.torque import is_transform, torques, uses_feedback, uses_slopes
 from symbolic.motion import Float, Motion
 
@@ -95,9 +95,10 @@ def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float
     rigid = linear[base_places(model)].copy()
     rigid[len(model.inertial) : model.base_count] = 0.0
     found: dict[str, Float] = {}
-    for number in JOINT_NUMBERS:
+    numbers = range(1, len(model.joints) + 1)
+    for number in numbers:
         for field, state in zip(_FIELDS, STATES, strict=True):
-            words = [f"tau{i}_by_{state}{number}" for i in JOINT_NUMBERS]
+            words = [f"tau{i}_by_{state}{number}" for i in numbers]
             if used & {*words}:
                 slope = sum(
                     weight * (model_torque(bare, up, rigid, own) - model_torque(bare, down, rigid, own))
@@ -147,7 +148,7 @@ def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float
     return compiled(bare).pointwise(motion, carrying(motion, reference)[chosen], shapes, len(chosen) - count)
 
 
-_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...]], Float]] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...], bool], Float]] = WeakKeyDictionary()
 """Base columns of the plain machine along motions that are still in use, with its lengths and gravity."""
 LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
@@ -158,7 +159,7 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
     chosen = base_places(model)
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.
-        size = model.thigh_length, model.gravity, model.chain
+        size = model.thigh_length, model.gravity, model.chain, model.moving_base
         kept = _KEPT.get(motion)
         if kept is None or kept[0] != size:
             count = np.zeros(model.base_count)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError, ModelFileError
-from symbolic.catalogue import FAMILIES, catalogue
+from symbolic.catalogue import FAMILIES, every_effect
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.joints import LEG, Joint
 from symbolic.model import check_custom
@@ -29,7 +29,7 @@ def read_custom_effect(entry: Table, machine: tuple[Joint, ...] = LEG) -> Effect
         raise entry.error("derive", "an effect that changes the mechanism itself needs Python", remedy)
     entry.only(*FIELDS)
     id = entry.text("id")
-    if id in catalogue():
+    if id in every_effect():
         raise entry.error("id", f"{id!r} is an effect of the catalogue", "choose another id, or list it in [[effects]]")
     joints, torque = _torque(entry, tuple(joint.name for joint in machine))
     family = entry.text("family", "other")

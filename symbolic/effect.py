@@ -66,10 +66,13 @@ class Effect:
 
     * `torque`: one text for a single-joint effect (`theta`, `dtheta`, `ddtheta`, `tau_rigid`, `tau_model` mean its
       own joint), or {"hip": text, "knee": text} for an effect on both joints.
-    * `derive(mechanism, symbols)`: returns the changed Mechanism, or a pair of SymPy torques (hip, knee);
-      `symbols` maps each coefficient, shape and state name to its SymPy symbol.
+    * `derive(mechanism, symbols)`: returns the changed Mechanism, or a SymPy torque for every joint; `symbols` maps
+      each coefficient and shape to its SymPy symbol, and `mechanism.own` is the index of the effect's joint.
     * `deflection`: {coefficient: text} of the angle in rad by which the link of its joint stays behind what the encoder
-      reads, for one unit of the coefficient; the torques of both joints change (`language/deflection.py`).
+      reads, for one unit of the coefficient; the torques of other joints change too (`language/deflection.py`).
+
+    On machines that are not the leg an effect with joints ("hip", "knee") can be at every joint, one on ("both",) with
+    torque texts at every pair of neighbours, and a derived one on ("both",) once, for the whole machine.
     """
 
     id: str
@@ -89,6 +92,8 @@ class Effect:
     drive: bool = False
     """Whether it is an effect of the drive or of its torque sensor: a joint without a drive cannot have it."""
     deflection: Mapping[str, str] | None = None
+    machines: str = "all"
+    """Which machines have it: "all", the "leg" with hip and knee, or "others"."""
 
     def __post_init__(self) -> None:
         check_effect(self)

@@ -169,11 +169,9 @@ def every_candidate(model: Model) -> tuple[Term, ...]:
 
     present = {term.name for term in model.terms}
     terms = []
-    for effect in (*catalogue().values(), *model.custom):
-        if model.chain:
-            terms += [Term(effect, joint, model.chain) for joint in places_of(effect, model.chain)]
-        elif effect.on_both:
-            terms.append(Term(effect, None))
+    for effect in (*catalogue(model.joints).values(), *model.custom):
+        if model.chain or effect.on_both:
+            terms += [Term(effect, joint, model.joints) for joint in places_of(effect, model.joints)]
         else:
             everywhere = replace(effect, joints=tuple(j for j in JOINTS if j in (*effect.joints, *effect.absorbed_on)))
             terms += [Term(everywhere, joint) for joint in everywhere.joints]
@@ -200,10 +198,11 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     chosen = [(name, symbol) for name, symbol in chosen if casadi.depends_on(torque, symbol)]
     symbols = casadi.vertcat(casadi.SX(0, 1), *(symbol for _, symbol in chosen))
     slopes = casadi.vec(casadi.densify(casadi.jacobian(torque, symbols)))
-    arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, x.linear, x.shape]
+    arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion, x.memory, x.linear, x.shape]
     function = casadi.Function("tangents", arguments, [slopes])
     states = random_states(STATES, len(model.joints))
-    inputs = (*states, memory_values(model), generic_linear(model), model.typical_shape)
+    base = np.random.default_rng(SEED).normal(size=(x.base_motion.numel(), STATES))
+    inputs = (*states, base, memory_values(model), generic_linear(model), model.typical_shape)
     values = np.asarray(function(*inputs)) if chosen else np.zeros((0, STATES))
     rows = len(model.joints)
     stacked = values.reshape(len(chosen), rows, STATES).transpose(2, 1, 0).reshape(rows * STATES, len(chosen))
@@ -287,6 +286,8 @@ def _exactly(known: list[list[Any]], column: list[Any]) -> bool:
 def _combination(known: Float, column: Float) -> Float | None:
     """Return the coefficients with which `known` columns give `column`, or None where they do not."""
     size = float(np.linalg.norm(column))
+    if size == 0.0:  # it changes nothing at all on this machine
+        return np.zeros(known.shape[1])
     scale = np.linalg.norm(known, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     solution, *_ = np.linalg.lstsq(known / scale, column / size, rcond=1e-12)
@@ -297,6 +298,8 @@ def _combination(known: Float, column: Float) -> Float | None:
 
 
 def _written(used: Sequence[tuple[str, float]]) -> str:
+    if not used:
+        return "0"
     text = " ".join(f"{'-' if c < 0 else '+'} {_number(abs(c))}{name}" for name, c in used)
     return text.removeprefix("+ ")
 

@@ -18,7 +18,7 @@ BASE = "base"
 """Name of what does not move, as a joint's `parent`."""
 MOST = 12
 """Joints of one machine."""
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+JOINT_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 TAKEN = frozenset((BASE, "both", "next", "t"))
 UNITS = {"q": ("rad", "m"), "dq": ("rad/s", "m/s"), "ddq": ("rad/s²", "m/s²"), "tau": ("N·m", "N"), "f": ("N", "N")}
 LEVER = 0.1
@@ -83,7 +83,7 @@ def check_joints(joints: Sequence[Joint]) -> None:
     names = [joint.name for joint in joints]
     for k, joint in enumerate(joints):
         where = f"joint {k + 1} ({joint.name[:40]})"
-        if not _NAME.fullmatch(joint.name) or joint.name in TAKEN:
+        if not JOINT_NAME.fullmatch(joint.name) or joint.name in TAKEN:
             raise EffectError(
                 f"{joint.name[:40]!r} is not a joint's name", where=where, remedy="use letters, digits and _"
             )

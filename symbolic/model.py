@@ -68,10 +68,14 @@ class Model:
     """Effects of the user's own, known beside the catalogue whether or not they are among the terms."""
     chain: tuple[Joint, ...] = ()
     """Joints of a machine that is not the leg; empty for the leg. Its gravity may be 0."""
+    moving_base: bool = False
+    """Whether the machine's base moves and its recordings say how: angle and, where they have it, acceleration."""
 
     def __post_init__(self) -> None:
         if self.chain:
             check_joints(self.chain)
+        elif self.moving_base:
+            raise EffectError("the leg's base stands still", where="base", remedy="give the joints as `chain`")
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
             if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
                 raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
@@ -152,7 +156,7 @@ class Model:
             )
         from symbolic.mechanics.base_parameters import base_parameters
 
-        found = enumerate(base_parameters(self.chain, self.gravity), 1)
+        found = enumerate(base_parameters(self.chain, self.gravity, self.moving_base), 1)
         return tuple(
             Parameter(
                 f"Phi{k}", f"Φ{k} = {p.formula(self.chain)}", p.unit, 0.0 if p.positive else None, None,
@@ -189,16 +193,11 @@ class Model:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The leg's mechanism in symbols, with the changes its derived terms make; EffectError for another machine."""
-        if self.chain:
-            raise EffectError(
-                "only the leg with hip and knee is derived with symbols for its lengths",
-                where=self.name,
-                remedy="ask symbolic.mechanics.tree.tree_form, whose lengths are numbers",
-            )
-        from symbolic.mechanics.rigid import rigid
+        """The mechanism in symbols, with the changes its derived terms make; lengths are numbers, but for the leg's."""
+        from symbolic.mechanics.mechanism import machine
+        from symbolic.mechanics.rigid import changed, rigid
 
-        return rigid(self.derived).mechanism
+        return changed(machine(self.chain), self.derived)[0] if self.chain else rigid(self.derived).mechanism
 
     if TYPE_CHECKING:
         # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
@@ -242,5 +241,5 @@ def check_custom(effect: Effect, joints: tuple[Joint, ...]) -> None:
             remedy=f"use {', '.join(joint.name for joint in joints)}",
         )
     if effect.torque is not None:
-        for place in (None,) if effect.on_both and joints is LEG else places_of(effect, joints):
+        for place in places_of(effect, joints):
             check_units(Term(effect, place, joints))

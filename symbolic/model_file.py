@@ -84,6 +84,7 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
     content: dict[str, Any] = {"name": model.name}
     if model.chain:
         content |= {"gravity": model.gravity, "joints": [_joint_content(model, joint) for joint in model.chain]}
+        content |= {"base": {"motion": "measured"}} if model.moving_base else {}
     else:
         content["geometry"] = {"thigh_length": model.thigh_length, "gravity": model.gravity}
         content["limits"] = {
@@ -215,11 +216,7 @@ def _machine(top: Table) -> Model:
     for key in ("geometry", "limits"):
         if key in top.values:
             raise top.error(key, f"{key} does not go with [[joints]]", "write lengths and limits below each joint")
-    if "base" in top.values:
-        base = top.table("base")
-        base.only("motion")
-        if base.text("motion", "fixed") != "fixed":
-            raise base.error("motion", f"a base with motion {base.text('motion')!r} is not supported", 'use "fixed"')
+    moving = _moving_base(top)
     gravity = top.number("gravity", 9.81, above=-1e-300, below=100.0)
     entries = top.tables("joints")
     joints = tuple(_joint(entry) for entry in entries)
@@ -232,11 +229,23 @@ def _machine(top: Table) -> Model:
     given = {joint.name: _joint_limits(entry) for joint, entry in zip(joints, entries, strict=True)}
     limits = {joint: limit for joint, limit in given.items() if limit is not None}
     name = top.text("name", "unnamed machine")
-    if gravity > 0.0 and _is_leg(joints):
+    if gravity > 0.0 and not moving and _is_leg(joints):
         known = {joint: _filled(limits[joint], usual) if joint in limits else usual for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
-    return Model(name, gravity=gravity, limits=limits, custom=_custom_effects(top, joints), chain=joints)
+    custom = _custom_effects(top, joints)
+    return Model(name, gravity=gravity, limits=limits, custom=custom, chain=joints, moving_base=moving)
+
+
+def _moving_base(top: Table) -> bool:
+    """Return whether the file says that the base moves and recordings say how."""
+    if "base" not in top.values:
+        return False
+    base = top.table("base")
+    base.only("motion")
+    if base.text("motion", "fixed") not in ("fixed", "measured"):
+        raise base.error("motion", f"unknown motion {base.text('motion')!r}", 'use "fixed" or "measured"')
+    return base.text("motion", "fixed") == "measured"
 
 
 def _is_leg(joints: tuple[Joint, ...]) -> bool:

@@ -23,7 +23,8 @@ class Motion:
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
-    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.mechanics.payload`), None where there were none.
+    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.mechanics.payload`), None where there were none. `base`
+    (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s².
     """
 
     t: Float
@@ -32,6 +33,7 @@ class Motion:
     ddq: Float
     sign: Float = None  # type: ignore[assignment]
     payload: Float | None = None
+    base: Float | None = None
 
     def __post_init__(self) -> None:
         sign = np.sign(self.dq) if self.sign is None else self.sign
@@ -40,6 +42,10 @@ class Motion:
         shape = (self.t.shape[0], self.q.shape[1] if self.q.ndim == 2 else 1)
         if self.payload is not None:
             object.__setattr__(self, "payload", read_only(self.payload))
+        if self.base is not None:
+            object.__setattr__(self, "base", read_only(self.base))
+            if self.base.shape != (self.t.shape[0], 5):
+                raise ValueError(f"motion.base has shape {self.base.shape}, expected {(self.t.shape[0], 5)}")
         for name in ("q", "dq", "ddq", "sign"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"motion.{name} has shape {getattr(self, name).shape}, expected {shape}")

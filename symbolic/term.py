@@ -55,7 +55,8 @@ class ShapeParameter:
 class Term:
     """An `effect` at a `joint` (its name), or on both joints of the leg (None); `among` are the machine's joints.
 
-    Where the machine is not the leg, an effect on both is one on a joint and the next, and `joint` is the first.
+    Where the machine is not the leg, an effect on both is one on a joint and the next, and `joint` is the first; one
+    that changes the mechanism of the whole machine has no joint there either.
     """
 
     effect: Effect
@@ -64,14 +65,14 @@ class Term:
 
     def __post_init__(self) -> None:
         effect = self.effect
-        if self.among is LEG and effect.on_both and self.joint is not None:
+        places = places_of(effect, self.among)
+        if self.joint is not None and places == (None,):
             raise EffectError(
-                f"{effect.id} acts on both joints at once",
+                f"{effect.id} acts on {'both' if self.among is LEG else 'all'} joints at once",
                 where=f"{effect.id}:{self.joint}",
                 remedy=f"leave the joint out: {effect.id}",
             )
-        places = places_of(effect, self.among)
-        if not (self.among is LEG and effect.on_both) and self.joint not in places:
+        if self.joint not in places:
             reason = self._why_not()
             raise EffectError(
                 f"{effect.id} needs a joint"
@@ -86,10 +87,10 @@ class Term:
     def _why_not(self) -> str:
         """Return the reason why the effect cannot be at its joint, where one is known."""
         effect = self.effect
+        if effect.machines != "all" and (effect.machines == "leg") != (self.among is LEG):
+            return "the leg with hip and knee alone has it" if effect.machines == "leg" else "the leg has others"
         if self.among is LEG:
             return effect.absorbed_on.get(str(self.joint), "")
-        if effect.derive is not None or effect.deflection is not None:
-            return "it is derived from the mechanism of the leg with hip and knee"
         if self.joint in [joint.name for joint in self.among] and effect.absorbed_on:
             return "the base model contains it already"
         return ""
@@ -132,9 +133,9 @@ class Term:
 
     def unit(self, unit: str) -> str:
         """Return a unit of the catalogue as it is at the term's joint: N for N·m, m for rad where that slides."""
-        if self.effect.custom or self.among[self.first].turns:
+        if self.effect.custom or self.joint is None or self.among[self.first].turns:
             return unit
-        for turning, sliding in (("kg·m²", "kg"), ("N·m", "N"), ("rad", "m")):
+        for turning, sliding in (("kg·m²", "kg"), ("(N·m)", "N"), ("N·m", "N"), ("rad", "m")):
             unit = unit.replace(turning, sliding)
         return unit
 
@@ -151,7 +152,7 @@ class Term:
         elif torque is not None:
             yield from ((self.first + JOINTS.index(joint), text) for joint, text in torque.items())
         elif self.effect.deflection is not None:
-            yield from deflected(self.effect.deflection, self.first)
+            yield from deflected(self.effect.deflection, self.first, self.among)
 
     @property
     def reaches(self) -> tuple[int, ...]:
@@ -161,13 +162,17 @@ class Term:
         return (self.first,) if self.effect.reach == "own" else (self.first, self.first + 1)
 
 
-def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str, ...]:
-    """Return the joints of a machine at which an effect can be; for one on two joints, the first of them."""
+def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...]:
+    """Return the joints of a machine at which an effect can be; for one on two joints, the first of them; None for an
+    effect on the whole machine.
+    """
     names = tuple(joint.name for joint in among)
-    if among is LEG:
-        return () if effect.on_both else effect.joints
-    if effect.derive is not None or effect.deflection is not None:
+    if effect.machines != "all" and (effect.machines == "leg") != (among is LEG):
         return ()
+    if effect.on_both and (among is LEG or effect.derive is not None):
+        return (None,)
+    if among is LEG:
+        return effect.joints
     above = parents(among)
     if effect.on_both:
         return tuple(name for k, name in enumerate(names) if k + 1 < len(names) and above[k + 1] == k)

@@ -27,8 +27,7 @@ from symbolic.language.torque import Torque, torques
 from symbolic.language.words import FEEDBACK
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
-from symbolic.term import Term
+from symbolic.term import Term, places_of
 
 TANGENT_STEP = 1e-3
 """Step of a tangent, as a share of the range of the number."""
@@ -114,14 +113,14 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     Terms that `model` already has are left out, and effects of a drive, or of the model's own torque, at a joint that
     has no drive in any recording.
     """
-    driven = [any(one.driven[j] for one in prepared) for j in range(len(JOINTS))]
+    driven = [any(one.driven[j] for one in prepared) for j in range(len(model.joints))]
     known = {term.name for term in model.terms}
     found = []
-    for effect in (*catalogue().values(), *extra):
-        for joint in (None,) if effect.on_both else effect.joints:
-            term = Term(effect, joint)
+    for effect in (*catalogue(model.joints).values(), *extra):
+        for joint in places_of(effect, model.joints):
+            term = Term(effect, joint, model.joints)
             # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
-            undriven = joint is not None and not driven[JOINTS.index(joint)]
+            undriven = joint is not None and not driven[term.first]
             idle = undriven and (effect.drive or (effect.derive is None and _feeds_back(term)))
             if term.name not in known and not idle:
                 tangent = not effect.coefficients
@@ -149,7 +148,7 @@ def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Seque
     if shape.choices:
         return shape.choices
     if shape.spacing == "position" and term.joint is not None:
-        joint = JOINTS.index(term.joint)
+        joint = term.first
         levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
         places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
         return tuple(np.clip(places, shape.min, shape.max))
@@ -220,13 +219,13 @@ def _at_node(
 
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
-    """Return tau_rigid and tau_model (N,) of both joints, from the parameters of the model (never measured)."""
+    """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured)."""
     base = fitted.model.base()
-    count = len(base.parameters)
+    count, rigid = len(base.parameters), len(base.inertial)
     columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
     out = {}
-    for j in range(len(JOINTS)):
-        out[f"tau_rigid{j + 1}"] = columns[j][:, :4] @ numbers[:4]
+    for j in range(len(columns)):
+        out[f"tau_rigid{j + 1}"] = columns[j][:, :rigid] @ numbers[:rigid]
         out[f"tau_model{j + 1}"] = columns[j] @ numbers
     return out
 
@@ -241,8 +240,7 @@ def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
         value = [sign * step, *(s.typical or 0.5 * (s.min + s.max) for s in entries[1:])]
         sides.append(extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, value])))
     slope = (sides[0] - sides[1]) / (2.0 * step)
-    joints = (0, 1) if term.joint is None else (JOINTS.index(term.joint),)
-    return slope.T[list(joints)][:, :, None]
+    return slope.T[list(term.reaches)][:, :, None]
 
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
@@ -251,5 +249,5 @@ def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
     new = len(extended.parameters) - len(fitted.model.parameters)
     reference = np.concatenate([fitted.linear, np.zeros(new)])
     shapes = [np.concatenate([fitted.shape, node]) for node in nodes]
-    joints = [0, 1] if term.joint is None else [JOINTS.index(term.joint)]
+    joints = list(term.reaches)
     return np.stack([derived_columns(extended, one.motion, shape, reference)[joints] for shape in shapes])

@@ -305,7 +305,7 @@ def _prepare_one(
         *parts, periods = smoothed(even, inner, name)
         q, dq, ddq = (np.array(part[::factor]) for part in parts)
         noise = noise / periods
-    payload = np.sum([p.numbers(base.thigh_length) for p in even.payloads], axis=0) if even.payloads else None
+    payload = np.sum([p.added(base) for p in even.payloads], axis=0) if even.payloads else None
     near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
     stuck = np.column_stack([widen(np.abs(dq[:, j]) < STICK, near) for j in range(len(JOINTS))])
     held = _held_still(q, dq, rate, velocity_noise(noise, inner))

@@ -78,7 +78,7 @@ def functions(expressions: Expressions) -> dict[str, Any]:
     import casadi
 
     x = expressions
-    state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign)
+    state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion)
     inputs = [state, x.linear, x.shape, x.memory]
     tau = casadi.SX.sym("tau", x.q.numel())
     outputs = {
@@ -102,12 +102,13 @@ def _forward(casadi: Any, x: Expressions, tau: Any) -> Any:
     """
     slope = casadi.jacobian(x.torque, x.ddq)
     residual = casadi.Function(
-        "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau], [x.torque - tau, slope]
+        "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.base_motion, x.linear, x.shape, x.memory, tau],
+        [x.torque - tau, slope],
     )
     linear = not casadi.depends_on(slope, x.ddq)
     acceleration = casadi.SX.zeros(x.q.numel())
     for _ in range(1 if linear else NEWTON_STEPS):
-        r, m = residual(acceleration, x.t, x.q, x.dq, x.sign, x.linear, x.shape, x.memory, tau)
+        r, m = residual(acceleration, x.t, x.q, x.dq, x.sign, x.base_motion, x.linear, x.shape, x.memory, tau)
         acceleration = acceleration - _solved(casadi, casadi.densify(m), r)
     return acceleration
 
@@ -127,7 +128,7 @@ def generate(model: Model) -> Sources:
     expressions = model_expressions(model)
     made = functions(expressions)
     entries = [(joint, parameter) for joint, parameter, _ in expressions.columns]
-    code = _TITLE + _casadi_text(made) + _loops(len(model.joints), len(expressions.memories), len(entries))
+    code = _TITLE + _casadi_text(made) + _loops(model, len(expressions.memories), len(entries))
     header = _header(model, entries, [memory.operator for memory in expressions.memories])
     needed = reference_needed(expressions)
     manifest = {
@@ -159,6 +160,7 @@ def model_record(model: Model) -> dict[str, Any]:
         "name": model.name,
         **lengths,
         "gravity": model.gravity,
+        **({"base": "measured"} if model.moving_base else {}),
         "terms": [term.name for term in model.terms],
         "parameters": {parameter.name: parameter.unit for parameter in model.parameters},
         "inertial": inertial(model),
@@ -171,7 +173,7 @@ def inertial(model: Model) -> dict[str, str]:
     from symbolic.mechanics.rigid import rigid
 
     if model.chain:
-        found = base_parameters(model.chain, model.gravity)
+        found = base_parameters(model.chain, model.gravity, model.moving_base)
         return {p.name: base.formula(model.chain) for p, base in zip(model.inertial, found, strict=True)}
     form = rigid(model.derived).regressor
     return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
@@ -218,9 +220,10 @@ def _casadi_text(made: dict[str, Any]) -> str:
 _TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited by hand. See the header. */\n"
 
 
-def _loops(joints: int, memories: int, entries: int) -> str:
+def _loops(model: Model, memories: int, entries: int) -> str:
     """Return the C loops over samples; arrays are row by row, a sample per row."""
-    states, extras = len(state_names(joints)), {"forward_dynamics": joints, "jacobian": 1}
+    joints = len(model.joints)
+    states, extras = len(state_names(joints, model.moving_base)), {"forward_dynamics": joints, "jacobian": 1}
     text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
     for name, width in {"columns": entries, **widths(joints)}.items():
@@ -252,9 +255,10 @@ CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, cons
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
     parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
-    names, state = model.joint_names, state_names(len(model.joints))
+    names, state = model.joint_names, state_names(len(model.joints), model.moving_base)
     table = [f"  {k}: {in_comment(f'Y[{names[j]}][{model.parameters[p].name}]')}" for k, (j, p) in enumerate(entries)]
     sliding = "" if all(joint.turns for joint in model.joints) else "; m for rad where a joint slides"
+    sliding += "; base_ax, base_az in m/s^2" if model.moving_base else ""
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"
         "    const double *shape, const double *memory, const double *extra, double *out);\n"

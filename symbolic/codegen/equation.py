@@ -13,14 +13,16 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
-from symbolic.codegen.layout import STEMS, state_names
-from symbolic.language.deflection import JOINT_NUMBERS, STATES
+from symbolic.codegen.layout import BASE_STATE, STEMS, state_names
+from symbolic.language.deflection import STATES
 from symbolic.language.instant import split_memory
 from symbolic.language.torque import is_transform, torques, uses_slopes
 from symbolic.mechanics.friction import friction
 from symbolic.mechanics.lagrange import mechanics
-from symbolic.mechanics.newton_euler import point
-from symbolic.mechanics.rigid import rigid, symbols_of
+from symbolic.mechanics.mechanism import machine
+from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
+from symbolic.mechanics.rigid import changed, rigid, symbols_of
+from symbolic.mechanics.tree import tree_changes
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -42,7 +44,8 @@ class MemorySignal:
 class Expressions:
     """A model in CasADi SX.
 
-    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `linear` (P,), `shape` (S,), `memory` (K,). `columns` holds
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, or 0 where it stands), `linear` (P,),
+    `shape` (S,), `memory` (K,). `columns` holds
     (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
     serves there as reference. `rigid`, `base` (rigid and friction) and `torque` (all) are torques (J,) in
     N·m, `terms` the torque (J,) of each term, transforms included (they have no columns). M, C (J, J) and G
@@ -54,6 +57,7 @@ class Expressions:
     dq: Any
     ddq: Any
     sign: Any
+    base_motion: Any
     linear: Any
     shape: Any
     memory: Any
@@ -86,7 +90,7 @@ class _Builder:
         self.ca = casadi
         self.model = model
         self.count = len(model.joints)
-        self.state = {name: casadi.SX.sym(name) for name in state_names(self.count)}
+        self.state = {name: casadi.SX.sym(name) for name in state_names(self.count, model.moving_base)}
         self.linear = casadi.SX.sym("linear", len(model.parameters))
         self.shape = casadi.SX.sym("shape", len(model.shapes))
         self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
@@ -107,10 +111,11 @@ class _Builder:
         for j in range(self.count):
             self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
         if any(uses_slopes(term) for term in self.model.terms):
-            for n in JOINT_NUMBERS:
+            numbers = range(1, self.count + 1)
+            for n in numbers:
                 for state in STATES:
                     slope = ca.jacobian(rigid_torque, self.state[f"{state}{n}"])
-                    self.words |= {f"tau{i}_by_{state}{n}": slope[i - 1] for i in JOINT_NUMBERS}
+                    self.words |= {f"tau{i}_by_{state}{n}": slope[i - 1] for i in numbers}
         terms = {}
         for term in self.model.terms:
             if term.effect.derive is not None:
@@ -141,7 +146,7 @@ class _Builder:
         from symbolic.codegen.translate import casadi_from_sympy
 
         if self.model.chain:
-            return self._tree()
+            return self._tree(symbols)
         form = rigid(self.model.derived)
         for k, name in enumerate(form.names):
             for joint, value in enumerate(casadi_from_sympy(list(form.matrix[:, k]), symbols)):
@@ -153,18 +158,67 @@ class _Builder:
         self.jacobian = self.ca.reshape(self.ca.vertcat(*entries), 2, 2).T
         return self._sum(self.columns)
 
-    def _tree(self) -> Any:
+    def _tree(self, symbols: dict[str, Any]) -> Any:
         """Add the columns of a machine that is not the leg; what Lagrange gives is held against Newton and Euler."""
         from symbolic.codegen.tree_columns import tree_columns
 
-        ca, joints = self.ca, self.model.chain
-        motion = [[self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3]]
-        for p, column in enumerate(tree_columns(joints, self.model.gravity, *motion)):
-            self.columns += [(joint, p, entry) for joint, entry in enumerate(column) if not entry.is_zero()]
-        self.reach = ca.SX.sym("reach")
-        end = ca.vertcat(*point(joints, motion[0], self.count - 1, self.reach, ca))
-        self.jacobian = ca.jacobian(end, ca.vertcat(*motion[0]))
+        ca, model, joints = self.ca, self.model, self.model.chain
+        q, dq, ddq = ([self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3])
+        inertial, self.reach = len(model.inertial), ca.SX.sym("reach")
+        base, aside, added = STILL, [], [ca.SX(0)] * self.count
+        across: tuple[int, ...] = ()
+        if model.derived:
+            mechanism, torques_added, _ = changed(machine(joints), model.derived)
+            offset, moments, pull = tree_changes(mechanism)
+            from symbolic.codegen.translate import casadi_from_sympy
+
+            translated = casadi_from_sympy([*offset, *moments.values(), *pull, *torques_added], symbols)
+            across = tuple(moments)
+            q = [angle + more for angle, more in zip(q, translated, strict=False)]
+            aside = translated[self.count : self.count + len(across)]
+            forward, downward = translated[self.count + len(across) :][:2]
+            base, added = BaseMotion(forward=forward, upward=downward - model.gravity), translated[-self.count :]
+        if model.moving_base:
+            angle, rate, turning, ax, az = (self.state[name] for name in BASE_STATE)
+            base = BaseMotion(angle, rate, turning, base.forward + ax, base.upward + az)
+        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base)
+        own = [self.numbers[p.name] for p in model.parameters if p.term in {term.name for term in model.derived}]
+        for p, column in enumerate(found[:inertial]):
+            rest = [self._without(entry, own) for entry in column]
+            self.columns += [(joint, p, entry) for joint, entry in enumerate(rest) if not entry.is_zero()]
+        weights = [self.linear[p] for p in range(inertial)] + aside
+        for joint in range(self.count):
+            torque = added[joint]
+            for weight, column in zip(weights, found, strict=True):
+                torque += weight * column[joint]
+            self._add_slopes(joint, torque, own)
+        end = ca.vertcat(*point(joints, q, self.count - 1, self.reach, ca, base))
+        self.jacobian = ca.jacobian(end, ca.vertcat(*(self.state[f"theta{k + 1}"] for k in range(self.count))))
         return self._sum(self.columns)
+
+    def _without(self, expression: Any, symbols: list[Any]) -> Any:
+        """Return an expression with `symbols` at zero."""
+        if not symbols:
+            return expression
+        zeros = self.ca.SX.zeros(len(symbols))
+        return self.ca.simplify(self.ca.substitute(expression, self.ca.vertcat(*symbols), zeros))
+
+    def _add_slopes(self, joint: int, torque: Any, own: list[Any]) -> None:
+        """Add the columns of numbers that change the mechanism: ∂τ/∂k with later ones at zero, so that products of two
+        count once.
+        """
+        ca = self.ca
+        for k, symbol in enumerate(own):
+            slope = self._without(ca.jacobian(self._without(torque, own[k + 1 :]), symbol), [])
+            parameter = next(p for p in range(len(self.model.parameters)) if ca.is_equal(self.linear[p], symbol))
+            if ca.depends_on(slope, symbol):
+                raise EffectError(
+                    f"the torque is not linear in {self.model.parameters[parameter].name}",
+                    where=str(self.model.parameters[parameter].term),
+                    remedy="declare it as a shape with bounds instead of a coefficient",
+                )
+            if not ca.SX(slope).is_zero():
+                self.columns.append((joint, parameter, ca.SX(slope)))
 
     def _text(self, term: Term, names: Mapping[str, str]) -> None:
         """Add the columns of a text: its derivative by each coefficient."""
@@ -239,6 +293,7 @@ class _Builder:
             dq=dq,
             ddq=ddq,
             sign=sign,
+            base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in BASE_STATE if n in self.state)),
             linear=self.linear,
             shape=self.shape,
             memory=ca.vertcat(ca.SX(0, 1), *self.inputs),

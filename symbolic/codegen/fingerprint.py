@@ -43,6 +43,7 @@ def equations(model: Model) -> dict[str, Any]:
     content: dict[str, Any] = {"thigh_length": model.thigh_length.hex()}
     if model.chain:
         content = {"joints": [joint_record(joint) for joint in model.chain]}
+        content |= {"base": "measured"} if model.moving_base else {}
     return {**content, "gravity": model.gravity.hex(), "terms": [term_content(term) for term in model.terms]}
 
 

@@ -68,7 +68,7 @@ class Compiled:
         """Return the torque (N, J) in N·m that `motion` takes, for linear parameters (P,)."""
         values, shapes = self._numbers(linear, shape)
         memory = self._memory(motion, values, shapes)
-        return self._run("inverse_dynamics", _state(motion), values, shapes, memory, None)
+        return self._run("inverse_dynamics", self._state(motion), values, shapes, memory, None)
 
     def forward_dynamics(
         self, motion: Motion, tau: Any, linear: Any, shape: Float | None = None, memory: Any = None
@@ -82,7 +82,7 @@ class Compiled:
         whole = len(motion), len(self.model.joints)
         torque = np.ascontiguousarray(np.broadcast_to(np.asarray(tau, dtype=float), whole))
         signals = None if memory is None else np.ascontiguousarray(memory, dtype=float)
-        return self._run("forward_dynamics", _state(motion), values, shapes, signals, torque)
+        return self._run("forward_dynamics", self._state(motion), values, shapes, signals, torque)
 
     def mass_matrix(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return M (N, J, J) of the rigid leg."""
@@ -95,7 +95,7 @@ class Compiled:
     def gravity(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return G (N, J) of the rigid leg, N·m."""
         values, shapes = self._numbers(linear, shape)
-        return self._run("gravity", _state(motion), values, shapes, None, None)
+        return self._run("gravity", self._state(motion), values, shapes, None, None)
 
     def jacobian(self, motion: Motion, reach: float, shape: Float | None = None) -> Float:
         """Return J (N, 2, J) of the point `reach` m down the last link (rows: forward, upward)."""
@@ -107,10 +107,16 @@ class Compiled:
         """
         return self._pointwise(motion, linear, shape, None, first)
 
+    def _state(self, motion: Motion) -> Float:
+        state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
+        if self.model.moving_base:
+            state.append(np.zeros((len(motion), 5)) if motion.base is None else motion.base)
+        return np.column_stack(state)
+
     def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
         values, shapes = self._numbers(linear, shape)
         given = None if extra is None else np.full((len(motion), 1), extra)
-        flat = self._run(name, _state(motion), values, shapes, None, given)
+        flat = self._run(name, self._state(motion), values, shapes, None, given)
         count = len(self.model.joints)
         return np.ascontiguousarray(flat.reshape(len(motion), count, -1).transpose(0, 2, 1))
 
@@ -125,7 +131,7 @@ class Compiled:
         return memory_signals(self.model, motion, shapes, linear, base_columns)
 
     def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None, first: int = 0) -> Float:
-        values = self._run("columns", _state(motion), linear, shapes, memory, None)
+        values = self._run("columns", self._state(motion), linear, shapes, memory, None)
         out = np.zeros((len(self.model.joints), len(motion), len(self.model.parameters) - first))
         for k, (joint, parameter) in enumerate(self.entries):
             if parameter >= first:
@@ -187,7 +193,3 @@ def _source(model: Model) -> GeneratedC:
     made = generate(model)
     record = {"entries": made.entries, "needs_reference": made.needs_reference}
     return GeneratedC(made.code, EXACT, record)
-
-
-def _state(motion: Motion) -> Float:
-    return np.column_stack([motion.t, motion.q, motion.dq, motion.ddq, motion.sign])

@@ -5,9 +5,13 @@ from __future__ import annotations
 STEMS = ("theta", "dtheta", "ddtheta", "sign")
 
 
-def state_names(count: int) -> tuple[str, ...]:
+BASE_STATE = ("base", "dbase", "ddbase", "base_ax", "base_az")
+"""Motion of a measured base: angle rad, its derivatives, acceleration forwards and upwards m/s²."""
+
+
+def state_names(count: int, moving_base: bool = False) -> tuple[str, ...]:
     """Return the names of the motion of `count` joints at an instant, in the order of the generated code's `state`."""
-    return ("t", *(f"{stem}{k + 1}" for stem in STEMS for k in range(count)))
+    return ("t", *(f"{stem}{k + 1}" for stem in STEMS for k in range(count)), *(BASE_STATE if moving_base else ()))
 
 
 def widths(count: int) -> dict[str, int]:

@@ -12,7 +12,7 @@ import numpy as np
 from symbolic.codegen.translate import casadi_from_sympy
 from symbolic.joints import Joint
 from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.newton_euler import link_torques
+from symbolic.mechanics.newton_euler import ACROSS, STILL, BaseMotion, link_torques
 
 LONGEST_SYMBOLIC = 6
 """Joints up to which Lagrange's equations are the shorter form; Newton and Euler's recursion is used beyond."""
@@ -26,31 +26,45 @@ class DerivationError(ArithmeticError):
 
 
 def tree_columns(
-    joints: tuple[Joint, ...], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any]
+    joints: tuple[Joint, ...],
+    gravity: float,
+    q: Sequence[Any],
+    dq: Sequence[Any],
+    ddq: Sequence[Any],
+    base: BaseMotion = STILL,
+    across: tuple[int, ...] = (),
+    measured: bool = False,
 ) -> list[list[Any]]:
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
 
-    DerivationError where Lagrange and Newton-Euler differ at random states.
+    `base` are CasADi expressions of the base's motion, `measured` where they are those of recordings. A column for
+    the mass beside the axis of each link `across` follows. DerivationError where Lagrange and Newton-Euler differ at
+    random states.
     """
     import casadi
 
-    parameters = base_parameters(joints, gravity)
-    links = link_torques(joints, gravity, q, dq, ddq, casadi)
-    recursive = [[casadi.SX(entry) for entry in links[p.link][p.kind]] for p in parameters]
+    parameters = base_parameters(joints, gravity, measured)
+    links = link_torques(joints, gravity, q, dq, ddq, casadi, base, across)
+    wanted_of = [(p.link, p.kind) for p in parameters] + [(link, ACROSS) for link in across]
+    recursive = [[casadi.SX(entry) for entry in links[link][kind]] for link, kind in wanted_of]
     if len(joints) > LONGEST_SYMBOLIC:
         return recursive
     from symbolic.mechanics.tree import tree_form
 
-    form = tree_form(joints, gravity)
-    symbols = {
+    moving = base is not STILL
+    form = tree_form(joints, gravity, across, moving, measured)
+    symbols: dict[str, Any] = {
         f"{stem}{k + 1}": symbol
         for stem, row in zip(("theta", "dtheta", "ddtheta"), (q, dq, ddq), strict=True)
         for k, symbol in enumerate(row)
     }
-    columns = [casadi_from_sympy(list(form.matrix[:, k]), symbols) for k in range(len(parameters))]
+    symbols |= {"g_x": casadi.SX(base.forward), "g_z": gravity + casadi.SX(base.upward)}
+    symbols |= {"base": base.angle, "dbase": base.rate, "ddbase": base.turning}
+    columns = [casadi_from_sympy(list(form.matrix[:, k]), symbols) for k in range(len(wanted_of))]
     both = [casadi.vertcat(*(entry for column in found for entry in column)) for found in (columns, recursive)]
-    function = casadi.Function("both", [casadi.vertcat(*q, *dq, *ddq)], both)
-    states = np.random.default_rng(SEED).normal(size=(3 * len(joints), STATES))
+    inputs = casadi.symvar(casadi.vertcat(*both))
+    function = casadi.Function("both", [casadi.vertcat(casadi.SX(0, 1), *inputs)], both)
+    states = np.random.default_rng(SEED).normal(size=(len(inputs), STATES))
     derived, wanted = (np.asarray(values) for values in function(states))
     if np.max(np.abs(derived - wanted), initial=0.0) > CONFIRMED * np.max(np.abs(wanted), initial=1.0):
         names = ", ".join(joint.name for joint in joints)

@@ -24,6 +24,7 @@ EFFECT = Effect(
     explains="The shank carries weight in front or behind (a calf box), so it does not hang straight.",
     derive=derive,
     joints=("both",),
+    machines="leg",
     coefficients={
         "m_y": Coefficient("kg·m", min=-5.0, max=5.0, typical=0.2, explains="mass times distance, forward positive")
     },

@@ -23,6 +23,7 @@ EFFECT = Effect(
     explains="The thigh is heavier in front or behind (a motor, a box), so it does not hang straight.",
     derive=derive,
     joints=("both",),
+    machines="leg",
     coefficients={
         "m_y": Coefficient("kg·m", min=-5.0, max=5.0, typical=0.3, explains="mass times distance, forward positive")
     },

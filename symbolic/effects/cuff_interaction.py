@@ -13,15 +13,14 @@ from symbolic.effect import Coefficient, Effect, Shape
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
-    """Return the joint torques (hip, knee) that carry a spring and damper at the cuff."""
+    """Return the joint torques (J,) that carry a spring and damper at the cuff."""
     from sympy import Matrix
 
-    cuff = Matrix(mechanism.point(1, symbols["reach"]))
+    cuff = Matrix(mechanism.point(mechanism.own, symbols["reach"]))
     jacobian = cuff.jacobian(mechanism.angle)
     velocity = jacobian * Matrix(mechanism.velocity)
     force = symbols["k"] * cuff + symbols["d"] * velocity - Matrix([symbols["f_x"], symbols["f_z"]])
-    hip, knee = jacobian.T * force
-    return hip, knee
+    return tuple(jacobian.T * force)
 
 
 EFFECT = Effect(

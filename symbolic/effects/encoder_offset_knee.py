@@ -25,6 +25,7 @@ EFFECT = Effect(
     explains="The zero of the knee encoder is off: the knee is bent more or less than the reading says.",
     derive=derive,
     joints=("both",),
+    machines="leg",
     shape={"offset": Shape("rad", min=-0.3, max=0.3, points=9, typical=0.05, explains="true angle minus reading")},
     family="sensor",
     tells_apart="Move the knee to its mechanical stop and compare the reading with the drawing.",

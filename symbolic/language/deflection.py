@@ -1,6 +1,7 @@
 """A link that does not stand where its encoder says, as torque texts.
 
-Where the link of joint n stands at θ_n - δ(t), the rigid-body torque is that of the leg there, so both torques change.
+Where the link of joint n stands at θ_n - δ(t), the rigid-body torque is that of the machine there, so the torques of
+all joints above and below it change.
 To first order in δ,
 
     Δτ_i = -(∂τ_i/∂θ_n δ + ∂τ_i/∂θ_n' δ' + ∂τ_i/∂θ_n'' δ'') ,
@@ -15,13 +16,15 @@ taken without what is faster than SLOW.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
-JOINT_NUMBERS = (1, 2)
+from symbolic.joints import LEG, MOST, Joint, ancestors
+
 STATES = ("theta", "dtheta", "ddtheta")
 """The states of a joint, in the order in which derivatives by them are listed."""
 
-SLOPES = frozenset(f"tau{i}_by_{state}{n}" for i in JOINT_NUMBERS for state in STATES for n in JOINT_NUMBERS)
+_NUMBERS = range(1, MOST + 1)
+SLOPES = frozenset(f"tau{i}_by_{state}{n}" for i in _NUMBERS for state in STATES for n in _NUMBERS)
 """Words for the derivatives of the rigid-body torque."""
 
 SLOW = 3.0
@@ -30,14 +33,17 @@ SLOW = 3.0
 _OWN = re.compile(r"\b(theta|dtheta|ddtheta|tau_rigid|tau_model)\b")
 
 
-def deflected(deflection: Mapping[str, str], joint: int) -> Iterator[tuple[int, str]]:
-    """Yield (joint index, torque text) of both joints for a link at `joint` (index) that is deflected.
+def deflected(
+    deflection: Mapping[str, str], joint: int, joints: Sequence[Joint] = LEG
+) -> Iterator[tuple[int, str]]:
+    """Yield (joint index, torque text) of every joint that feels it for a link at `joint` (index) that is deflected.
 
-    `deflection` gives for each coefficient the angle in rad that one unit of it makes; its words for the own joint
-    mean `joint`.
+    These are the joints above and below it. `deflection` gives for each coefficient the angle in rad that one unit of
+    it makes; its words for the own joint mean `joint`.
     """
     angles = {key: _OWN.sub(rf"\g<1>{joint + 1}", text) for key, text in deflection.items()}
-    for number in JOINT_NUMBERS:
+    related = [k for k in range(len(joints)) if k in ancestors(joints, joint) or joint in ancestors(joints, k)]
+    for number in (k + 1 for k in related):
         slopes = [f"tau{number}_by_{state}{joint + 1}" for state in STATES]
         parts = []
         for key, angle in angles.items():

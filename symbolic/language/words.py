@@ -47,7 +47,7 @@ def word_dimension(word: str, turns: bool = True) -> Dimension:
     """Return the dimension of a word for the motion or the time, of a joint that turns or slides."""
     stem = stem_of(word)
     if word in SLOPES:
-        return TORQUE / _DIMENSIONS[word.partition("_by_")[2][:-1]]
+        return TORQUE / _DIMENSIONS[word.partition("_by_")[2].rstrip("0123456789")]
     return TIME if stem is None else (_DIMENSIONS if turns else _SLIDING)[stem]
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import PARAMETERS, link_torques
+from symbolic.mechanics.newton_euler import PARAMETERS, STILL, BaseMotion, link_torques
 
 SEED = 20262
 STATES = 40
@@ -53,9 +53,12 @@ class BaseParameter:
 
 
 @lru_cache(maxsize=64)
-def base_parameters(joints: tuple[Joint, ...], gravity: float) -> tuple[BaseParameter, ...]:
-    """Return the base parameters (P,) of a machine: link by link, inertia before first moment before mass."""
-    columns = _columns(joints, gravity)
+def base_parameters(joints: tuple[Joint, ...], gravity: float, moving: bool = False) -> tuple[BaseParameter, ...]:
+    """Return the base parameters (P,) of a machine: link by link, inertia before first moment before mass.
+
+    A base that is `moving` turns and is accelerated, and may show more of them.
+    """
+    columns = _columns(joints, gravity, moving)
     order = [(link, kind) for kind in PARAMETERS for link in range(len(joints))]
     chosen: list[tuple[int, str]] = []
     parts: dict[tuple[int, str], list[tuple[int, str, float]]] = {}
@@ -77,9 +80,10 @@ def base_parameters(joints: tuple[Joint, ...], gravity: float) -> tuple[BasePara
     return tuple(BaseParameter(link, kind, tuple(parts[link, kind])) for link, kind in ordered)
 
 
-def _columns(joints: tuple[Joint, ...], gravity: float) -> list[dict[str, Any]]:
+def _columns(joints: tuple[Joint, ...], gravity: float, moving: bool) -> list[dict[str, Any]]:
     rng = np.random.default_rng(SEED)
     q, dq, ddq = rng.normal(size=(3, len(joints), STATES))
-    found = link_torques(joints, gravity, q, dq, ddq, np)
+    base = BaseMotion(*rng.normal(size=(5, STATES))) if moving else STILL
+    found = link_torques(joints, gravity, q, dq, ddq, np, base)
     still = np.zeros(STATES)
     return [{kind: np.concatenate([still + torque for torque in row]) for kind, row in one.items()} for one in found]

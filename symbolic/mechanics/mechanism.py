@@ -18,6 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from symbolic.joints import Joint, ancestors
+
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
@@ -43,7 +45,8 @@ class Mechanism:
 
     `tilt` rad turns gravity, `joint_offset` (J,) rad is what each encoder reads too little,
     `base_acceleration` (2,) m/s² is the acceleration of the hip to the front and upwards, `time` the symbol
-    it may depend on.
+    it may depend on. `joints` say who hangs from whom where that is not the leg's chain; `own` is the index of the
+    joint of the effect that is asked to change the mechanism, of the last one for an effect on the whole machine.
     """
 
     links: tuple[Link, ...]
@@ -52,6 +55,8 @@ class Mechanism:
     joint_offset: tuple[Expr, ...]
     base_acceleration: tuple[Expr, Expr]
     time: Symbol
+    joints: tuple[Joint, ...] = ()
+    own: int = 0
 
     @property
     def angle(self) -> tuple[Symbol, ...]:
@@ -103,17 +108,23 @@ class Mechanism:
 
     def absolute_angle(self, index: int) -> Expr:
         """Angle of link `index` from the downward vertical, rad: the joint angles and offsets up to it."""
-        pairs = list(zip(self.angle, self.joint_offset, strict=True))[: index + 1]
-        return sum((angle + offset for angle, offset in pairs), start=0 * self.gravity)
+        turning = [k for k in self.path(index) if not self.joints or self.joints[k].turns]
+        return sum((self.angle[k] + self.joint_offset[k] for k in turning), start=0 * self.gravity)
+
+    def path(self, index: int) -> tuple[int, ...]:
+        """Return the links from the base to link `index`, itself included."""
+        return ancestors(self.joints, index) if self.joints else tuple(range(index + 1))
 
     def point(self, index: int, along: Expr, across: Expr = 0) -> tuple[Expr, Expr]:
         """Position (x to the front, z upwards) in m of a point on link `index`, seen from the hip."""
         from sympy import cos, sin
 
         x = z = 0 * self.gravity
-        for k, link in enumerate(self.links[: index + 1]):
+        for k in self.path(index):
             phi = self.absolute_angle(k)
-            down, out = (along, across) if k == index else (link.length, 0)
+            down, out = (along, across) if k == index else (self.links[k].length, 0)
+            if self.joints and not self.joints[k].turns:
+                down += self.angle[k] + self.joint_offset[k]
             x += down * sin(phi) + out * cos(phi)
             z += -down * cos(phi) + out * sin(phi)
         return x, z
@@ -158,6 +169,18 @@ def chain(*suffixes: str) -> Mechanism:
         for suffix in suffixes
     )
     return Mechanism(links, positive("g"), zero, (zero,) * len(links), (zero, zero), real("t"))
+
+
+def machine(joints: tuple[Joint, ...]) -> Mechanism:
+    """Return the mechanism of a machine that is not the leg: lengths (m) are numbers, links named as the joints."""
+    from sympy import Float, Integer
+
+    plain = chain(*(joint.name for joint in joints))
+    links = tuple(
+        replace(link, length=Integer(0) if joint.length is None else Float(joint.length))
+        for link, joint in zip(plain.links, joints, strict=True)
+    )
+    return replace(plain, links=links, joints=joints)
 
 
 def leg() -> Mechanism:

@@ -16,8 +16,26 @@ from symbolic.joints import Joint, ancestors, parents
 PARAMETERS = ("J", "X", "m")
 """Of each link: inertia about its joint kg·m², mass times the distance of its centre of mass along the link kg·m, mass
 kg. The centre of mass lies on the link's axis."""
+ACROSS = "Y"
+"""Mass times the distance of the centre of mass from the link's axis, to the front of a hanging link, kg·m."""
 
 Vector = tuple[Any, Any]
+
+
+@dataclass(frozen=True)
+class BaseMotion:
+    """How the base moves: its `angle` rad (added to the first links'), its derivatives, and its acceleration forwards
+    and upwards in m/s².
+    """
+
+    angle: Any = 0.0
+    rate: Any = 0.0
+    turning: Any = 0.0
+    forward: Any = 0.0
+    upward: Any = 0.0
+
+
+STILL = BaseMotion()
 
 
 @dataclass(frozen=True)
@@ -33,14 +51,16 @@ class _Frame:
 
 
 def link_torques(
-    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
+    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
+    base: BaseMotion = STILL, across: Sequence[int] = (),
 ) -> list[dict[str, list[Any]]]:
     """Return, per link, {parameter: torque at every joint (J,)} for one unit of that parameter; N·m, or N where a joint
     slides.
 
-    `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`. `gravity` m/s² pulls downwards.
-    """
-    frames = _frames(joints, gravity, q, dq, ddq, lib)
+    `q`, `dq`, `ddq` (J,) hold numbers, arrays or expressions of the library `lib`. `gravity` m/s² pulls downwards. The
+    links `across` have a centre of mass off their axis as a further parameter.
+    """  # fmt: skip
+    frames = _frames(joints, gravity, q, dq, ddq, lib, base)
     found = []
     for index, frame in enumerate(frames):
         swing = _add(_scale(frame.turning, frame.n), _scale(-frame.rate * frame.rate, frame.e))
@@ -49,26 +69,33 @@ def link_torques(
             "X": (swing, _cross(frame.e, frame.acceleration)),
             "m": (frame.acceleration, 0.0),
         }
+        if index in across:
+            aside = _add(_scale(-frame.turning, frame.e), _scale(-frame.rate * frame.rate, frame.n))
+            wrenches[ACROSS] = (aside, _cross(frame.n, frame.acceleration))
         found.append({name: _at_joints(joints, frames, index, *wrench) for name, wrench in wrenches.items()})
     return found
 
 
-def point(joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, lib: Any) -> Vector:
+def point(
+    joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, lib: Any, base: BaseMotion = STILL
+) -> Vector:
     """Return where a point of link `index` is, `along` it in m: to the front and upwards from the base, m."""
     still = [0.0 * angle for angle in q]
-    frame = _frames(joints, 0.0, q, still, still, lib)[index]
+    frame = _frames(joints, 0.0, q, still, still, lib, base)[index]
     return _add(frame.origin, _scale(along, frame.e))
 
 
 def _frames(
-    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any
-) -> list[_Frame]:
+    joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
+    base: BaseMotion,
+) -> list[_Frame]:  # fmt: skip
     frames: list[_Frame] = []
     angles: list[Any] = []
     for k, (joint, parent) in enumerate(zip(joints, parents(joints), strict=True)):
         if parent is None:
-            angle, rate, turning = 0.0 * q[k], 0.0 * q[k], 0.0 * q[k]
-            origin, acceleration = (0.0 * q[k], 0.0 * q[k]), (0.0 * q[k], gravity + 0.0 * q[k])
+            zero = 0.0 * q[k]
+            angle, rate, turning = base.angle + zero, base.rate + zero, base.turning + zero
+            origin, acceleration = (zero, zero), (base.forward + zero, gravity + base.upward + zero)
         else:
             above, length = frames[parent], float(joints[parent].length or 0.0)
             angle, rate, turning = angles[parent], above.rate, above.turning

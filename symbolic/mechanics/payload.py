@@ -15,10 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ground.errors import ExoidError
+from symbolic.joints import JOINT_NAME
+from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.motion import Float, read_only
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
+
+    from symbolic.model import Model
 
 LINKS = ("thigh", "shank")
 HEAVIEST, FARTHEST = 200.0, 3.0
@@ -31,9 +35,10 @@ class PayloadError(ExoidError):
 
 @dataclass(frozen=True)
 class Payload:
-    """A small body of `mass` kg on the axis of `link` (thigh or shank), `along` m from that link's upper joint.
+    """A small body of `mass` kg on the axis of `link`, `along` m from that link's upper joint.
 
-    PayloadError where the mass is not positive, or a number is not finite or far from any leg.
+    The links of the leg are its thigh and shank, those of another machine have the names of their joints, and "shank"
+    means the last of them. PayloadError where the mass is not positive, or a number is not finite or far from any leg.
     """
 
     mass: float
@@ -41,8 +46,8 @@ class Payload:
     link: str = "shank"
 
     def __post_init__(self) -> None:
-        if self.link not in LINKS:
-            raise PayloadError(f"there is no link {self.link!r}", where=str(self), remedy="thigh or shank")
+        if not JOINT_NAME.fullmatch(self.link):
+            raise self._no_link("thigh or shank")
         if not (math.isfinite(self.mass) and 0.0 < self.mass <= HEAVIEST):
             raise PayloadError(
                 f"a payload of {self.mass:g} kg", where=str(self), remedy=f"give kg, more than 0, at most {HEAVIEST:g}"
@@ -59,9 +64,31 @@ class Payload:
 
     def numbers(self, thigh_length: float) -> Float:
         """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
+        if self.link not in LINKS:
+            raise self._no_link("thigh or shank")
         symbols, added = _added(self.link)
         numbers = dict(zip(symbols, (self.mass, self.along, thigh_length), strict=True))
         return read_only(np.array([float(entry.subs(numbers)) for entry in added]))
+
+    def added(self, model: Model) -> Float:
+        """Return what it adds to the base parameters of a model's machine; PayloadError where that has no such link."""
+        if not model.chain:
+            return self.numbers(model.thigh_length)
+        names = model.joint_names
+        if self.link not in (*names, "shank"):
+            raise self._no_link(" or ".join(names))
+        index = names.index(self.link) if self.link in names else len(names) - 1
+        own = {"J": self.mass * self.along**2, "X": self.mass * self.along, "m": self.mass}
+        found = base_parameters(model.chain, model.gravity, model.moving_base)
+        return read_only(
+            [
+                sum(factor * own[kind] for link, kind, factor in ((p.link, p.kind, 1.0), *p.parts) if link == index)
+                for p in found
+            ]
+        )
+
+    def _no_link(self, links: str) -> PayloadError:
+        return PayloadError(f"there is no link {self.link!r}", where=str(self), remedy=links)
 
 
 @lru_cache(maxsize=4)

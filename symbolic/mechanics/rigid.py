@@ -9,7 +9,7 @@ a moving base multiplies masses.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
@@ -57,22 +57,35 @@ def symbols_of(term: Term) -> dict[str, Symbol]:
     return {key: real(f"{term.name}.{key}") for key in (*term.effect.coefficients, *term.effect.shape)}
 
 
-def _derive(derived: Sequence[Term]) -> Rigid:
+def changed(mechanism: Mechanism, derived: Sequence[Term]) -> tuple[Mechanism, Matrix, list[Symbol]]:
+    """Return a mechanism with the changes of the `derived` terms, the torques (J, 1) they add, and their coefficients;
+    EffectError where one of them does neither.
+    """
     from sympy import Matrix
 
-    from symbolic.mechanics.mechanism import Mechanism, leg, real
-    from symbolic.mechanics.regressor import regressor
+    from symbolic.mechanics.mechanism import Mechanism
 
-    mechanism, added = leg(), Matrix([0, 0])
+    added = Matrix([0] * len(mechanism.links))
     coefficients: list[Symbol] = []
     for term in derived:
         symbols = symbols_of(term)
         coefficients += [symbols[key] for key in term.effect.coefficients]
-        outcome = _call(term, mechanism, symbols)
+        own = len(mechanism.links) - 1 if term.joint is None else term.first
+        outcome = _call(term, replace(mechanism, own=own), symbols)
         if isinstance(outcome, Mechanism):
-            mechanism = outcome
+            mechanism = replace(outcome, own=0)
         else:
             added += Matrix(outcome)
+    return mechanism, added, coefficients
+
+
+def _derive(derived: Sequence[Term]) -> Rigid:
+    from sympy import Matrix
+
+    from symbolic.mechanics.mechanism import leg, real
+    from symbolic.mechanics.regressor import regressor
+
+    mechanism, added, coefficients = changed(leg(), derived)
     form = regressor(mechanism)
     phi = [real(name) for name in form.names]
     at_rest = dict.fromkeys(coefficients, 0)
@@ -95,12 +108,12 @@ def _call(term: Term, mechanism: Mechanism, symbols: Mapping[str, Symbol]) -> An
 
     derive = term.effect.derive
     outcome = derive(mechanism, symbols) if derive is not None else None
-    if isinstance(outcome, Mechanism) or (isinstance(outcome, (tuple, list)) and len(outcome) == 2):
+    if isinstance(outcome, Mechanism) or (isinstance(outcome, (tuple, list)) and len(outcome) == len(mechanism.links)):
         return outcome
     raise EffectError(
         f"derive() returned {type(outcome).__name__}",
         where=term.effect.id,
-        remedy="return the changed Mechanism, or a pair of SymPy torques (hip, knee)",
+        remedy="return the changed Mechanism, or a SymPy torque for every joint",
     )
 
 

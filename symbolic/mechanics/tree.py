@@ -4,21 +4,25 @@ Kinetic and potential energy are linear in each link's inertia, first moment and
 of its own and Lagrange's equation is applied to it alone:
 
     J:  T = ½ ω²           X:  T = v · ω n,  V = g z(e)           m:  T = ½ v · v,  V = g z(o)
+                           Y:  T = -v · ω e,  V = g z(n)
 
-with v the velocity of the link's origin o = Σ c_j e_j, written through e_i · e_j = cos(φ_i - φ_j) and the like, so that
-angles appear as differences only. Source: Spong, Hutchinson, Vidyasagar, Robot Modeling and Control.
+with Y a mass beside the axis, v the velocity of the link's origin o = Σ c_j e_j, written through e_i · e_j =
+cos(φ_i - φ_j) and the like, so that angles appear as differences only. Source: Spong, Hutchinson, Vidyasagar, Robot
+Modeling and Control.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from ground.errors import EffectError
 from symbolic.joints import Joint, ancestors
 from symbolic.mechanics.base_parameters import BaseParameter, base_parameters
-from symbolic.mechanics.mechanism import real
+from symbolic.mechanics.mechanism import Mechanism, machine, real
+from symbolic.mechanics.newton_euler import ACROSS
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
@@ -26,31 +30,64 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TreeForm:
-    """`matrix` (J, P) times the base `parameters` (P,) is the rigid-body torque of the tree."""
+    """`matrix` (J, P) times the base `parameters` (P,) is the rigid-body torque of the tree.
+
+    Further columns of the matrix belong to masses beside the axes of links.
+    """
 
     parameters: tuple[BaseParameter, ...]
     matrix: Matrix
 
 
 @lru_cache(maxsize=32)
-def tree_form(joints: tuple[Joint, ...], gravity: float) -> TreeForm:
-    """Derive the regressor of a tree whose lengths (m) and gravity (m/s²) are numbers."""
+def tree_form(
+    joints: tuple[Joint, ...], gravity: float, across: tuple[int, ...] = (), moving: bool = False, turning: bool = False
+) -> TreeForm:
+    """Derive the regressor of a tree whose lengths (m) and gravity (m/s²) are numbers.
+
+    `across` are links with one more column, for a mass beside their axis. Where the base is `moving`, what pulls
+    forwards and upwards is `g_x` and `g_z` (m/s², gravity included); where it is `turning`, its angle is `base`.
+    """
     from sympy import Matrix
 
-    parameters = base_parameters(joints, gravity)
-    tree = _Tree(joints, gravity)
+    parameters = base_parameters(joints, gravity, turning)
+    tree = _Tree(joints, gravity, moving, turning)
     columns = [Matrix(tree.column(parameter.link, parameter.kind)) for parameter in parameters]
+    columns += [Matrix(tree.column(link, ACROSS)) for link in across]
     return TreeForm(parameters, Matrix.hstack(*columns) if columns else Matrix(len(joints), 0, []))
+
+
+def tree_changes(mechanism: Mechanism) -> tuple[list[Expr], dict[int, Expr], tuple[Expr, Expr]]:
+    """Return what effects changed about a machine: offsets of its joints (J,), {link: mass times distance from its
+    axis}, and the pull forwards and downwards, gravity included. EffectError for any other change.
+    """
+    from sympy import cos, sin
+
+    plain = machine(mechanism.joints)
+    for link, before in zip(mechanism.links, plain.links, strict=True):
+        if replace(link, across=before.across) != before:
+            raise EffectError(
+                f"the inertia of link {link.name} cannot be changed where there are base parameters alone",
+                where="derive()",
+                remedy="change across, joint_offset, tilt or base_acceleration, or return torques",
+            )
+    moments = {k: link.across * link.mass for k, link in enumerate(mechanism.links) if link.across != 0}
+    forward, upward = mechanism.base_acceleration
+    pull = mechanism.gravity * sin(mechanism.tilt) + forward, mechanism.gravity * cos(mechanism.tilt) + upward
+    return list(mechanism.joint_offset), moments, pull
 
 
 class _Tree:
     """Angles, rates and origins of the links, and energies per unit parameter."""
 
-    def __init__(self, joints: Sequence[Joint], gravity: float) -> None:
+    def __init__(self, joints: Sequence[Joint], gravity: float, moving: bool, turning: bool) -> None:
         from sympy import Float, Integer
 
         self.joints = joints
-        self.gravity = Float(gravity) if gravity else Integer(0)
+        self.pull: tuple[Expr, Expr] = (Integer(0), Float(gravity) if gravity else Integer(0))
+        if moving:
+            self.pull = real("g_x"), real("g_z")
+        self.base = (real("base"), real("dbase"), real("ddbase")) if turning else None
         count = range(1, len(joints) + 1)
         self.q = [real(f"theta{k}") for k in count]
         self.dq = [real(f"dtheta{k}") for k in count]
@@ -58,9 +95,10 @@ class _Tree:
         self.angle: list[Expr] = []
         self.rate: list[Expr] = []
         for k in range(len(joints)):
-            turning = [j for j in ancestors(joints, k) if joints[j].turns]
-            self.angle.append(sum((self.q[j] for j in turning), Integer(0)))
-            self.rate.append(sum((self.dq[j] for j in turning), Integer(0)))
+            path = [j for j in ancestors(joints, k) if joints[j].turns]
+            leaning, swinging = self.base[:2] if self.base else (Integer(0), Integer(0))
+            self.angle.append(sum((self.q[j] for j in path), leaning))
+            self.rate.append(sum((self.dq[j] for j in path), swinging))
 
     def column(self, link: int, kind: str) -> list[Expr]:
         """Return the torque at every joint (J,) for one unit of a parameter."""
@@ -68,7 +106,7 @@ class _Tree:
 
         kinetic, potential = self._energies(link, kind)
         path = set(ancestors(self.joints, link))
-        state = [(self.q[k], self.dq[k], self.ddq[k]) for k in sorted(path)]
+        state = [(self.q[k], self.dq[k], self.ddq[k]) for k in sorted(path)] + ([self.base] if self.base else [])
         torques = []
         for k in range(len(self.joints)):
             if k not in path:
@@ -86,6 +124,15 @@ class _Tree:
         if kind == "J":
             return Rational(1, 2) * rate[link] ** 2, Integer(0)
         moving = self._origin(link)
+        if kind == ACROSS:
+            kinetic = sum(
+                (
+                    -rate[link] * (along * cos(angle[j] - angle[link]) - across * sin(angle[j] - angle[link]))
+                    for j, _, along, across in moving
+                ),
+                Integer(0),
+            )
+            return kinetic, self.pull[0] * cos(angle[link]) + self.pull[1] * sin(angle[link])
         if kind == "X":
             kinetic = sum(
                 (
@@ -94,15 +141,20 @@ class _Tree:
                 ),
                 Integer(0),
             )
-            return kinetic, -self.gravity * cos(angle[link])
+            return kinetic, self._lifted(angle[link])
         kinetic = Integer(0)
         for j, _, along_j, across_j in moving:
             for k, _, along_k, across_k in moving:
                 apart = angle[j] - angle[k]
                 kinetic += Rational(1, 2) * (along_j * along_k + across_j * across_k) * cos(apart)
                 kinetic += Rational(1, 2) * (along_j * across_k - across_j * along_k) * sin(apart)
-        height = sum((-reach * cos(angle[j]) for j, reach, _, _ in moving), Integer(0))
-        return kinetic, self.gravity * height
+        return kinetic, sum((reach * self._lifted(angle[j]) for j, reach, _, _ in moving), Integer(0))
+
+    def _lifted(self, angle: Expr) -> Expr:
+        """Return the potential of one kg at one metre along a link."""
+        from sympy import cos, sin
+
+        return self.pull[0] * sin(angle) - self.pull[1] * cos(angle)
 
     def _origin(self, link: int) -> list[tuple[int, Any, Any, Any]]:
         """Return (link j, c_j, speed along e_j, speed along n_j) of the pieces of the way to a link's origin."""

@@ -142,7 +142,8 @@ def test_effects_at_joints_of_a_machine():
         ("stribeck", "needs a joint"),
         ("biarticular_spring:ankle", "no place at 'ankle'"),
         ("rotor_inertia:hip", "contains it already"),
-        ("gravity_tilt:hip", "derived from the mechanism of the leg"),
+        ("gravity_tilt:hip", "all joints at once"),
+        ("com_offset_thigh", "the leg with hip and knee alone has it"),
     ):
         with pytest.raises(EffectError, match=message):
             model.with_effect(wrong)
@@ -164,6 +165,62 @@ def test_units_of_a_drive_that_slides():
         machine(DRIVE, 0.0).with_effect(wrong, "stage")
     with pytest.raises(ExpressionError, match="comes out in"):
         Model.standard().with_effect(force, "knee")
+
+
+@pytest.mark.parametrize(
+    ("on_leg", "on_chain", "numbers", "shape"),
+    [
+        ("gravity_tilt", "gravity_tilt", (), (0.1,)),
+        ("com_offset_thigh", "com_offset:hip", (0.3,), ()),
+        ("com_offset_shank", "com_offset:shank", (0.3,), ()),
+        ("encoder_offset_knee", "encoder_offset:shank", (), (0.2,)),
+        ("base_motion", "base_motion", (0.3, 0.1, 0.7, 0.2), (1.3,)),
+        ("cuff_interaction", "cuff_interaction", (200.0, 20.0, 3.0, 4.0), (0.2,)),
+        ("motor_elasticity:hip", "motor_elasticity:hip", (0.02,), ()),
+        ("series_backlash:knee", "series_backlash:shank", (0.02,), (1.0,)),
+    ],
+)
+def test_what_changes_the_mechanism_changes_it_as_it_changes_the_leg(on_leg, on_chain, numbers, shape):
+    chain, leg = machine((Joint("hip", length=0.40), Joint("shank"))).with_effect(on_chain), Model.standard()
+    rng = np.random.default_rng(8)
+    t = np.arange(40) * 0.02  # slow enough for what gives way under load
+    q, dq, ddq = (np.stack([f(3.0 * t + k) for k in rng.normal(size=2)], axis=1) for f in (np.sin, np.cos, np.sin))
+    on = Motion(t, q, dq, ddq)
+    phi, paper = [2.3, 1.7, 0.4, 0.45], [2.7, 0.4, 0.4 * 0.45, 0.4 * 1.7 - 2.3]
+    general = chain.torque(on, [*phi, *([0.0] * 4), *numbers], shape)
+    np.testing.assert_allclose(
+        general, leg.with_effect(on_leg).torque(on, [*paper, *([0.0] * 4), *numbers], shape), atol=1e-9
+    )
+    assert np.abs(general - chain.base().torque(on, [*phi, *([0.0] * 4)])).max() > 1e-3
+
+
+@pytest.mark.parametrize("joints", [KNEE, LEG3])
+def test_a_base_that_turns_and_is_accelerated(joints):
+    moving = Model("backpack", limits={}, chain=joints, moving_base=True)
+    on, rng, count = motion(len(joints)), np.random.default_rng(4), len(joints)
+    linear = np.array([*masses(machine(joints))[0], *([0.0] * 2 * count)])
+    base = rng.normal(size=(30, 5))
+    first = np.eye(count)[0]
+    turned = Motion(on.t, *(x + base[:, [k]] * first for k, x in enumerate((on.q, on.dq, on.ddq))))
+    swung = Motion(on.t, on.q, on.dq, on.ddq, base=np.column_stack([base[:, :3], 0.0 * base[:, 3:]]))
+    np.testing.assert_allclose(moving.torque(swung, linear), machine(joints).torque(turned, linear), atol=1e-9)
+    # An accelerated base is a pull of another size and direction (d'Alembert).
+    ax, az = 1.3, -2.1
+    pull, lean = np.hypot(ax, 9.81 + az), np.arctan2(ax, 9.81 + az)
+    shaken = Motion(on.t, on.q, on.dq, on.ddq, base=np.tile([0.0, 0.0, 0.0, ax, az], (30, 1)))
+    leaning = Motion(on.t, on.q + lean * first, on.dq, on.ddq)
+    np.testing.assert_allclose(moving.torque(shaken, linear), machine(joints, pull).torque(leaning, linear), atol=1e-9)
+    np.testing.assert_allclose(compiled(moving, "vm").inverse_dynamics(shaken, linear), moving.torque(shaken, linear))
+
+
+def test_two_legs_on_a_backpack_are_a_tree():
+    legs = tuple(Joint(f"{side}_{name}", length=length, parent=parent and parent.format(side))
+                 for side in ("left", "right")
+                 for name, length, parent in (("hip", 0.42, "base"), ("knee", None, None)))  # fmt: skip
+    model = Model("legs", limits={}, chain=legs, moving_base=True)
+    assert [str(one) for one in check_equations(model) if not one.holds] == []
+    reached = model.with_effect("motor_elasticity:left_knee").columns(motion(4), None, np.ones(17))[:, :, -1]
+    assert np.abs(reached[:2]).min(axis=1).max() > 0.0 and not reached[2:].any()
 
 
 def test_what_no_motion_distinguishes_on_three_joints():
@@ -242,7 +299,11 @@ def test_a_file_with_joints_comes_back_as_it_was(tmp_path):
     assert "knee" not in model.limits
     assert model.with_effect("brake:ankle").parameters[-1].name == "brake:ankle.c"
     again = read_model(write_model(model, tmp_path / "again.toml"))
-    assert again.key() == model.key() and again.chain == model.chain
+    assert again.key() == model.key() and again.chain == model.chain and not again.moving_base
+    path.write_text(TEXT.replace('"fixed"', '"measured"'), encoding="utf-8")
+    moving = read_model(path)
+    assert moving.moving_base and moving.key() != model.key()
+    assert read_model(write_model(moving, tmp_path / "moving.toml")).key() == moving.key()
 
 
 def test_a_file_with_hip_and_knee_is_the_leg(tmp_path):
@@ -268,8 +329,8 @@ def test_a_file_with_hip_and_knee_is_the_leg(tmp_path):
         ("gravity = 9.81", "geometry = {}", 2, "does not go with"),
         ('joint = "ankle"\ntorque', 'joint = "elbow"\ntorque', 26, "there is no joint 'elbow'"),
         ("dtheta[knee]", "dtheta[elbow]", 27, "there is no such joint"),
-        ('motion = "fixed"', 'motion = "measured"', 31, "is not supported"),
-        ('id = "stribeck"', 'id = "gravity_tilt"', 21, "derived from the mechanism of the leg"),
+        ('motion = "fixed"', 'motion = "free"', 31, "unknown motion 'free'"),
+        ('id = "stribeck"', 'id = "gravity_tilt"', 22, "all joints at once"),
     ],
 )
 def test_refusals_name_the_line(tmp_path, old, new, line, message):

@@ -83,7 +83,7 @@ def test_loaded_and_bare_recordings_are_one_leg(effect):
 def test_payloads_that_cannot_be_are_refused():
     for mass, along, link, word in ((0.0, 0.3, "shank", "kg"), (2.0, 350.0, "shank", "m"), (2.0, 0.3, "foot", "shank")):
         with pytest.raises(PayloadError, match=word):
-            Payload(mass, along, link)
+            Payload(mass, along, link).added(Model.standard())
     with pytest.raises(PayloadError):
         Payload(float("nan"), 0.3)
 

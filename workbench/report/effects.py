@@ -10,13 +10,13 @@ if TYPE_CHECKING:
 
 def effect_of(name: str, model: Any = None) -> Effect | None:
     """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
-    from symbolic.catalogue import catalogue
+    from symbolic.catalogue import every_effect
     from symbolic.effect import Effect
 
     id = name.partition(":")[0]
     own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
     found = next((one for one in own if isinstance(one, Effect) and one.id == id), None)
-    return found or catalogue().get(id)
+    return found or every_effect().get(id)
 
 
 def meaning(name: str, model: Any = None) -> str:
