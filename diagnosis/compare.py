@@ -124,13 +124,13 @@ class Comparison:
 
     def __repr__(self) -> str:
         shown = self.rms if self.verify_rms is None else self.verify_rms
-        kind = "fitted" if self.verify_rms is None else "unseen"
+        kind = "fitted motion (nothing is held out)" if self.verify_rms is None else "unseen motion"
         numbers = ", ".join(
             f"{joint} {e:.3g} of {s:.3g} N·m (noise floor {n:.2g})"
             for joint, e, s, n in zip(JOINTS, shown, self.signal_rms, self.noise_floor, strict=True)
         )
         doubts = [f"  {finding}" for finding in self.misread]
-        return "\n".join([f"error on {kind} motion: {numbers}", *doubts, *(f"  {w.sentence}" for w in self.where[:6])])
+        return "\n".join([f"error on {kind}: {numbers}", *doubts, *(f"  {w.sentence}" for w in self.where[:6])])
 
     def _repr_html_(self) -> str:
         unseen = [None, None] if self.verify_rms is None else self.verify_rms.tolist()

@@ -15,7 +15,7 @@ import numpy as np
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, standard_leg
 from measurement.bench.seal import write_seal
-from measurement.bench.simulation import Bench, BenchRun, simulate_runs
+from measurement.bench.simulation import BenchRun
 from measurement.recording import write_recording
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.effect import Effect, Shape
@@ -88,25 +88,6 @@ def relative_size(hidden: Hidden, leg: Leg, model: Model | None = None) -> float
     added = true_model(model, leg.base, (hidden,)).torque(motion) - own
     spread = np.maximum(added.std(axis=0), np.abs(added.mean(axis=0)))
     return float((spread / own.std(axis=0)).max())
-
-
-def write_blind(
-    folder: str | Path,
-    hidden: Iterable[Hidden],
-    *,
-    count: int = 4,
-    model: Model | None = None,
-    leg: Leg | None = None,
-    seed: int = 0,
-    bench: Bench | None = None,
-) -> tuple[tuple[Path, ...], Path]:
-    """Simulate `count` runs with `hidden` effects into `folder`; return the recordings' paths and the seal's.
-
-    Files are run_0.csv, run_1.csv, ... and `truth.seal`. Raises RecordingError or SealError when they cannot
-    be written, and whatever `simulate` raises.
-    """
-    runs = simulate_runs(count, model, leg, effects=hidden, seed=seed, bench=bench)
-    return write_runs(folder, runs)
 
 
 def write_runs(folder: str | Path, runs: Iterable[BenchRun]) -> tuple[tuple[Path, ...], Path]:

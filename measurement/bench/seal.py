@@ -140,7 +140,7 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
         raise SealError(
             "this is not a seal of exoid, or it is damaged",
             where=place,
-            remedy="give the .seal file that exoid simulate --blind wrote next to the recordings",
+            remedy="give the .seal file that exoid simulate wrote next to the recordings",
         ) from error
     if not whole:
         raise SealError("the seal was altered after it was written", where=place, remedy="simulate again")

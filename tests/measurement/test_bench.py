@@ -8,7 +8,7 @@ import pytest
 
 import workbench
 from ground.errors import EffectError, ExoidError
-from measurement.bench.blind import SEAL, draw, relative_size, write_blind
+from measurement.bench.blind import SEAL, draw, relative_size, write_runs
 from measurement.bench.controller import Controller
 from measurement.bench.demo import write_demo
 from measurement.bench.hidden import Hidden, parse_hidden, true_model
@@ -162,7 +162,7 @@ def test_what_makes_no_sense_is_refused():
 def test_blind_recordings_carry_no_trace_and_their_seal_opens(tmp_path):
     made = {}
     for name, hidden in (("a", [STRIBECK]), ("b", [])):
-        made[name] = write_blind(tmp_path / name, hidden, count=2, seed=9, bench=SHORT)
+        made[name] = write_runs(tmp_path / name, simulate_runs(2, effects=hidden, seed=9, bench=SHORT))
     names = [[path.name for path in made[name][0]] for name in ("a", "b")]
     assert names[0] == names[1] == ["run_0.csv", "run_1.csv"]
     heads = {path.read_text().split("\n")[0] for name in made for path in made[name][0]}

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from measurement.bench.blind import write_blind
+from measurement.bench.blind import write_runs
 from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench
+from measurement.bench.simulation import Bench, simulate_runs
 from measurement.reading.read import read_recording
 from symbolic.catalogue import catalogue
 
@@ -20,7 +20,7 @@ def folders(tmp_path_factory):
     made = []
     for k, hidden in enumerate(HIDDEN):
         folder = tmp_path_factory.mktemp(f"blind{k}")
-        write_blind(folder, hidden, count=2, seed=5, bench=SHORT)
+        write_runs(folder, simulate_runs(2, effects=hidden, seed=5, bench=SHORT))
         made.append(folder)
     return made
 

@@ -163,6 +163,24 @@ def test_simulate_identify_and_reveal(tmp_path, monkeypatch, capsys):
     assert "Phi1" in capsys.readouterr().out
 
 
+def test_what_is_hidden_by_name_is_shown_with_its_sizes_and_kept(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    asked = ["simulate", "--effect", "stribeck:knee=2.5", "--runs", "1", "--duration", "5", "--out", "a"]
+    assert main([*asked, "--json", "made.json"]) == 0
+    assert "stribeck:knee (c = 2.5, v_s = " in capsys.readouterr().out
+    made = json.loads(Path("made.json").read_text("utf-8"))
+    assert made["truth"]["effects"][0]["values"]["c"] == 2.5
+    assert main(["reveal", made["seal"], *made["recordings"]]) == 0
+    assert "stribeck:knee (c = 2.5, v_s = " in capsys.readouterr().out
+
+
+def test_without_generated_files_only_the_equations_are_checked(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["generate", "--check"]) == 0
+    assert "only the equations are checked" in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_generate_writes_once_and_checks(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["generate", "--check", "--out", "g"]) == 1

@@ -54,6 +54,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _sentence(rms: Iterable[float], unseen: bool) -> str:
     from workbench.terminal.screen import per_joint
+    from workbench.terminal.showing import NOTHING_HELD_OUT
 
     kind = "motion the fit has not seen" if unseen else "the fitted motion"
-    return f"The model's torque misses the measured one by {per_joint(rms)} (RMS) on {kind}."
+    held_out = "" if unseen else f" {NOTHING_HELD_OUT}"
+    return f"The model's torque misses the measured one by {per_joint(rms)} (RMS) on {kind}.{held_out}"

@@ -16,7 +16,8 @@ HELP = """derive the equations of a model, generate its C code and compile it
 
 exoid generate leg.toml --out generated
 exoid generate --check --out generated   check the equations; exit status 1 when a property does not hold or the
-                                         files there are out of date"""
+                                         files there are out of date
+exoid generate --check                   the same of ./generated; without such files, only the equations"""
 
 DEFAULT_FOLDER = "generated"
 
@@ -53,7 +54,11 @@ def run(args: argparse.Namespace) -> int:
     screen.say(f"compiled: {'as C' if backend == 'c' else 'no C compiler, CasADi computes instead (slower)'}")
     for one in properties:
         screen.say(f"  {one}", "good" if one.holds else "bad")
-    stale = args.check and any(state != "unchanged" for state in states.values())
+    # Outside a checkout there are no files to be out of date, unless somebody names the folder where they should be.
+    absent = args.out is None and all(state == "new" for state in states.values())
+    stale = args.check and not absent and any(state != "unchanged" for state in states.values())
+    if args.check and absent:
+        screen.say(f"there are no generated files in {folder}: only the equations are checked")
     if stale:
         screen.say("the files are not what this model generates; run exoid generate", "bad")
     if args.json:

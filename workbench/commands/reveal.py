@@ -17,7 +17,7 @@ exoid reveal runs/truth.seal --diagnosis found.json     score what exoid discove
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("seal", metavar="SEAL", help="the .seal file that exoid simulate --blind wrote")
+    parser.add_argument("seal", metavar="SEAL", help="the .seal file that exoid simulate wrote")
     parser.add_argument("recordings", metavar="REC", nargs="*", help="check that the seal belongs to these recordings")
     parser.add_argument("--diagnosis", metavar="JSON", help="score this result of exoid diagnose or discover")
     add_common(parser, out="write result.json into DIR")

@@ -13,7 +13,7 @@ from workbench.command_line.options import add_common, positive_number, whole_nu
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
-HELP = """make recordings on the virtual bench, with an effect hidden in the leg
+HELP = """make recordings on the virtual bench, with an effect hidden in the leg; truth.seal keeps what was hidden
 
 exoid simulate --effect stribeck:knee=2.5 --out runs
 exoid simulate --effect torque_ripple:hip=a=0.8,n=24 --out runs
@@ -47,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
     from measurement.bench.leg import standard_leg
     from workbench.command_line.inputs import load_model
     from workbench.command_line.parser import UsageError
+    from workbench.terminal.showing import truth_sentence
 
     check_places(args)
     if not 1 <= args.runs <= 100:
@@ -65,19 +66,19 @@ def run(args: argparse.Namespace) -> int:
     if args.blind and not hidden:
         hidden = _draw(args.seed)
     with progress("simulating", quiet=args.quiet):
-        files, seal = _simulate(args, folder, model, leg, hidden)
+        files, seal, truth = _simulate(args, folder, model, leg, hidden)
     screen = Screen.of(args)
     for path in files:
         screen.say(f"wrote {path}")
-    if seal is not None:
-        screen.say(f"wrote {seal}; exoid reveal {seal} opens it")
-    elif hidden:
-        screen.say("hidden in the leg: " + ", ".join(one.name for one in hidden))
+    screen.say(f"wrote {seal}; exoid reveal {seal} opens it")
+    if not args.blind:
+        screen.say(truth_sentence(truth))
     if args.json:
         write_json(args.json, {
             "schema": "exoid.simulation/1", "recordings": [str(path) for path in files],
-            "seal": None if seal is None else str(seal), "seed": args.seed,
+            "seal": str(seal), "seed": args.seed,
             "effects": None if args.blind else [one.name for one in hidden],
+            "truth": None if args.blind else truth.to_json(),
         })  # fmt: skip
     return 0
 
@@ -90,25 +91,16 @@ def _loaded(leg: Any, text: str | None) -> Any:
     return leg if load is None else leg.with_payload(load.mass, load.along, load.link)
 
 
-def _simulate(
-    args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any
-) -> tuple[list[Path], Path | None]:
-    """Write the recordings, and the seal with --blind."""
-    from measurement.bench.blind import write_blind
+def _simulate(args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any) -> tuple[Any, Path, Any]:
+    """Write the recordings and their truth; return the paths of both, and the truth."""
+    from measurement.bench.blind import write_runs
     from measurement.bench.simulation import Bench, simulate_runs
-    from measurement.recording import write_recording
+    from measurement.trajectories.trajectory_file import read_trajectory
 
     bench = Bench(duration=args.duration, rate=args.rate)
-    if args.blind:
-        files, seal = write_blind(folder, hidden, count=args.runs, model=model, seed=args.seed, bench=bench)
-        return list(files), seal
-    path = None
-    if args.trajectory:
-        from measurement.trajectories.trajectory_file import read_trajectory
-
-        path = read_trajectory(args.trajectory)
+    path = read_trajectory(args.trajectory) if args.trajectory else None
     runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
-    return [write_recording(r.recording, folder / f"{r.recording.name}.csv") for r in runs], None
+    return *write_runs(folder, runs), runs[0].truth
 
 
 def _draw(seed: int) -> Any:

@@ -15,6 +15,11 @@ MOST_SUSPECTS = 8
 MOST_PLACES = 6
 VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad", "check_channels": "bad"}
 MOST_BESIDE = 2
+NOTHING_HELD_OUT = (
+    "Nothing is held out: these errors are on the motion that was fitted, and say little about any other. "
+    "Name a recording that is not fitted with --verify."
+)
+"""What is said where no recording is verified."""
 
 
 def show_fit(screen: Screen, fit: Any) -> None:
@@ -73,6 +78,8 @@ def show_comparison(screen: Screen, found: Any) -> None:
         for row in rows:
             row.pop(3)
     screen.table("How large the error is (RMS)", head, rows)
+    if unseen is None:
+        screen.say(NOTHING_HELD_OUT, "warn")
     for finding in (*found.misread, *of_the_set(found.audit)):
         screen.say(f"careful: {finding}", "bad")
     if not found.where:
