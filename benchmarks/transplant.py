@@ -46,7 +46,8 @@ from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
 from measurement.signals.conditioning import derivatives, even_clock, low_pass, widen  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.prepare import STICK, STICK_REACH, prepare  # noqa: E402
+from optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
+from optimisation.preparation.prepare import prepare  # noqa: E402
 from symbolic.catalogue import catalogue  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 from symbolic.motion import Float, Motion  # noqa: E402

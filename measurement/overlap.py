@@ -185,7 +185,9 @@ def _match(a: _Even, b: _Even, same: float) -> tuple[Mask, Mask]:
     """Return which samples of `a` and of `b` are the same."""
     short, long = (a, b) if len(a.fast) <= len(b.fast) else (b, a)
     in_short, in_long = np.zeros(len(short.fast), bool), np.zeros(len(long.fast), bool)
-    channels = [c for c in (2, 3, 0, 1) if _moves(short, c) and _moves(long, c)]
+    joints = a.values.shape[1] // 2
+    torques_first = (*range(joints, 2 * joints), *range(joints))
+    channels = [c for c in torques_first if _moves(short, c) and _moves(long, c)]
     size = min(STRETCH, len(short.fast))
     edge = min(16, (len(short.fast) - size) // 2)
     starts = np.unique(np.linspace(edge, len(short.fast) - size - edge, STRETCHES).astype(int))

@@ -15,7 +15,7 @@ from ground.files import write_whole
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
 from measurement.plots import angles_and_torques
-from symbolic.joints import LEG, Joint, names
+from symbolic.joints import LEG, UNNAMED, Joint, names
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
 
@@ -119,6 +119,23 @@ class Recording:
             if joint not in known:
                 raise RecordingError(f"there is no joint {joint!r}", where=self.name, remedy=f"use {', '.join(known)}")
         return replace(self, passive=tuple(j for j in known if j in (*self.passive, *joints)))
+
+    def of_machine(self, joints: tuple[Joint, ...]) -> Recording:
+        """Return the recording as one of the machine with `joints`; RecordingError where it has others.
+
+        Joints that nobody named when it was read are taken in order.
+        """
+        if self.joint_names == names(joints):
+            return self
+        unnamed = all(joint.name == f"{UNNAMED}{k}" for k, joint in enumerate(self.joints, start=1))
+        if unnamed and len(self.joints) == len(joints):
+            return replace(self, joints=joints)
+        mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
+        raise RecordingError(
+            f"the recording is of a machine with {mine}, the model has {wanted}",
+            where=self.source.path or self.name,
+            remedy="give the machine's model with --model FILE, or read_recording(FILE, joints=model.joints)",
+        )
 
     def columns(self) -> dict[str, Float]:
         """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are

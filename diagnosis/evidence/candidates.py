@@ -17,7 +17,7 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
-from optimisation.preparation.prepare import PreparedRecording
+from optimisation.preparation.filtering import PreparedRecording
 from symbolic.catalogue import catalogue
 from symbolic.columns import derived_columns, slopes_of
 from symbolic.effect import Effect, Shape

@@ -19,7 +19,8 @@ from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
-from optimisation.preparation.prepare import Prepared, PreparedRecording
+from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 

@@ -17,7 +17,8 @@ from diagnosis.rules import RULES, Rules
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.local_shape import shapes_for
 from optimisation.linear.loss import huber
-from optimisation.preparation.prepare import Prepared, PreparedRecording
+from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model
 from symbolic.motion import Float
 

@@ -22,7 +22,7 @@ from diagnosis.evidence.score import weigh
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
 from ground.html import bullets, lines
-from optimisation.preparation.prepare import PreparedRecording
+from optimisation.preparation.filtering import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS

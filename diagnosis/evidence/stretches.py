@@ -14,7 +14,8 @@ import numpy as np
 from diagnosis.rules import RULES, Rules
 from measurement.finding import Finding
 from measurement.signals.conditioning import response_seconds
-from optimisation.preparation.prepare import Prepared, PreparedRecording
+from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Motion
 
 

@@ -30,7 +30,7 @@ from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
 from optimisation.linear.uncertainty import block_length, block_outer
-from optimisation.preparation.prepare import EDGE, INNER, STICK, STICK_REACH, bridged
+from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, bridged
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 from symbolic.quantity import JOINTS

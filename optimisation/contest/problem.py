@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,6 +29,7 @@ from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData, Problem, huber_problem
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import GENERATIONS, INDIVIDUALS, minimise
+from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -119,7 +121,7 @@ class Outcome:
 def contest_of(fit: Fit, individuals: int = INDIVIDUALS, generations: int = GENERATIONS) -> Contest:
     """Return the Huber problem of `fit`; shape parameters stay where the fit found them."""
     name = f"{fit.model.name}: {', '.join(fit.recordings)}"
-    return _proven(name, fit.data, fit.delta, individuals, generations)
+    return _proven(name, fit.joints, fit.data, fit.delta, individuals, generations)
 
 
 def paper_contest(seed: int = 0, individuals: int = INDIVIDUALS, generations: int = GENERATIONS) -> Contest:
@@ -134,11 +136,13 @@ def paper_contest(seed: int = 0, individuals: int = INDIVIDUALS, generations: in
     tau = made.recording.tau.T
     names, units = zip(*((p.name, p.unit) for p in model.parameters), strict=True)
     data = LinearData(model.columns(made.motion), tau, np.zeros(tau.shape[1], dtype=np.int64), names, units)
-    return _proven("the paper's leg on the virtual bench", data, None, individuals, generations)
+    return _proven("the paper's leg on the virtual bench", model.joints, data, None, individuals, generations)
 
 
-def _proven(name: str, data: LinearData, delta: Float | None, individuals: int, generations: int) -> Contest:
-    data.require_enough()
+def _proven(
+    name: str, joints: Sequence[Joint], data: LinearData, delta: Float | None, individuals: int, generations: int
+) -> Contest:
+    data.require_enough(joints)
     if individuals < 4 or generations < 2:
         raise ContestError(
             f"{individuals} individuals for {generations} generations are no comparison",

@@ -20,7 +20,7 @@ from optimisation.excitation.result import DesignedMotion, Excitation, Precision
 from optimisation.excitation.search import DesignError, MotionSearch, NoMotionError, Progress
 from optimisation.excitation.space import motion_space
 from optimisation.fitting.nominal import Nominal, nominal, sizes
-from optimisation.preparation.prepare import STICK
+from optimisation.preparation.filtering import STICK
 from symbolic.codegen.information import Information, information
 from symbolic.memory import memory_operations
 from symbolic.model import Limits, Model

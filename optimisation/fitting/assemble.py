@@ -15,6 +15,7 @@ import numpy as np
 
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
+from symbolic.joints import Joint
 from symbolic.motion import Float, Motion
 
 FIXED_POINT_ROUNDS = 60
@@ -44,6 +45,8 @@ class FittableModel(Protocol):
     def name(self) -> str: ...  # noqa: D102
     @property
     def limits(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def joints(self) -> Sequence[Joint]: ...  # noqa: D102
     @property
     def parameters(self) -> Sequence[Any]: ...  # noqa: D102
     @property

@@ -16,8 +16,9 @@ from optimisation.linear.physical import Held
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import Reference
 from optimisation.optimiser import OptimiserRun
+from symbolic.joints import Joint, names, units
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS, Estimate
+from symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,6 +87,11 @@ class Fit:
     agreeing: tuple[int, int] | None = None
 
     @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Joints of the machine (J,), in the order of every axis of length J."""
+        return tuple(self.model.joints)
+
+    @property
     def residual(self) -> Float:
         """Residual torque (J, N), N·m; zero where a sample was not used."""
         return self.data.residual(self.linear)
@@ -108,8 +114,9 @@ class Fit:
         width = max(len(e.name) for e in self.estimates)
         for e in self.estimates:
             lines.append(f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}")
-        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
-        lines.append(f"  rms residual [N·m]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(names(self.joints), self.rms, strict=True))
+        unit = units(self.joints, "tau")
+        lines.append(f"  rms residual [{unit}]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
         if self.best_known:
             lines.append(f"  {self.shapes_known}")
         for name, run in self.runs.items():
@@ -123,14 +130,14 @@ class Fit:
     def _repr_html_(self) -> str:
         first = map(float, (*self.sse.linear, *self.sse.shape))
         rows = [(e.name, e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
-        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(JOINTS, self.rms, strict=True))
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(names(self.joints), self.rms, strict=True))
         gaps = [(name, run.gap, run.evaluations, run.seconds) for name, run in self.runs.items()]
         if self.reference is not None:
             gaps.append(("IPOPT", self.reference.gap, self.reference.iterations, self.reference.seconds))
         head = ("optimiser", "relative gap", "evaluations or iterations", "seconds")
         return (
             table(("parameter", "value", "unit", "95 % low", "95 % high", "SSE"), rows)
-            + lines(f"RMS residual [N·m]: {rms}", str(self.certificate))
+            + lines(f"RMS residual [{units(self.joints, 'tau')}]: {rms}", str(self.certificate))
             + (table(head, gaps) if gaps else "")
             + bullets(self.plausibility)
         )
@@ -149,6 +156,7 @@ class Fit:
         return plain_dict({
             "model": self.model.name,
             "recordings": self.recordings,
+            "joints": names(self.joints),
             "parameters": {e.name: e for e in self.estimates},
             "delta": self.delta,
             "rms": self.rms,
@@ -168,6 +176,7 @@ class Fit:
         """Draw parameters with intervals, residuals, and the convergence of the optimisers."""
         used = list(zip(self.data.tau, self.residual, self.data.use, strict=True))
         return fit_figure(
+            joints=self.joints,
             torque=[tau[use] for tau, _, use in used],
             residual=[residual[use] for _, residual, use in used],
             delta=self.delta,

@@ -8,7 +8,7 @@ never are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from optimisation.fitting.assemble import FittableModel
     from optimisation.fitting.fit import Fit
     from optimisation.linear.problem import LinearData
-    from optimisation.preparation.prepare import Prepared, PreparedRecording
+    from optimisation.preparation.filtering import PreparedRecording
+    from optimisation.preparation.prepare import Prepared
 
 SWEEPS = 10
 """Rounds of a descent at most."""
@@ -62,7 +63,7 @@ def _fit_own(
     for _ in range(2 if len(own) > 1 else 1):
         for index in own:
             entry = model.shapes[index].shape
-            joint = 0 if model.shapes[index].term.endswith(":hip") else 1
+            joint = joint_of(model, model.shapes[index])
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
             best = _scan(loss, best, index, trials)
@@ -198,6 +199,13 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
     return best
 
 
+def joint_of(model: FittableModel, entry: Any) -> int:
+    """Return the index of the joint whose effect has the shape parameter `entry`; the last for an effect on several."""
+    names = [joint.name for joint in model.joints]
+    place = entry.term.rpartition(":")[2]
+    return names.index(place) if place in names else len(names) - 1
+
+
 def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
     """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
     out = []
@@ -205,7 +213,7 @@ def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
         shape = entry.shape
         width = shape.max - shape.min
         if shape.spacing == "position":
-            joint = 0 if entry.term.endswith(":hip") else 1
+            joint = joint_of(model, entry)
             path = np.concatenate([p.motion.q[:, joint] for p in prepared])
             out.append(0.1 * float(np.ptp(path)))
         else:

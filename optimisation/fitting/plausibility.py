@@ -16,6 +16,9 @@ from optimisation.fitting.assemble import FittableModel
 from symbolic.motion import Float, Motion
 from symbolic.quantity import Estimate
 
+POSTURES = 300
+"""Postures of a machine of more than two joints in which its mass matrix is looked at."""
+
 
 def check_plausibility(
     model: FittableModel, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None
@@ -60,7 +63,7 @@ def _bounds(model: FittableModel, linear: Float, estimates: Sequence[Estimate]) 
 def mass_matrix(model: FittableModel, linear: Float, shape: Float | None, angles: Float) -> Float:
     """Return the mass matrix (N, J, J) in kg·m² at joint `angles` (N, J), from the model's own torque."""
     count = len(angles)
-    still = np.zeros((count, 2))
+    still = np.zeros_like(angles)
     reference = linear if model.needs_reference else None
 
     def torque(joint: int | None) -> Float:
@@ -71,27 +74,54 @@ def mass_matrix(model: FittableModel, linear: Float, shape: Float | None, angles
         return np.asarray(model.columns(motion, shape, reference) @ linear)
 
     rest = torque(None)
-    return np.stack([(torque(joint) - rest).T for joint in range(2)], axis=2)
+    return np.stack([(torque(joint) - rest).T for joint in range(angles.shape[1])], axis=2)
+
+
+def _postures(model: FittableModel) -> Float:
+    """Return postures (N, J) within the limits, of joints without any all round (rad) or up to 1 m to either side.
+
+    The first joint stays in the middle: the mass matrix of a chain does not depend on it.
+    """
+    ends = []
+    for joint in model.joints:
+        limit = model.limits.get(joint.name)
+        low, high = limit.angle if limit is not None else (-np.inf, np.inf)
+        ends.append((low, high) if np.isfinite([low, high]).all() else (-np.pi, np.pi) if joint.turns else (-1.0, 1.0))
+    low, high = np.array(ends).T
+    share = np.full((61 if len(ends) < 3 else POSTURES, len(ends)), 0.5)
+    if len(ends) == 2:
+        share[:, 1] = np.linspace(0.0, 1.0, len(share))
+    else:
+        share[:, 1:] = np.random.default_rng(0).random((len(share), len(ends) - 1))
+    return np.asarray(low + share * (high - low))
 
 
 def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[Finding]:
-    low, high = model.limits["knee"].angle
-    knee = np.linspace(low, high, 61)
-    hip = float(np.mean(model.limits["hip"].angle))
-    angles = np.column_stack([np.full(knee.size, hip), knee])
+    angles = _postures(model)
     mass = mass_matrix(model, linear, shape, angles)
     smallest = np.linalg.eigvalsh(0.5 * (mass + mass.transpose(0, 2, 1)))[:, 0]
     if np.all(smallest > 0.0):
         return []
     worst = int(np.argmin(smallest))
-    bad = knee[smallest <= 0.0]
+    moved = list(model.joints)[1:]
+    where = f"in {np.mean(smallest <= 0.0):.0%} of all postures"
+    if len(moved) == 1:
+        bad = angles[smallest <= 0.0, 1]
+        where = f"for {moved[0].name} angles from {bad.min():.2f} to {bad.max():.2f} {moved[0].unit('q')}"
     what = (
-        f"the mass matrix is not positive definite for knee angles "
-        f"from {bad.min():.2f} to {bad.max():.2f} rad: "
-        "the leg would gain energy by being accelerated, and a simulation of it diverges"
+        f"the mass matrix is not positive definite {where}: "
+        "the machine would gain energy by being accelerated, and a simulation of it diverges"
     )
-    remedy = "record faster motion with more acceleration on both joints; check the filter cut-off"
-    return [Finding("inertia", "warning", what, f"knee = {knee[worst]:.2f} rad", float(smallest[worst]), 0.0, remedy)]
+    remedy = "record faster motion with more acceleration of every joint; check the filter cut-off"
+    place = ", ".join(
+        f"{joint.name} = {value:.2f} {joint.unit('q')}" for joint, value in zip(moved, angles[worst, 1:], strict=True)
+    )
+    return [Finding("inertia", "warning", what, place or "every posture", float(smallest[worst]), 0.0, remedy)]
+
+
+def is_paper_leg(model: FittableModel) -> bool:
+    """Whether Φ1 to Φ4 of `model` are those of the leg, not numbers of another machine."""
+    return not getattr(model, "chain", ())
 
 
 def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
@@ -101,7 +131,7 @@ def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
     must stay positive; a short thigh lever with a large mass then always leaves I_th > 0.
     """
     at = {p.name: i for i, p in enumerate(model.parameters)}
-    if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")):
+    if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")) or not is_paper_leg(model):
         return []
     one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
     remedy = "no masses and lengths can be computed from this fit; its torque prediction may still be good"

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ground.figures import FAINT, ROLE_COLOURS, figure_style, label, new_figure
+from symbolic.joints import Joint
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS, Estimate
+from symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +22,7 @@ History = tuple[Float, Float]
 
 
 def fit_figure(
+    joints: Sequence[Joint],
     torque: Sequence[Float],
     residual: Sequence[Float],
     delta: Float,
@@ -31,26 +33,30 @@ def fit_figure(
 ) -> Figure:
     """Draw residuals per joint, relative intervals, and convergence where optimisers ran.
 
-    `torque` and `residual` hold the samples used of each joint (N,), N·m, with δ (J,) as the border of the Huber loss;
-    `optimum` is certified to the relative `tolerance`.
+    `torque` and `residual` hold the samples used of each of `joints` (N,), with δ (J,) as the border of the Huber
+    loss; `optimum` is certified to the relative `tolerance`.
     """
     with figure_style():
-        figure = new_figure(11.0, 7.0)
-        hip, knee, intervals, convergence = figure.subplots(2, 2).ravel()
-        for joint, axes in enumerate((hip, knee)):
-            _residual(JOINTS[joint], torque[joint], residual[joint], float(delta[joint]), axes)
+        rows = -(-(len(joints) + 2) // 2)
+        figure = new_figure(11.0, 3.5 * rows)
+        *panels, intervals, convergence = figure.subplots(rows, 2).ravel()
+        for j, (joint, axes) in enumerate(zip(joints, panels, strict=False)):
+            _residual(joint, torque[j], residual[j], float(delta[j]), axes)
+        for axes in panels[len(joints) :]:
+            axes.set_visible(False)
         _intervals(estimates, intervals)
         _convergence(runs, optimum, tolerance, convergence)
     return figure
 
 
-def _residual(joint: str, torque: Float, residual: Float, delta: float, axes: Axes) -> None:
+def _residual(joint: Joint, torque: Float, residual: Float, delta: float, axes: Axes) -> None:
     axes.plot(torque, color=ROLE_COLOURS["measured"], linewidth=0.8, label="torque")
     axes.plot(residual, color=ROLE_COLOURS["residual"], linewidth=0.8, label="residual")
     for border in (-delta, delta):
         axes.axhline(border, color=FAINT, linewidth=0.6, linestyle=":")
     rms = float(np.sqrt(np.mean(residual**2))) if len(residual) else 0.0
-    axes.set(title=f"{joint}: rms {rms:.3g} N·m", xlabel="sample", ylabel=label("torque", "N·m"))
+    unit = joint.unit("tau")
+    axes.set(title=f"{joint.name}: rms {rms:.3g} {unit}", xlabel="sample", ylabel=label("torque", unit))
     axes.legend(loc="upper right", fontsize="small")
 
 

@@ -21,7 +21,8 @@ from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from optimisation.fitting.fit import Fit
-    from optimisation.preparation.prepare import Prepared, PreparedRecording
+    from optimisation.preparation.filtering import PreparedRecording
+    from optimisation.preparation.prepare import Prepared
     from symbolic.model import Model
 
 COUPLING = "Phi3"

@@ -124,7 +124,7 @@ def physics(model: FittableModel) -> Physics:
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
-    if any(f"Phi{k}" not in names for k in range(1, 5)):
+    if any(f"Phi{k}" not in names for k in range(1, 5)) or getattr(model, "chain", ()):
         return Physics(names, low, high, ())
     one, two, three, four = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))
     low[names.index("Phi3")] = max(low[names.index("Phi3")], 0.0)

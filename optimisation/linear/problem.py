@@ -12,7 +12,7 @@ In physical coordinates it is the smallest box around that ball: half-width time
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ground.errors import NotEnoughDataError, RecordingError
 from optimisation.linear.factor import Factor, factorise
 from optimisation.linear.loss import Bool, huber
+from symbolic.joints import Joint
 from symbolic.motion import Float, read_only
 
 Fitness = Callable[[Float], Float]
@@ -96,14 +97,14 @@ class LinearData:
         """Number of usable samples, joints counted one by one."""
         return int(self.use.sum())
 
-    def require_enough(self) -> None:
-        """Refuse data with fewer usable samples than parameters; a joint that never moves may have none at all."""
+    def require_enough(self, joints: Sequence[Joint]) -> None:
+        """Refuse data with fewer usable samples than parameters; one of `joints` that never moves may have none."""
         counts = self.use.sum(axis=1)
-        for joint, count in zip(("hip", "knee"), counts, strict=False):
+        for joint, count in zip(joints, counts, strict=True):
             if 0 < count <= len(self.names) or not counts.any():
                 raise NotEnoughDataError(
                     f"only {int(count)} usable samples for {len(self.names)} parameters",
-                    where=joint,
+                    where=joint.name,
                     remedy="use a longer recording, or see in the audit why samples were left out",
                 )
 

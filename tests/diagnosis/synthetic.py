@@ -12,7 +12,9 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import State
 from measurement.signals.conditioning import low_pass_at
-from optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
+from optimisation.preparation.cutoff import CutoffChoice
+from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model
 from symbolic.motion import Motion
 
@@ -66,6 +68,7 @@ def recording(name: str, seed: int, hidden: Hidden, noise: float = 0.1, scale: f
         standing=np.zeros(2, bool),
         driven=np.ones(2, bool),
         full_rate=RATE,
+        reach=np.ones(2),
     )
 
 

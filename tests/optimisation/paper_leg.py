@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from symbolic.effect import Shape
+from symbolic.joints import LEG
 from symbolic.motion import Motion
 
 THIGH = 0.40
@@ -41,6 +42,7 @@ class Leg:
     name: str = "test leg"
 
     limits = LIMITS
+    joints = LEG
 
     @property
     def needs_reference(self):

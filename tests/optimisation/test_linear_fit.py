@@ -16,6 +16,7 @@ from optimisation.linear.loss import PopulationFitness, huber, sse
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from symbolic.joints import LEG
 
 INFINITE = np.full(2, np.inf)
 
@@ -175,7 +176,7 @@ def test_bad_data_is_refused_with_its_name():
         LinearData(good.columns, good.tau, good.groups, ("a",), ("1",))
     few = make(samples=4)
     with pytest.raises(NotEnoughDataError, match="only 4 usable samples for 4 parameters"):
-        few.require_enough()
+        few.require_enough(LEG)
 
 
 def test_the_compiled_population_fitness_agrees():

@@ -11,6 +11,7 @@ import numpy as np
 from ground.figures import JOINT_COLOURS, figure_style, label, new_figure
 from measurement.finding import Finding
 from measurement.recording import Recording, Source
+from symbolic.joints import LEG
 from symbolic.quantity import Estimate
 
 HOSTILE = "<script>alert('x')</script> & \"quotes\""
@@ -44,6 +45,7 @@ def figure(points: int = 200) -> Any:
 @dataclass(frozen=True, eq=False)
 class FakeModel:
     name: str = "standard leg"
+    joints: tuple[Any, ...] = LEG
     parameters: tuple[Any, ...] = (SimpleNamespace(name="Phi1", label="inertia Φ1", unit="kg·m²"),)
     shapes: tuple[Any, ...] = ()
     terms: tuple[Any, ...] = (SimpleNamespace(name="stribeck:knee"),)
@@ -52,6 +54,7 @@ class FakeModel:
 @dataclass(frozen=True, eq=False)
 class FakeFit:
     model: Any = field(default_factory=FakeModel)
+    joints: tuple[Any, ...] = LEG
     estimates: tuple[Estimate, ...] = (
         Estimate("Phi1", 25.14, "kg·m²", 24.9, 25.4),
         Estimate("viscous:knee", -5.89, "N·m·s/rad", -7.0, -4.8),

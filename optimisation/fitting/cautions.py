@@ -1,0 +1,71 @@
+"""What has to be said beside the numbers of a fit: no rank, no proof, an edge that was reached, what physics cost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from measurement.finding import Finding
+from optimisation.fitting.assemble import FittableModel, Settled
+from optimisation.fitting.fit import FitStage
+from optimisation.fitting.shapes import to_unit
+from optimisation.linear.loss import huber
+from optimisation.linear.physical import Held, Physics
+from optimisation.linear.solve import solve_huber
+from symbolic.motion import Float
+
+
+def numerical(model: FittableModel, found: Settled, shape: Float, searched: bool) -> list[Finding]:
+    """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
+    cautions = []
+    factor = found.data.factor
+    if factor.unexcited:
+        names = ", ".join(found.data.names[p] for p in factor.unexcited)
+        what = "nothing in these recordings depends on these parameters, so they are given as 0, without an interval"
+        remedy = "record a motion in which the joint they belong to moves"
+        cautions.append(Finding("unexcited", "warning", what, names, remedy=remedy))
+    together = [p for p in factor.undetermined if p not in factor.unexcited]
+    if together:
+        names = ", ".join(found.data.names[p] for p in together)
+        what = "these recordings do not determine these parameters one by one; the smallest fit is given"
+        remedy = "record motion that excites them separately, or remove an effect the others already contain"
+        cautions.append(Finding("rank", "warning", what, names, remedy=remedy))
+    if not found.converged:
+        what = f"the torque the model feeds back into itself did not settle in {found.rounds} rounds"
+        cautions.append(Finding("fixed_point", "warning", what, model.name, remedy="leave that effect out"))
+    for entry, value in zip(model.shapes if searched else (), shape, strict=False):
+        unit = 0.5 if entry.shape.choices else to_unit(entry.shape, float(value))
+        if min(unit, 1.0 - unit) < 1e-3:
+            limit = entry.shape.min if unit < 0.5 else entry.shape.max
+            what = f"{value:.4g} {entry.shape.unit} is at the edge of its search range"
+            remedy = "the effect may stand in for another one; compare its look-alikes with `exoid diagnose`"
+            cautions.append(Finding("edge", "warning", what, entry.name, float(value), limit, remedy))
+    return cautions
+
+
+def unproven(stage: FitStage) -> list[Finding]:
+    """Return a warning where the optimum could not be proven."""
+    if stage.certificate.holds:
+        return []
+    what = f"the optimum is not proven: relative duality gap {stage.certificate.gap:.1e}"
+    remedy = "look for parameters of extreme size or recordings with hardly any motion"
+    value, limit = stage.certificate.gap, stage.certificate.tolerance
+    return [Finding("certificate", "warning", what, stage.kind, value, limit, remedy)]
+
+
+def price(model: FittableModel, held: Held | None) -> list[Finding]:
+    """Return in words what asking for a possible leg has changed."""
+    if held is None or not held.broken:
+        return []
+    value = {p.name: f" ({v:.4g} {p.unit})" for p, v in zip(model.parameters, held.free, strict=True)}
+    broken = ", ".join(name + value.get(name, "") for name in held.broken)
+    what = f"without the demand for a possible leg the fit would violate: {broken}; the loss is {held.cost:.2%} higher"
+    remedy = "an effect that is missing or a wrong sign hides in it: run `exoid diagnose`"
+    return [Finding("possible", "warning", what, "physical", held.cost, 0.0, remedy)]
+
+
+def held(found: Settled, delta: Float, possible: Physics) -> Held:
+    """Return what asking for a machine that could exist has changed in `found`."""
+    free = solve_huber(found.data, delta, found.linear)
+    least = huber(found.data.residual(free), delta)
+    cost = huber(found.data.residual(found.linear), delta) / max(least, np.finfo(float).tiny) - 1.0
+    return Held(free, possible.broken(free), max(cost, 0.0))

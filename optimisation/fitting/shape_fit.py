@@ -1,0 +1,113 @@
+"""The search over shape parameters, each trial solved exactly in the linear ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ground.errors import ExoidError, ExpressionError
+from optimisation.fitting.assemble import Assembly, Settled, settle
+from optimisation.fitting.local_shape import descend, own_shapes
+from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
+from optimisation.linear.loss import huber
+from optimisation.linear.physical import Physics, solve_physical
+from optimisation.linear.problem import LinearData
+from optimisation.linear.solve import solve_huber, solve_sse
+from optimisation.optimisers import optimisers as optimiser_kinds
+from symbolic.motion import Float
+
+MULTISTART = "multistart"
+FULL_STARTS, FULL_APART = 6, 0.08
+"""Starts of the local searches, and how far apart they begin, when more is asked for than the light mode."""
+
+
+def shape_method(name: str, full: bool, seed: int) -> ShapeMethod:
+    """Return how shapes are searched; refuses a name that is neither "multistart" nor an optimiser."""
+    known = optimiser_kinds()
+    if name != MULTISTART and name not in known:
+        raise ExoidError(
+            f"there is no way to search shapes called {name!r}",
+            where="shape_search",
+            remedy=f"use {MULTISTART}, {', '.join(known)}",
+        )
+    if name == MULTISTART and not full:
+        return GRID
+    optimiser = None if name == MULTISTART else known[name]()
+    return ShapeMethod(optimiser, FULL_STARTS, None, FULL_APART, seed)
+
+
+def solution(data: LinearData, delta: Float, possible: Physics | None, start: Float | None = None) -> Float:
+    """Return the exact linear parameters (P,), among the possible ones where these are given."""
+    if possible is not None:
+        return solve_physical(data, delta, possible, start)
+    return solve_sse(data) if np.isinf(delta).all() else solve_huber(data, delta, start)
+
+
+def solve_shape(
+    assembly: Assembly,
+    delta: Float,
+    fixed: Float | None,
+    starts: Sequence[Float] | Float | None,
+    reference: Float | None = None,
+    possible: Physics | None = None,
+    method: ShapeMethod = GRID,
+) -> tuple[Float, Settled, Sequence[Float] | Float, tuple[int, int] | None]:
+    """Return the best shape values ((S,), or (R, S) where recordings have their own), the linear solution
+    there, where a next stage may start, and how many of how many starts agree.
+    """
+
+    def solve(data: LinearData) -> Float:
+        return solution(data, delta, possible)
+
+    def solved(shape: Float) -> Settled:
+        return settle(assembly, shape, solve, reference)
+
+    def loss(shape: Float) -> float:
+        try:
+            found = solved(shape)
+        except ExpressionError:  # the torque is not finite there: no place to look for the optimum
+            return float("inf")
+        return huber(found.data.residual(found.linear), delta)
+
+    shapes = [s.shape for s in assembly.model.shapes]
+    if not shapes or fixed is not None:
+        values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
+        return values, solved(values), [values], None
+    model, prepared = assembly.model, assembly.prepared
+    own = bool(own_shapes(model))
+    if isinstance(starts, np.ndarray) or own:
+        began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
+        if not began.size:
+            began = search_shape(loss, shapes, None, method).best
+        rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
+        found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
+        best = found if own else found[0]
+        return best, solved(best), best, None
+    search = search_shape(loss, shapes, starts, method)
+    # Far apart again, so that what they agree on is agreed on by starts of their own.
+    leaders = search.leaders(6) if method.apart <= 0.0 else [search.best, *search.began]
+    return search.best, solved(search.best), leaders, search.agreeing
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """A fit as a descent over shapes sees it: always (R, S), though a model without own shapes takes one row."""
+
+    assembly: Assembly
+    at: Callable[[Float], float]
+    solved: Callable[[Float], Settled]
+    own: bool
+
+    def _form(self, shapes: Float) -> Float:
+        return shapes if self.own else shapes[0]
+
+    def loss(self, shapes: Float) -> float:
+        return self.at(self._form(shapes))
+
+    def linear(self, shapes: Float) -> Float:
+        return self.solved(self._form(shapes)).linear
+
+    def data(self, shapes: Float, linear: Float) -> LinearData:
+        return self.assembly.data(self._form(shapes), linear if self.assembly.model.needs_reference else None)

@@ -1,0 +1,248 @@
+"""One recording made ready for a fit: filtered angles and their derivatives, torque without outliers, what may be used.
+
+Angles are low-passed at twice the common cut-off, torque and model through one common filter afterwards. Where a joint
+may be sticking its torque says nothing of the model, and is bridged; so is every outlier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from measurement.auditing.checks.motion import NOTHING
+from measurement.signals.conditioning import (
+    Bridge,
+    EvenSignals,
+    bridging,
+    decimate,
+    derivatives,
+    low_pass,
+    low_pass_at,
+    median_outliers,
+    noise_density,
+    quiet_noise,
+    velocity_noise,
+    widen,
+)
+from measurement.signals.derivatives import BUTTERWORTH, METHODS
+from optimisation.linear.loss import Bool
+from symbolic.joints import Joint
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+
+WORKING_RATE = 100.0
+"""Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
+OUTLIER = 4.0
+"""Robust deviations from the local median beyond which a torque sample is an outlier."""
+SIGN_WIDTH = (1e-4, 5e-2)
+"""Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
+INNER = 2.0
+"""Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
+torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
+were flexible. What noise the wider band lets in, the common filter takes out again."""
+STICK = 0.03
+"""Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
+function of the motion can tell, so these samples of that joint are not fitted."""
+STICK_REACH = 0.5
+"""Periods of the angles' cut-off by which these samples reach into their neighbours: there velocity and direction are
+smeared. The torque of all of them, and every column of a model alike, is replaced by a straight line before the common
+filter, so that nothing of it gets into the samples that are fitted."""
+LOADED = 3.0
+"""A joint that stands shows its load where its torque varies by more than this many times the sensor's noise."""
+HELD, SWAY = 0.02, 1.0
+"""rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
+further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
+EDGE = 0.5
+"""Seconds cut at both ends, where a zero-phase filter is not settled."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecording:
+    """A recording ready to be fitted: `motion` at N working samples, `tau` and `use` (K, J) at the K kept ones.
+
+    `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
+    `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
+    encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
+    may be sticking; its torque there is bridged. `standing` (J,) are joints that never move enough to be free of dry
+    friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,) are
+    joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording,
+    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad.
+    """
+
+    name: str
+    motion: Motion
+    tau: Float
+    use: Bool
+    kept: np.ndarray
+    cutoff: float
+    rate: float
+    outliers: Float
+    wide_tau: Float
+    angle_noise: Float
+    band: float
+    stuck: Bool
+    standing: Bool
+    driven: Bool
+    full_rate: float
+    reach: Float
+
+    def noisier(self, rng: np.random.Generator) -> PreparedRecording:
+        """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
+        1994): what a model gains by that, it had gained from noise.
+        """
+        deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
+        white = rng.standard_normal(self.motion.q.shape) * deviation
+        dq, ddq = derivatives(low_pass(white, self.band, self.rate), self.rate)
+        dq, ddq = np.where(self.standing, 0.0, dq), np.where(self.standing, 0.0, ddq)
+        old = self.motion
+        q = old.q + low_pass(white, self.band, self.rate)
+        width = sign_width(2.0 * self.angle_noise, self.band, self.reach)
+        sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload)
+        return replace(self, motion=motion)
+
+    def smooth(self, x: Float, joints: Sequence[int] | None = None, axis: int = 1) -> Float:
+        """Bridge and filter `x` (N, ...) exactly as the torque was; return the kept samples (K, ...).
+
+        `axis` of `x` has the rows of `joints`, of all where none are given.
+        """
+        joints = range(self.tau.shape[1]) if joints is None else joints
+        rows = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
+        return np.ascontiguousarray(np.moveaxis(self.smooth_rows(rows, joints, axis - 1), -1, 0))
+
+    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int) -> Float:
+        """Do the same to `x` (..., N), which is bridged in place, and return (..., K)."""
+        for place, joint in enumerate(joints):
+            self._bridges[joint].across(np.moveaxis(x, axis, 0)[place])
+        flat = low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept)
+        return flat.reshape(*x.shape[:-1], -1)
+
+    @cached_property
+    def _bridges(self) -> list[Bridge]:
+        """For each joint what bridges the samples at which it may be sticking."""
+        return [bridging(column, self.rate) for column in self.stuck.T]
+
+    @property
+    def t(self) -> Float:
+        """Time of the kept samples (K,), s."""
+        return self.motion.t[self.kept]
+
+    @property
+    def kept_rate(self) -> float:
+        """Rate of the kept samples, Hz."""
+        return 1.0 / float(self.t[1] - self.t[0])
+
+
+def prepare_one(
+    base: Model,
+    name: str,
+    even: EvenSignals,
+    cutoff: float,
+    beta: Float | None,
+    reach: float = np.inf,
+    derivative: str = BUTTERWORTH,
+) -> PreparedRecording:
+    """Prepare one recording; without `beta` the outliers are judged by the torque's own running median.
+
+    Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
+    """
+    factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
+    tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
+    rate = even.rate / factor
+    driven = ~(even.passive | _reads_nothing(even.tau, tau, rate, cutoff))
+    inner = min(INNER * cutoff, 0.4 * even.rate)
+    smoothed = METHODS[derivative]
+    noise = noise_density(even)
+    if smoothed is None:
+        q = np.array(low_pass(even.q, inner, even.rate)[::factor])
+        dq, ddq = derivatives(q, rate)
+    else:
+        *parts, periods = smoothed(even, inner, name)
+        q, dq, ddq = (np.array(part[::factor]) for part in parts)
+        noise = noise / periods
+    payload = np.sum([p.added(base) for p in even.payloads], axis=0) if even.payloads else None
+    reach_of = reaches(base.joints)
+    near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
+    stuck = np.column_stack([widen(slow, near) for slow in (np.abs(dq) < STICK * reach_of).T])
+    held = _held_still(q / reach_of, dq / reach_of, rate, velocity_noise(noise, inner) / reach_of)
+    standing = stuck.all(axis=0) | held
+    stuck = stuck & ~standing
+    # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
+    sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
+    dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload)
+    known = tau * 0.0 if beta is None else base.torque(motion, beta)
+    bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
+    tau = np.where(bad, known + middle, tau)
+    gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
+    edge = int(np.ceil(EDGE * rate))
+    kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
+    use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~(held & _bears_load(tau, rate, cutoff)))
+    level = np.ascontiguousarray(bridged(tau, stuck, rate).T)
+    return PreparedRecording(
+        name=name,
+        motion=motion,
+        tau=np.ascontiguousarray(low_pass_at(level, cutoff, rate, kept).T),
+        use=use,
+        kept=kept,
+        cutoff=cutoff,
+        rate=rate,
+        outliers=bad.mean(axis=0),
+        wide_tau=tau,
+        angle_noise=noise,
+        band=min(inner, 0.4 * rate),
+        stuck=stuck,
+        standing=standing,
+        driven=driven,
+        full_rate=even.rate,
+        reach=reach_of,
+    )
+
+
+def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
+    """Return which joints (J,) stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
+    slow = low_pass(q, min(SWAY, 0.4 * rate), rate)
+    reach = np.ptp(np.quantile(slow, (0.02, 0.98), axis=0), axis=0)
+    return np.asarray((reach < HELD) & (dq.std(axis=0) < np.maximum(STICK, 3.0 * noise)))
+
+
+def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
+    """Return for each joint (J,) whether its torque tells something about the load while it stands.
+
+    Where a brake, a lock or dry friction carries the load, the torque stays as it is while the other joint moves.
+    """
+    return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
+
+
+def _reads_nothing(logged: Float, tau: Float, rate: float, cutoff: float) -> Bool:
+    """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
+    zero = (np.ptp(logged, axis=0) == 0.0) & (logged[0] == 0.0)
+    span = np.ptp(np.quantile(logged, (0.1, 0.9), axis=0), axis=0)
+    return np.asarray(zero | (span < NOTHING * span.max()) & ~_bears_load(tau, rate, cutoff))
+
+
+def bridged(x: Float, stuck: Bool, rate: float) -> Float:
+    """Return `x` (N, J, ...) bridged where each joint may stick, (N, J)."""
+    out = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
+    for row, column in zip(out, stuck.T, strict=True):
+        bridging(column, rate).across(row)
+    return np.moveaxis(out, -1, 0)
+
+
+def sign_width(noise: Float, band: float, reach: Float) -> Float:
+    """Return the velocity (J,) in rad/s over which the sign fades: a part of the noise of a velocity.
+
+    `noise` (J,) is the density of the angle noise in rad²/Hz, `band` in Hz what is left of it, `reach` (J,) as of a
+    PreparedRecording.
+    """
+    low, high = SIGN_WIDTH
+    return np.clip(0.3 * velocity_noise(noise, band), low * reach, high * reach)
+
+
+def reaches(joints: Sequence[Joint]) -> Float:
+    """Return for each joint (J,) what of its own unit counts as 1 rad in thresholds written for angles."""
+    return np.array([joint.reach for joint in joints])
