@@ -61,6 +61,11 @@ class FittableModel(Protocol):
         """Return the torque (N, J) in N·m."""
 
 
+def is_paper_leg(model: FittableModel) -> bool:
+    """Whether Φ1 to Φ4 of `model` are those of the leg, not numbers of another machine."""
+    return not getattr(model, "chain", False)
+
+
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
 

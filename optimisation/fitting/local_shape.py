@@ -63,7 +63,7 @@ def _fit_own(
     for _ in range(2 if len(own) > 1 else 1):
         for index in own:
             entry = model.shapes[index].shape
-            joint = joint_of(model, model.shapes[index])
+            joint = shape_joint(model, model.shapes[index])
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
             best = _scan(loss, best, index, trials)
@@ -199,7 +199,7 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
     return best
 
 
-def joint_of(model: FittableModel, entry: Any) -> int:
+def shape_joint(model: FittableModel, entry: Any) -> int:
     """Return the index of the joint whose effect has the shape parameter `entry`; the last for an effect on several."""
     names = [joint.name for joint in model.joints]
     place = entry.term.rpartition(":")[2]
@@ -213,7 +213,7 @@ def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
         shape = entry.shape
         width = shape.max - shape.min
         if shape.spacing == "position":
-            joint = joint_of(model, entry)
+            joint = shape_joint(model, entry)
             path = np.concatenate([p.motion.q[:, joint] for p in prepared])
             out.append(0.1 * float(np.ptp(path)))
         else:

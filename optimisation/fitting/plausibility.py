@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from measurement.finding import Finding
-from optimisation.fitting.assemble import FittableModel
+from optimisation.fitting.assemble import FittableModel, is_paper_leg
 from symbolic.motion import Float, Motion
 from symbolic.quantity import Estimate
 
@@ -117,11 +117,6 @@ def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[F
         f"{joint.name} = {value:.2f} {joint.unit('q')}" for joint, value in zip(moved, angles[worst, 1:], strict=True)
     )
     return [Finding("inertia", "warning", what, place or "every posture", float(smallest[worst]), 0.0, remedy)]
-
-
-def is_paper_leg(model: FittableModel) -> bool:
-    """Whether Φ1 to Φ4 of `model` are those of the leg, not numbers of another machine."""
-    return not getattr(model, "chain", ())
 
 
 def _realisable(model: FittableModel, linear: Float) -> list[Finding]:

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from optimisation.fitting.assemble import FittableModel
+from optimisation.fitting.assemble import FittableModel, is_paper_leg
 from optimisation.linear.certificate import Certificate, fenchel, ratio
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
@@ -124,7 +124,7 @@ def physics(model: FittableModel) -> Physics:
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
-    if any(f"Phi{k}" not in names for k in range(1, 5)) or getattr(model, "chain", ()):
+    if any(f"Phi{k}" not in names for k in range(1, 5)) or not is_paper_leg(model):
         return Physics(names, low, high, ())
     one, two, three, four = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))
     low[names.index("Phi3")] = max(low[names.index("Phi3")], 0.0)
