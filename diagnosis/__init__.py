@@ -10,10 +10,11 @@ from ground.lazy import lend
 if TYPE_CHECKING:
     from diagnosis.compare import compare
     from diagnosis.discover import diagnose, discover
-    from diagnosis.extend import add, watch
+    from diagnosis.extend import add
     from diagnosis.separation.design import separate
+    from diagnosis.watching.watch import follow, watch
 
-__all__ = ["add", "compare", "diagnose", "discover", "separate", "watch"]
+__all__ = ["add", "compare", "diagnose", "discover", "follow", "separate", "watch"]
 
 lend(
     __name__,
@@ -22,7 +23,8 @@ lend(
         "compare": "diagnosis.compare",
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",
+        "follow": "diagnosis.watching.watch",
         "separate": "diagnosis.separation.design",
-        "watch": "diagnosis.extend",
+        "watch": "diagnosis.watching.watch",
     },
 )

@@ -127,7 +127,7 @@ def falling_text(steps: Sequence[Step]) -> str:
     return "\n".join(lines)
 
 
-def watch(
+def fit_in_turn(
     models: Sequence[Model],
     recordings: Sequence[Recording],
     verify: Sequence[Recording] = (),

@@ -132,6 +132,11 @@ class FittedModel:
         prior = np.concatenate([free, (rules.hold * self.slack) ** -2.0])
         return Evidence(blocks[:count], blocks[count:], seed=seed, draws=draws, sigma=sigma, prior=prior, rules=rules)
 
+    def block_of(self, one: PreparedRecording) -> RecordingEvidence:
+        """Return any prepared recording as the evidence sees it, at the numbers of this model."""
+        residual = one.tau.T - _filtered_torque(self.model, one, self.linear, self.shape)
+        return _block(self.model, one, self.linear, self.shape, residual, 1)
+
     def on(self, prepared: Prepared) -> FittedModel:
         """Return the same model with the same numbers on other versions of the recordings."""
         residuals = _residuals(self.model, self.linear, self.shapes, prepared)

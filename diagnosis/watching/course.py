@@ -1,0 +1,62 @@
+"""How a change came about: at once or slowly, and when it began."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.watching.result import Course
+from symbolic.motion import Float
+
+SURE = 6.0
+"""Fall of the weighted squares, in variances, within which another moment explains the course as well (95 %)."""
+SLOW = 12.0
+"""The same by which a slow change must explain it better than a jump."""
+RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
+"""Durations of a slow change that are tried, s."""
+VISIBLE = 8
+"""Stretches at least that must lie within a slow change for it to be told from a jump."""
+
+
+@dataclass(frozen=True)
+class Onset:
+    """When a change began, `t` in s with the interval [`low`, `high`], and whether it came slowly."""
+
+    t: float
+    low: float
+    high: float
+    slow: bool
+
+
+def onset(course: Course, after: float = -np.inf) -> Onset:
+    """Return when the change of `course` began; a slow one counts as begun where its rise begins.
+
+    A jump is looked for from `after` s on.
+    """
+    order = np.argsort(course.t, kind="stable")
+    t, wants, power = course.t[order], course.wants[order], course.power[order]
+    edges = np.concatenate([t[:1] - 1.0, 0.5 * (t[1:] + t[:-1]), t[-1:] + 1.0])
+    jumps = np.array([_loss((t >= edge).astype(float), wants, power) if edge > after else np.inf for edge in edges])
+    best = int(np.argmin(jumps))
+    variance = max(float(jumps[best]) / max(len(t) - 2, 1), 1e-300)
+    near = np.flatnonzero(jumps <= jumps[best] + SURE * variance)
+    ramps = [
+        (_loss(np.clip((t - edge) / length, 0.0, 1.0), wants, power), float(edge))
+        for length in RAMPS
+        if length < 1.5 * (t[-1] - t[0])
+        for edge in edges
+        if np.sum((t > edge) & (t < edge + length)) >= VISIBLE
+    ]
+    least = min(ramps, default=(np.inf, 0.0))
+    if least[0] < jumps[best] - SLOW * variance:
+        return Onset(least[1], float(edges[near[0]]), float(edges[near[-1]]), True)
+    low, high = max(after, float(edges[max(near[0] - 1, 0)])), float(edges[min(near[-1] + 1, len(edges) - 1)])
+    return Onset(float(edges[best]), low, high, False)
+
+
+def _loss(shape: Float, wants: Float, power: Float) -> float:
+    """Return the weighted squares that a course of this shape, of any size, leaves."""
+    whole = float(power @ shape**2)
+    size = float(power @ (shape * wants)) / whole if whole > 0.0 else 0.0
+    return float(power @ (wants - size * shape) ** 2)

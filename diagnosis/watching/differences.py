@@ -1,0 +1,372 @@
+"""Before against after: which number of the model, load, sensor or effect differs, with intervals and look-alikes.
+
+The model is fitted to what was recorded before. Then `discover`'s evidence is asked, over all recordings together:
+held-out parts, placebos by circular shifts, false-discovery rate, stability. A candidate may act only after (a change)
+or all along (an error of the model that is no change). What leads is granted, and the rest asked again. A change that
+an old error explains as well is not reported: another motion may merely show that error.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.look_alikes import look_alikes
+from diagnosis.evidence.placebo import placebo
+from diagnosis.evidence.ranking import agreed, mark_significant
+from diagnosis.evidence.score import Score, weigh
+from diagnosis.rules import RULES, Rules
+from diagnosis.watching.questions import Asked, questions
+from diagnosis.watching.result import ChangeFound, Course, Differences
+from optimisation.fitting.identify import identify
+from optimisation.linear.uncertainty import covariance
+from optimisation.preparation.prepare import Prepared
+from symbolic.effect import Effect
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+
+PARTS = 4
+"""Parts at least into which each side is cut, so that some can be held out."""
+OLD_ERROR = 0.05
+"""Least share of the loss from which an error that was there all along is told where nothing changed."""
+SCATTER = 3.0
+"""Standard deviations between recordings made before by which a change must exceed what they differ by anyway."""
+STRETCH = 2.0
+"""Length in s of the stretches by which the course of a change is told."""
+ROUNDS = 3
+"""Times a fit is weighted anew."""
+MOST = 3
+"""Differences named at most."""
+
+
+QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
+"""Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
+
+
+def before_against_after(
+    model: Model,
+    prepared: Prepared,
+    *,
+    seed: int = 0,
+    extra: Sequence[Effect] = (),
+    rules: Rules = QUICK,
+    most: int = MOST,
+) -> Differences:
+    """Return what differs between the fitted recordings of `prepared` (before) and its verification ones (after).
+
+    NotEnoughDataError where the recordings before do not determine the model.
+    """
+    began = time.perf_counter()
+    now = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    return BeforeAfter(now, seed, tuple(extra), rules, most).run(began)
+
+
+@dataclass(frozen=True, eq=False)
+class _Granted:
+    """What was taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it."""
+
+    score: Score
+    asked: Asked
+    columns: list[Float]
+    alike: tuple[str, ...] = ()
+
+
+class BeforeAfter:
+    """One question about before and after; `now` is the model fitted before, on all recordings."""
+
+    def __init__(self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int) -> None:
+        self.now, self.seed, self.rules, self.most = now, seed, rules, most
+        self.before = len(now.prepared.train)
+        self.old: tuple[str, ...] = ()
+        self.evidence = _cut(now, self.before, seed, rules)
+        base = [block.columns for block in self.evidence.blocks]
+        self.questions = questions(now, base, self.before, extra)
+
+    def run(self, began: float) -> Differences:
+        """Grant what leads until nothing is left that is significant."""
+        granted: list[_Granted] = []
+        evidence, refused = self.evidence, set[str]()
+        while len(granted) < 2 * self.most and sum(not g.asked.always for g in granted) < self.most:
+            found = self._next(evidence, granted, refused)
+            if found is None:
+                break
+            if not found.asked.always and not self._exceeds_scatter(evidence, found):
+                refused.add(found.asked.label)
+                continue
+            granted.append(found)
+            evidence = _with(evidence, found.columns, self.seed, self.rules)
+        return self._written(evidence, granted, began)
+
+    def _next(self, evidence: Evidence, granted: Sequence[_Granted], refused: set[str]) -> _Granted | None:
+        """Return what leads of all that is significant; of what cannot be distinguished, what is no change."""
+        taken = {g.asked.label for g in granted} | refused
+        scores = self._ranked(evidence, taken)
+        good = [s for s in scores if s.significant]
+        if not good:
+            errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= OLD_ERROR]
+            self.old = tuple(_asked(s).label for s in errors[:1])
+            return None
+        lead = good[0]
+        near = [s for s in scores if s.eligible and s is not lead and s.share >= self.rules.close * lead.share]
+        pairs = [(s, self._at(s)) for s in near]
+        lags = look_alikes(evidence, (lead, self._at(lead)), pairs)
+        alike = [s for s in near if s.name in lags]
+        old = [s for s in near if _asked(s).always and (s.name in lags or s.share > lead.share)]
+        if old:
+            lead = old[0]
+        else:
+            tied = [
+                s for s in alike if lags[s.name] < self.rules.tied and s.share >= self.rules.practically * lead.share
+            ]
+            simpler = [s for s in tied if s.candidate.numbers < lead.candidate.numbers]
+            if simpler:
+                alike = [s for s in [lead, *alike] if s is not simpler[0]]
+                lead = simpler[0]
+        asked = _asked(lead)
+        columns = [c.full(0) for c in self._at(lead)]
+        names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
+        return _Granted(lead, asked, columns, names)
+
+    def _ranked(self, evidence: Evidence, taken: set[str]) -> list[Score]:
+        """Return all that is asked about, best first; changes that promise something with placebos.
+
+        An error that was there all along has to show nothing but that it explains as much.
+        """
+        asked = [c for c in self.questions.candidates if isinstance(c, Asked) and c.label not in taken]
+        columns = {c.name: self.questions.columns(c, self.now) for c in asked}
+        scores = [weigh(evidence, c, columns[c.name]) for c in asked]
+        scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns)
+        old = [s for s in scores if _asked(s).always]
+        changes = [s for s in scores if not _asked(s).always]
+        for score in [s for s in changes if s.eligible][: self.rules.placebo_for]:
+            changes[changes.index(score)] = placebo(evidence, score, columns[score.name])
+        changes = mark_significant(changes, self.rules.false_discovery_rate)
+        return sorted([*changes, *old], key=lambda s: -s.share)
+
+    def _at(self, score: Score) -> list[Columns]:
+        """Return the columns of a score at its node."""
+        whole = self.questions.columns(score.candidate, self.now)
+        return [c.node(int(n)) for c, n in zip(whole, score.nodes, strict=True)]
+
+    def _unmasked(self, one: _Granted) -> list[Float]:
+        whole = self.questions.unmasked(one.asked, self.now)
+        return [c.node(int(n)).full(0) for c, n in zip(whole, one.score.nodes, strict=True)]
+
+    def _exceeds_scatter(self, evidence: Evidence, found: _Granted) -> bool:
+        """Whether the change is larger than what recordings made before differ by among themselves."""
+        if self.before < 3:
+            return True
+        whole = self._unmasked(found)
+        system = _System(evidence, [found.columns])
+        step = system.solve()
+        size = step[-found.columns[0].shape[2] :]
+        own = []
+        for k in range(self.before):
+            weight, column = system.weights[k], whole[k] @ size
+            power = float(np.sum(weight * column**2))
+            if power > 0.0:
+                own.append((float(np.sum(weight * column * system.left(k, step))) / power, power))
+        after = sum(
+            float(np.sum(w * (x @ size) ** 2)) for w, x in zip(system.weights[self.before :], whole[self.before :],
+            strict=True)
+        )  # fmt: skip
+        if len(own) < 3:
+            return True
+        values, power = np.array(own).T
+        usable = power > 0.1 * np.median(power)
+        # Relative to the change, which is 1 in these units; a recording that shows little of it scatters more.
+        spread = float(np.sqrt(np.average(values[usable] ** 2, weights=power[usable])))
+        share = float(np.median(power[usable])) / max(after, 1e-300)
+        return SCATTER * spread * np.sqrt(min(1.0, share) + 1.0 / usable.sum()) < 1.0
+
+    def _written(self, evidence: Evidence, granted: Sequence[_Granted], began: float) -> Differences:
+        changes = [g for g in granted if not g.asked.always]
+        prepared = self.now.prepared
+        base = evidence.blocks  # with all that was granted
+        system = _System(replace_blocks(self.evidence, base, self.seed, self.rules), [])
+        step = system.solve()
+        left = [system.left(k, step) for k in range(len(base))]
+        old = self.now.residuals
+        train, verify = prepared.train, prepared.verify
+        return Differences(
+            found=tuple(self._difference(g, granted) for g in changes),
+            old=tuple(dict.fromkeys([*(g.asked.label for g in granted if g.asked.always), *self.old])),
+            before=tuple(p.name for p in train),
+            after=tuple(p.name for p in verify),
+            joints=self.now.model.joint_names,
+            rms_before=tuple(map(float, pooled_rms(old[: self.before], train))),
+            rms_after=tuple(map(float, pooled_rms(old[self.before :], verify))),
+            rms_named=tuple(map(float, pooled_rms(left[self.before :], verify))),
+            seconds=time.perf_counter() - began,
+            audit=prepared.findings,
+        )
+
+    def _difference(self, one: _Granted, granted: Sequence[_Granted]) -> ChangeFound:
+        """Return one change with its numbers before and after, all that was granted fitted beside it."""
+        others = [g.columns for g in granted if g is not one]
+        own = one.asked.number
+        whole = [] if own is not None else [self._unmasked(one)]
+        system = _System(self.evidence, [*others, *whole, one.columns])
+        step = system.solve()
+        spread, critical = system.spread(step)
+        width = one.columns[0].shape[2]
+        count = len(step)
+        change = np.eye(count)[count - width :]
+        model, fit = self.now.model, self.now.fit
+        if own is not None:
+            before, start = np.eye(count)[[own]], np.array([np.concatenate([fit.linear, fit.shape])[own]])
+            units = [[*(p.unit for p in model.parameters), *(s.shape.unit for s in model.shapes)][own]]
+            names = [one.asked.label]
+        else:
+            before, start = np.eye(count)[count - 2 * width : count - width], np.zeros(width)
+            names, units = _numbers(one.asked)
+
+        def said(rows: Float, offset: Float) -> tuple[Estimate, ...]:
+            middle = rows @ step + offset
+            half = critical * np.sqrt(np.maximum(np.einsum("kp,pq,kq->k", rows, spread, rows), 0.0))
+            return tuple(
+                Estimate(n, float(v), u, float(v - h), float(v + h))
+                for n, v, u, h in zip(names, middle, units, half, strict=True)
+            )
+
+        return ChangeFound(
+            name=one.asked.label,
+            kind=one.asked.kind,
+            before=said(before, start),
+            after=said(before + change, start),
+            change=said(change, np.zeros(width)),
+            shape=_shape(one),
+            look_alikes=one.alike,
+            share=one.score.share,
+            p_value=float(one.score.p_value if one.score.p_value is not None else 1.0),
+            course=self._course(one, granted, change @ step),
+        )
+
+    def _course(self, one: _Granted, granted: Sequence[_Granted], size: Float) -> Course:
+        """Return when the change was there: the size it has, stretch by stretch, beside all else that was granted."""
+        system = _System(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
+        step = system.solve()
+        own = self._unmasked(one)
+        rows = []
+        for k, (masked, recording) in enumerate(zip(one.columns, self.now.prepared.all, strict=True)):
+            weight, column = system.weights[k], own[k] @ size
+            rest = system.left(k, step) + masked @ step[-size.size :]
+            count = max(1, round(STRETCH * recording.kept_rate))
+            starts = np.arange(0, rest.shape[1], count)
+            power = np.add.reduceat(np.sum(weight * column**2, axis=0), starts)
+            slope = np.add.reduceat(np.sum(weight * column * rest, axis=0), starts)
+            middle = recording.t[np.minimum(starts + count // 2, recording.t.size - 1)]
+            rows.append(np.array([middle, slope / np.maximum(power, 1e-300), power]))
+        return Course(*np.concatenate(rows, axis=1))
+
+
+def _asked(score: Score) -> Asked:
+    assert isinstance(score.candidate, Asked)
+    return score.candidate
+
+
+def _numbers(asked: Asked) -> tuple[list[str], list[str]]:
+    if asked.link is not None:
+        return ["mass"], ["kg"]
+    effect, term = asked.term.effect, asked.term
+    entries: dict[str, Any] = dict(effect.coefficients) or {k: v for k, v in [*effect.shape.items()][:1]}
+    return list(entries), [term.unit(entry.unit) for entry in entries.values()]
+
+
+def _shape(one: _Granted) -> dict[str, float]:
+    if one.asked.tangent:
+        return {}
+    return {key: float(v) for key, v in zip(one.asked.term.effect.shape, one.score.shape[-1], strict=True)}
+
+
+def _cut(now: FittedModel, before: int, seed: int, rules: Rules) -> Evidence:
+    """Return the evidence on all recordings, each cut so that either side has `PARTS` parts, in units of before."""
+    whole = now.evidence(seed=seed, draws=0, rules=rules)
+    blocks = []
+    for k, block in enumerate(whole.blocks):
+        side = before if k < before else len(whole.blocks) - before
+        parts = -(-PARTS // side)
+        samples = block.residual.shape[1]
+        blocks.append(replace(block, fold=np.arange(samples) * parts // samples))
+    scale = _scale(blocks[:before])
+    return Evidence(blocks, [], seed=seed, sigma=scale, prior=whole.prior, rules=rules)
+
+
+def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
+    """Return the robust standard deviation (J,) of the residual before, N·m."""
+    out = []
+    for joint in range(len(blocks[0].residual)):
+        values = np.concatenate([b.residual[joint][b.use[joint]] for b in blocks])
+        out.append(max(float(np.median(np.abs(values))) / 0.6745, 1e-9) if values.size else 1.0)
+    return np.array(out)
+
+
+def replace_blocks(evidence: Evidence, blocks: Sequence[RecordingEvidence], seed: int, rules: Rules) -> Evidence:
+    """Return the evidence on other blocks; columns beyond those it holds are free."""
+    prior = np.zeros(blocks[0].columns.shape[2])
+    prior[: evidence.prior.size] = evidence.prior
+    return Evidence(list(blocks), [], seed=seed, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=rules)
+
+
+def _with(evidence: Evidence, columns: Sequence[Float], seed: int, rules: Rules) -> Evidence:
+    """Return the evidence with further columns (J, K, m) in the model."""
+    blocks = [
+        replace(b, columns=np.concatenate([b.columns, own], axis=2))
+        for b, own in zip(evidence.blocks, columns, strict=True)
+    ]
+    return replace_blocks(evidence, blocks, seed, rules)
+
+
+class _System:
+    """The model with further columns, fitted to all recordings at once by weighted least squares."""
+
+    def __init__(self, evidence: Evidence, further: Sequence[Sequence[Float]]) -> None:
+        self.blocks = evidence.blocks
+        self.sigma = evidence.sigma
+        self.weights = [robust_weight(b, self.sigma, evidence.rules) / self.sigma[:, None] ** 2 for b in self.blocks]
+        self.columns = [
+            np.concatenate([b.columns, *(own[k] for own in further)], axis=2) for k, b in enumerate(self.blocks)
+        ]
+        self.prior = np.zeros(self.columns[0].shape[2])
+        self.prior[: evidence.prior.size] = evidence.prior
+
+    def solve(self) -> Float:
+        """Return the step (P + m,) from the model's numbers; each round weighs by what the last one leaves."""
+        step = self._solved()
+        for _ in range(ROUNDS):
+            self.weights = [
+                robust_weight(replace(b, residual=self.left(k, step)), self.sigma) / self.sigma[:, None] ** 2
+                for k, b in enumerate(self.blocks)
+            ]
+            step = self._solved()
+        return step
+
+    def _solved(self) -> Float:
+        both = list(zip(self.columns, self.weights, self.blocks, strict=True))
+        gram = sum(np.einsum("jkp,jk,jkq->pq", x, w, x, optimize=True) for x, w, _ in both) + np.diag(self.prior)
+        slope = sum(np.einsum("jkp,jk,jk->p", x, w, b.residual, optimize=True) for x, w, b in both)
+        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+        inverse = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-11, hermitian=True)
+        return np.asarray(inverse @ (slope / scale) / scale)
+
+    def left(self, index: int, step: Float) -> Float:
+        """Return the residual (J, K) of one recording after `step`, N·m."""
+        return np.asarray(self.blocks[index].residual - self.columns[index] @ step)
+
+    def spread(self, step: Float) -> tuple[Float, float]:
+        """Return the covariance (P + m, P + m) of the step, valid under autocorrelation, and the critical value."""
+        use = np.concatenate([b.use for b in self.blocks], axis=1) / self.sigma[:, None]
+        jacobian = np.concatenate(self.columns, axis=1) * use[:, :, None]
+        residual = np.concatenate([self.left(k, step) for k in range(len(self.blocks))], axis=1) * use
+        groups = np.repeat(np.arange(len(self.blocks)), [b.residual.shape[1] for b in self.blocks])
+        limit = np.full(len(self.sigma), 3.0)
+        found = covariance(jacobian, residual, limit, groups)
+        return found.matrix, found.critical

@@ -1,0 +1,268 @@
+"""The causal front end: samples as they come become filtered motion and torque, late by a known time.
+
+    torque   each sample against the median of its neighbours (spikes are replaced), then `ORDER` equal poles
+    angles   late by the same samples, then the same poles; differences give velocity and acceleration
+    columns  of a model, and the torque alike: `COMMON_ORDER` equal poles, over the samples that can be used only
+
+Torque and angles pass the same filter, so nothing is shifted between them, and the second filter treats the model's
+columns as the torque, so that what holds between them goes on to hold. It is a *weighted* mean over the past: samples
+at which a joint may stick (dry friction takes any value there) and holes have weight zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.signal import lfilter
+
+from optimisation.preparation.filtering import STICK, WORKING_RATE
+from symbolic.motion import Float
+
+Bool = np.ndarray
+
+HALF = 5
+"""Samples on either side of one that its torque is compared with."""
+SPIKE = 4.0
+"""Robust deviations from their median beyond which it is a spike."""
+ORDER, COMMON_ORDER = 4, 3
+"""Poles of the two filters."""
+ANGLE_BAND, COMMON_BAND = 4.0, 2.0
+"""Their frequencies, in cut-offs."""
+CUTOFF = 4.0
+"""Hz, unless asked otherwise."""
+SIGN_WIDTH = 0.01
+"""rad/s over which the sign of a velocity fades; slower samples are not used."""
+HOLE = 2.5
+"""Steps of the clock from which on samples are missing."""
+LONGEST_HOLE = 1.0
+"""s of missing samples after which the filters start anew."""
+FIRST = 50
+"""Samples from which the rate is told."""
+
+
+@dataclass(frozen=True)
+class Filters:
+    """The two filters at a sampling `rate` in Hz for a `cutoff` in Hz; every `factor`-th sample is worked with, of
+    these every `stride`-th is kept for fits.
+    """
+
+    rate: float
+    cutoff: float = CUTOFF
+
+    @property
+    def factor(self) -> int:
+        """Samples per working sample."""
+        return max(1, int(self.rate / max(WORKING_RATE, 12.0 * self.cutoff) + 1e-3))
+
+    @property
+    def working(self) -> float:
+        """Rate of the working samples, Hz."""
+        return self.rate / self.factor
+
+    @property
+    def stride(self) -> int:
+        """Working samples per kept sample."""
+        return max(1, int(self.working / (6.0 * self.cutoff) + 1e-3))
+
+    @property
+    def keep(self) -> float:
+        """Share of the past in each pole of the first filter."""
+        return float(np.exp(-2.0 * np.pi * min(ANGLE_BAND * self.cutoff / self.rate, 0.25)))
+
+    @property
+    def common(self) -> float:
+        """Share of the past in each pole of the second filter, at the working rate."""
+        return float(np.exp(-2.0 * np.pi * min(COMMON_BAND * self.cutoff / self.working, 0.25)))
+
+    @property
+    def reach(self) -> float:
+        """Seconds over which the first filter blurs a reversal of the motion."""
+        return 2.0 * float(np.sqrt(ORDER * self.keep)) / ((1.0 - self.keep) * self.rate)
+
+    @property
+    def delay(self) -> float:
+        """How late what is fitted is, in s."""
+        first = HALF + ORDER * self.keep / (1.0 - self.keep) + 1.0
+        return first / self.rate + COMMON_ORDER * self.common / (1.0 - self.common) / self.working
+
+    @property
+    def settled(self) -> int:
+        """Working samples after which the second filter has forgotten how it started, to 1e-12."""
+        return int(np.ceil(40.0 / -np.log(self.common)))
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Working samples: `t` (N,) s, `q`, `dq`, `ddq`, `tau` (N, J), and `good` (N, J), 1 where a joint's torque can be
+    used.
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    ddq: Float
+    tau: Float
+    good: Float
+
+    def __len__(self) -> int:
+        return int(self.t.size)
+
+    def part(self, first: int, last: int | None = None) -> Samples:
+        """Return the samples from `first` to before `last`."""
+        at = slice(first, last)
+        return Samples(*(getattr(self, name)[at] for name in ("t", "q", "dq", "ddq", "tau", "good")))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Samples]) -> Samples:
+        """Return several stretches as one."""
+        return cls(*(np.concatenate([getattr(p, n) for p in parts]) for n in ("t", "q", "dq", "ddq", "tau", "good")))
+
+    @classmethod
+    def none(cls, joints: int) -> Samples:
+        """Return no samples."""
+        empty = np.zeros((0, joints))
+        return cls(np.zeros(0), empty, empty, empty, empty, empty)
+
+
+def poles(x: Float, keep: float, state: Float) -> tuple[Float, Float]:
+    """Return `x` (..., N) after first-order poles of gain one, and their state (K, ...) at the end."""
+    out = np.empty_like(state)
+    for k in range(len(state)):
+        x, last = lfilter([1.0 - keep], [1.0, -keep], x, axis=-1, zi=keep * state[k][..., None])
+        out[k] = last[..., 0] / keep
+    return x, out
+
+
+@dataclass(eq=False)
+class FrontEnd:
+    """Takes samples in any portions and gives working samples; what it keeps does not grow.
+
+    `filters` is None until the rate is known. The answer does not depend on how the samples are portioned.
+    """
+
+    joints: int
+    cutoff: float = CUTOFF
+    filters: Filters | None = None
+    waiting: list[Float] = field(default_factory=list)
+    last: Float | None = None
+    """The last sample (1 + 2 J,) of the stream as it came."""
+    begin: float = 0.0
+    count: int = 0
+    """Samples of the even clock so far, since `begin`."""
+    raw: Float = field(default_factory=lambda: np.zeros((0, 0)))
+    state: Float | None = None
+    before: Float = field(default_factory=lambda: np.zeros((0, 0)))
+    restarts: int = 0
+
+    def push(self, samples: Float) -> Samples:
+        """Return the working samples that `samples` (N, 1 + 2 J: t, q, tau) complete."""
+        out = []
+        for part in self._stretches(samples):
+            out.append(self._push(part))
+        return Samples.joined(out) if out else Samples.none(self.joints)
+
+    def finish(self) -> Samples:
+        """Return the working samples of a stream too short for its rate to have been told before it ended."""
+        if self.filters is None and sum(map(len, self.waiting)) > 2:
+            return self._begin(np.concatenate(self.waiting))
+        return Samples.none(self.joints)
+
+    def _stretches(self, samples: Float) -> list[Float]:
+        """Cut where the clock jumps; what follows starts the filters anew."""
+        if not len(samples):
+            return []
+        t = samples[:, 0] if self.last is None else np.concatenate([[self.last[0]], samples[:, 0]])
+        step = np.diff(t)
+        jump = np.flatnonzero((step > LONGEST_HOLE) | (step < -LONGEST_HOLE)) + (1 if self.last is None else 0)
+        return [part for part in np.split(samples, jump) if len(part)]
+
+    def _push(self, samples: Float) -> Samples:
+        if self.last is not None and not -LONGEST_HOLE <= samples[0, 0] - self.last[0] <= LONGEST_HOLE:
+            self._restart()
+        if self.filters is None:
+            self.waiting.append(samples)
+            self.last = samples[-1]
+            if sum(map(len, self.waiting)) < FIRST:
+                return Samples.none(self.joints)
+            return self._begin(np.concatenate(self.waiting))
+        return self._on_clock(samples)
+
+    def _restart(self) -> None:
+        """Forget the filters' state; the rate is told anew."""
+        self.filters, self.waiting, self.last, self.state = None, [], None, None
+        self.restarts += 1
+
+    def _begin(self, first: Float) -> Samples:
+        rows = first[np.concatenate([[True], np.diff(first[:, 0]) > 0.0])]
+        steps = np.diff(rows[:FIRST, 0])
+        self.filters = Filters(1.0 / float(np.median(steps[steps > 0.0])) if steps.size else 100.0, self.cutoff)
+        self.waiting, self.last = [], None
+        self.begin, self.count = float(first[0, 0]), 0
+        self.raw, self.state = np.zeros((0, 2 + 2 * self.joints)), None
+        self.before = np.zeros((0, 1 + 3 * self.joints))
+        self.seen = 0
+        return self._on_clock(first)
+
+    def _on_clock(self, samples: Float) -> Samples:
+        """Put samples on the even clock; those that do not come after the ones before are passed over."""
+        assert self.filters is not None
+        rows = samples if self.last is None else np.concatenate([self.last[None], samples])
+        highest = np.maximum.accumulate(rows[:, 0])
+        fresh = np.concatenate([[True], rows[1:, 0] > highest[:-1]])
+        rows = rows[fresh]
+        self.last = rows[-1]
+        step = 1.0 / self.filters.rate
+        whole = int(np.floor((rows[-1, 0] - self.begin) / step + 1e-6)) + 1
+        grid = self.begin + step * np.arange(self.count, whole)
+        if not grid.size:
+            return Samples.none(self.joints)
+        self.count = whole
+        near = np.minimum(np.searchsorted(rows[:, 0], grid - 1e-3 * step), len(rows) - 1)
+        exact = np.abs(rows[near, 0] - grid) < 2e-3 * step
+        even = np.column_stack([np.interp(grid, rows[:, 0], rows[:, k]) for k in range(1, rows.shape[1])])
+        even[exact] = rows[near[exact], 1:]
+        after = np.clip(np.searchsorted(rows[:, 0], grid), 1, max(1, len(rows) - 1))
+        hole = np.zeros(grid.size) if len(rows) < 2 else (rows[after, 0] - rows[after - 1, 0] > HOLE * step) & ~exact
+        return self._filter(np.column_stack([grid, even, hole]))
+
+    def _filter(self, even: Float) -> Samples:
+        """Filter samples (N, 2 + 2 J) of the even clock: t, q, tau, hole."""
+        assert self.filters is not None
+        filters, joints = self.filters, self.joints
+        rows = np.concatenate([self.raw, even])
+        if len(rows) < 2 * HALF + 1:
+            self.raw = rows
+            return Samples.none(joints)
+        self.raw = rows[-2 * HALF :]
+        tau = despiked(rows[:, 1 + joints : 1 + 2 * joints])
+        middle = rows[HALF : len(rows) - HALF]
+        x = np.concatenate([middle[:, 1 : 1 + joints], tau], axis=1)
+        if self.state is None:
+            self.state = np.repeat(x[:1], ORDER, axis=0)
+        rows_of, self.state = poles(x.T, filters.keep, self.state)
+        smooth = rows_of.T
+        good = np.repeat(middle[:, -1:] == 0.0, joints, axis=1)
+        rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good])])
+        self.before = rows[-2:]
+        if len(rows) < 3:
+            return Samples.none(joints)
+        first = -self.seen % filters.factor
+        self.seen += len(rows) - 2
+        at = np.arange(1 + first, len(rows) - 1, filters.factor)
+        q = rows[:, 1 : 1 + joints]
+        dq = 0.5 * filters.rate * (q[at + 1] - q[at - 1])
+        ddq = filters.rate**2 * (q[at + 1] - 2.0 * q[at] + q[at - 1])
+        moves = np.abs(dq) > STICK + filters.reach * np.abs(ddq)
+        usable = rows[at, 1 + 2 * joints :] * moves
+        return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable)
+
+
+def despiked(tau: Float) -> Float:
+    """Return the torque (N - 2 HALF, J) with spikes replaced by the median of their neighbours."""
+    windows = np.lib.stride_tricks.sliding_window_view(tau, 2 * HALF + 1, axis=0)
+    middle = np.median(windows, axis=-1)
+    scale = np.median(np.abs(windows - middle[..., None]), axis=-1) / 0.6745
+    own = tau[HALF : len(tau) - HALF]
+    return np.where(np.abs(own - middle) > SPIKE * scale, middle, own)

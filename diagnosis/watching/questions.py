@@ -1,0 +1,147 @@
+"""What may differ between before and after: every effect of the catalogue, every number of the model, a load.
+
+Each is asked twice: as something that acts only after (a change), and as something that has acted all along (an old
+error, which another motion may merely have made visible). The columns of a change are zero before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, Library, build_library
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.fitted import FittedModel
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.language.torque import torques
+from symbolic.mechanics.payload import LINKS, Payload
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.term import Term
+
+ALL_ALONG = " (all along)"
+PLACES = (0.1, 0.2, 0.3, 0.4)
+"""Places of a load on its link, m."""
+NUMBER = Effect(
+    id="changed_number",
+    explains="a number of the model is another one afterwards",
+    torque="c",
+    coefficients={"c": Coefficient("N·m")},
+)
+LOAD = Effect(
+    id="payload",
+    explains="a mass was put on a link, or taken off",
+    torque="m * sin(theta + along)",
+    coefficients={"m": Coefficient("N·m")},
+    shape={"along": Shape("rad", -3.0, 3.0)},
+)
+"""Only the numbers of these two are used; their columns come from the model's own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Asked(Candidate):
+    """A candidate under its own `label`: a change, or the same `always`.
+
+    `number` is the column of the model whose parameter changes, `link` the link that carries a load.
+    """
+
+    label: str = ""
+    always: bool = False
+    number: int | None = None
+    link: str | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called; an error that was always there says so."""
+        return self.label + ALL_ALONG if self.always else self.label
+
+    @property
+    def kind(self) -> str:
+        """Return "number", "load", "sensor" or "effect"."""
+        if self.number is not None:
+            return "number"
+        if self.link is not None:
+            return "load"
+        return "sensor" if self.term.effect.family == "sensor" else "effect"
+
+    def load(self, model: Model, base: Float) -> Float:
+        """Return the columns (V, J, K) of 1 kg at each of `PLACES`, from the model's (J, K, P)."""
+        assert self.link is not None
+        added = np.array([Payload(1.0, along, self.link).numbers(model.thigh_length) for along in PLACES])
+        return np.moveaxis(base[:, :, : added.shape[1]] @ added.T, 2, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Questions(Library):
+    """All that is asked of recordings of which the first `before` were made before."""
+
+    before: int = 0
+    base: Sequence[Float] = ()
+    """Columns (J, K, P) of the model on every recording."""
+    raw: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
+
+    def columns(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
+        """Return the columns on every recording; those of a change are zero before."""
+        assert isinstance(candidate, Asked)
+        whole = self.unmasked(candidate, fitted)
+        if candidate.always:
+            return whole
+        return tuple(Columns(c.joints, np.zeros_like(c.values)) if k < self.before else c for k, c in enumerate(whole))
+
+    def unmasked(self, candidate: Asked, fitted: FittedModel) -> tuple[Columns, ...]:
+        """Return the columns as if the candidate acted in every recording."""
+        if candidate.label not in self.raw:
+            self.raw[candidate.label] = self._made(candidate, fitted)
+        return self.raw[candidate.label]
+
+    def _made(self, candidate: Asked, fitted: FittedModel) -> tuple[Columns, ...]:
+        joints = tuple(range(len(fitted.model.joints)))
+        if candidate.number is not None:
+            return tuple(Columns(joints, own[None, :, :, [candidate.number]]) for own in self.base)
+        if candidate.link is not None:
+            return tuple(Columns(joints, candidate.load(fitted.model, own)[..., None]) for own in self.base)
+        return Library.columns(self, _plain(candidate), fitted)
+
+
+def _plain(candidate: Asked) -> Candidate:
+    """Return the candidate of the catalogue that is asked about."""
+    return Candidate(candidate.term, candidate.nodes, candidate.tangent)
+
+
+def questions(
+    fitted: FittedModel, base: Sequence[Float], before: int, extra: Iterable[Effect] = (), *, always: bool = True
+) -> Questions:
+    """Return all questions about the recordings of `fitted`, of which the first `before` were made before.
+
+    `base` are the model's columns (J, K, P + S) on each, slopes by its shapes included. Effects that drift with the
+    time of a recording are left out: how a change came about is asked of its course. Without `always`, only changes.
+    """
+    model, prepared = fitted.model, fitted.prepared.all
+    found: list[Asked] = []
+    for own in build_library(model, prepared, extra).candidates:
+        if _tells_time(own.term):
+            continue
+        nodes = own.nodes[:, own.common] if own.common.size else own.nodes
+        found.append(Asked(own.term, nodes, own.tangent, own.name))
+    if always:
+        found += [replace(one, always=True) for one in found]
+    count = len(prepared)
+    names = [p.name for p in model.parameters] + [s.name for s in model.shapes]
+    for k, name in enumerate(names):
+        if k >= len(model.parameters) and model.shapes[k - len(model.parameters)].shape.choices:
+            continue
+        place = Term(NUMBER, model.joint_names[0], model.joints)
+        found.append(Asked(place, np.zeros((count, 1, 0)), False, name, number=k))
+    if not model.chain:
+        nodes = np.broadcast_to(np.array(PLACES)[None, :, None], (count, len(PLACES), 1))
+        for link in LINKS:
+            found.append(Asked(Term(LOAD, model.joint_names[0]), nodes, False, f"payload:{link}", link=link))
+    return Questions(tuple(found), before=before, base=tuple(base))
+
+
+def _tells_time(term: Term) -> bool:
+    if term.effect.derive is not None or term.effect.deflection is not None:
+        return False
+    return any("t" in torque.names for torque in torques(term))

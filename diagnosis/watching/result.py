@@ -1,0 +1,178 @@
+"""What a question about before and after is answered with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from diagnosis.watching.plots import errors_figure
+from ground.html import bullets, lines, table
+from ground.plain import plain_dict
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KINDS: Mapping[str, str] = {
+    "effect": "an effect that was not there",
+    "number": "a number of the model that is another one",
+    "load": "a mass that was put on or taken off",
+    "sensor": "a sensor that reads otherwise",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """How a difference came about: at times `t` (K,) in s, how much of the whole change (1) stretches of `SECONDS` want
+    (`wants`, (K,)), and how much they can tell (`power`, (K,)).
+    """
+
+    t: Float
+    wants: Float
+    power: Float
+
+
+@dataclass(frozen=True, eq=False)
+class ChangeFound:
+    """One thing that differs: `name` is that of an effect ("load_friction:knee"), of a number of the model
+    ("coulomb:knee") or of a load ("payload:shank"); `kind` is a key of `KINDS`.
+
+    `before` and `after` are the same numbers before and after, `change` what they differ by, each with its 95 %
+    interval (valid under autocorrelation). `look_alikes` explain these data as well. `share` is the part of the
+    squared error that it explains, held out; `p_value` that of placebos.
+    """
+
+    name: str
+    kind: str
+    before: tuple[Estimate, ...]
+    after: tuple[Estimate, ...]
+    change: tuple[Estimate, ...]
+    shape: Mapping[str, float]
+    look_alikes: tuple[str, ...]
+    share: float
+    p_value: float
+    course: Course | None = field(default=None, repr=False)
+
+    @property
+    def sentence(self) -> str:
+        """The difference in words."""
+        parts = [f"{_said(new)} after, {_said(old)} before" for old, new in zip(self.before, self.after, strict=True)]
+        shape = "".join(f", {key} = {value:.3g}" for key, value in self.shape.items())
+        alike = f"; these data cannot distinguish it from {', '.join(self.look_alikes)}" if self.look_alikes else ""
+        return f"{self.name}: {'; '.join(parts)}{shape}{alike}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields in plain types."""
+        effect, _, joint = self.name.partition(":")
+        return plain_dict(
+            {
+                "name": self.name,
+                "kind": self.kind,
+                "effect": effect if self.kind in ("effect", "sensor") else None,
+                "joint": joint or None,
+                "before": {e.name: e for e in self.before},
+                "after": {e.name: e for e in self.after},
+                "change": {e.name: e for e in self.change},
+                "shape": self.shape,
+                "look_alikes": self.look_alikes,
+                "explained_share": self.share,
+                "p_value": self.p_value,
+                "sentence": self.sentence,
+            }
+        )
+
+
+def _said(estimate: Estimate) -> str:
+    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
+    return f"{estimate.value:.3g} [{estimate.low:.3g}, {estimate.high:.3g}]{unit}"
+
+
+@dataclass(frozen=True, eq=False)
+class Differences:
+    """What differs between recordings made `before` and `after`; nothing is a result as well.
+
+    `old` are errors of the model that were there all along and that these recordings show; `rms_before` and
+    `rms_after` (J,) in N·m are those of the model fitted before, `rms_named` that of after with what is named.
+    """
+
+    found: tuple[ChangeFound, ...]
+    old: tuple[str, ...]
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+    joints: tuple[str, ...]
+    rms_before: tuple[float, ...]
+    rms_after: tuple[float, ...]
+    rms_named: tuple[float, ...]
+    seconds: float = 0.0
+    audit: tuple[Any, ...] = field(default=(), repr=False)
+
+    @property
+    def differs(self) -> bool:
+        """Whether anything differs."""
+        return bool(self.found)
+
+    @property
+    def sentence(self) -> str:
+        """The answer in words."""
+        if not self.found:
+            return "Nothing differs between before and after that these recordings could show."
+        return "Different afterwards: " + "; ".join(one.name for one in self.found) + "."
+
+    def __repr__(self) -> str:
+        return "\n".join([self.sentence, *(f"  {one.sentence}" for one in self.found), *self._old()])
+
+    def _old(self) -> list[str]:
+        return [f"  no change, but missing in the model before and after: {name}" for name in self.old]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (d.name, d.kind, str(a), str(b), ", ".join(d.look_alikes))
+            for d in self.found
+            for a, b in zip(d.before, d.after, strict=True)
+        ]
+        head = ("what", "kind", "before", "after", "look-alikes")
+        return lines(strong=self.sentence) + (table(head, rows) if rows else "") + bullets(self._old())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything in plain types."""
+        return plain_dict(
+            {
+                "differs": self.differs,
+                "sentence": self.sentence,
+                "differences": self.found,
+                "missing_all_along": self.old,
+                "before": self.before,
+                "after": self.after,
+                "joints": self.joints,
+                "rms_before": self.rms_before,
+                "rms_after": self.rms_after,
+                "rms_after_named": self.rms_named,
+                "audit": self.audit,
+                "seconds": self.seconds,
+            }
+        )
+
+    def to_frame(self) -> Any:
+        """Return one row per number that differs."""
+        import pandas as pd
+
+        rows = [
+            {
+                "name": d.name, "kind": d.kind, "number": b.name, "unit": b.unit,
+                "before": a.value, "before_low": a.low, "before_high": a.high,
+                "after": b.value, "after_low": b.low, "after_high": b.high,
+            }
+            for d in self.found
+            for a, b in zip(d.before, d.after, strict=True)
+        ]  # fmt: skip
+        return pd.DataFrame(rows)
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return [("The error before and after", self.sentence, self.plot())]
+
+    def plot(self) -> Figure:
+        """Draw the error of the model fitted before: before, after, and after with what is named."""
+        return errors_figure(self.joints, self.rms_before, self.rms_after, self.rms_named)

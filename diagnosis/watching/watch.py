@@ -1,0 +1,67 @@
+"""Watch a machine: an iterator of samples in, an iterator of events out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from diagnosis.extend import Waterfall, fit_in_turn
+from diagnosis.watching.events import Event
+from diagnosis.watching.watcher import Settings, Watcher
+from ground.errors import ExoidError
+from measurement.reading.columns import required
+from measurement.recording import Recording
+from optimisation.fitting.fit import Fit
+from symbolic.effect import Effect
+from symbolic.model import Model
+
+PORTION = 500
+"""Samples that are handed on at a time."""
+
+
+def follow(
+    model: Model | Fit, samples: Recording | Iterable[Any], settings: Settings | None = None,
+    *, extra: Sequence[Effect] = (),
+) -> Iterator[Event]:  # fmt: skip
+    """Yield what is to be reported of `samples` as they come; the last event is the summary.
+
+    `samples` is a recording, an array (N, 1 + 2 J), or anything that yields rows (t, q1, ..., tau1, ...) or mappings
+    with these names, one sample or an array of several at a time, in s, rad and N·m. ExoidError for anything else.
+    """
+    machine = model.model if isinstance(model, Fit) else model
+    assert isinstance(machine, Model)
+    watcher = Watcher(machine, settings or Settings(), tuple(extra))
+    names = required(machine.joints)
+    if isinstance(samples, Recording):
+        samples = np.column_stack([samples.t, samples.q, samples.tau])[samples.valid]
+    waiting: list[np.ndarray] = []
+    for sample in samples:
+        waiting.append(_row(sample, names))
+        if sum(map(len, waiting)) >= PORTION:
+            yield from watcher.push(np.concatenate(waiting))
+            waiting = []
+    if waiting:
+        yield from watcher.push(np.concatenate(waiting))
+    yield from watcher.finish()
+
+
+def _row(sample: Any, names: Sequence[str]) -> np.ndarray:
+    try:
+        values = [sample[name] for name in names] if isinstance(sample, Mapping) else sample
+        return np.atleast_2d(np.asarray(values, dtype=float))
+    except (KeyError, TypeError, ValueError) as error:
+        raise ExoidError(
+            f"a sample cannot be read: {error!r}", remedy=f"yield rows of numbers, or mappings with {', '.join(names)}"
+        ) from None
+
+
+def watch(model: Any, samples: Any, *further: Any, **options: Any) -> Waterfall | Iterator[Event]:
+    """Watch a machine (`follow(model, samples, ...)`), or, for a sequence of models, watch the error fall.
+
+    `watch(models, recordings, verify)` fits one model after the other to the same samples .
+    """
+    if isinstance(model, (Model, Fit)):
+        return follow(model, samples, *further, **options)
+    return fit_in_turn(model, samples, *further, **options)

@@ -1,0 +1,339 @@
+"""A machine while it runs: learn what is usual, follow the numbers, notice a change, name it.
+
+    samples -> front end -> blocks of 10 s -> estimator (numbers with intervals)
+                                           -> scores of all columns -> detector -> before against after -> event
+
+What is kept does not grow with time: the state of the filters and of the estimator, some dozen windows from before,
+the last dozen, and the scores of the last quiet blocks.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.gain import RecordingEvidence
+from diagnosis.rules import Rules
+from diagnosis.watching.alarm import SPANS, Detector, Deviation
+from diagnosis.watching.course import Onset, onset
+from diagnosis.watching.differences import MOST, QUICK, BeforeAfter
+from diagnosis.watching.estimator import Estimator, Pace
+from diagnosis.watching.events import Event, clock
+from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
+from diagnosis.watching.questions import questions
+from diagnosis.watching.result import Differences
+from diagnosis.watching.scores import Watched, columns_of, placebos, scores, watched
+from diagnosis.watching.window import Window, prepared, window
+from ground.errors import ExoidError
+from optimisation.fitting.identify import identify
+from symbolic.effect import Effect
+from symbolic.model import Model
+from symbolic.motion import Float
+
+LEAD = 2.0
+"""s before each block in which its filters and operators with memory settle."""
+JUST_BEFORE = 3
+"""Windows just before a change that are compared with what is after it, beside the usual ones."""
+GROWN = 1.5
+"""Times the usual error from which a change that has no name is reported."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a watch works. `block` s are judged at a time; `learn` blocks say at first what is usual; a change is named
+    when it has lasted `least` blocks and once more after `sure`; `alarms_per_day` false alarms are accepted; `placebos`
+    are drawn per block for the threshold, and `draws` for a name. `estimates` says every so many blocks what the
+    numbers are (0: never).
+    """
+
+    cutoff: float = CUTOFF
+    block: float = 10.0
+    learn: int = 12
+    most_learn: int = 36
+    least: int = 2
+    sure: int = 6
+    alarms_per_day: float = 1.0
+    placebos: int = 40
+    draws: int = 999
+    estimates: int = 0
+    pace: Pace = field(default_factory=Pace)
+    seed: int = 0
+
+
+@dataclass(eq=False)
+class _Reference:
+    """What is usual: the model fitted to windows from before, what is watched, and the detector."""
+
+    now: FittedModel
+    asked: tuple[Watched, ...]
+    detector: Detector
+    scale: Float
+    rms: Float
+
+
+@dataclass(eq=False)
+class Watcher:
+    """Takes samples in any portions (`push`) and returns what is to be reported.
+
+    Samples are rows (N, 1 + 2 J): time in s, angles in rad, torques in N·m, in the order of the joints.
+    """
+
+    model: Model
+    settings: Settings = field(default_factory=Settings)
+    extra: Sequence[Effect] = ()
+    rules: Rules = QUICK
+
+    def __post_init__(self) -> None:
+        self.front = FrontEnd(len(self.model.joints), self.settings.cutoff)
+        self.waiting = Samples.none(len(self.model.joints))
+        self.rng = np.random.default_rng(self.settings.seed)
+        self.kept: list[Window] = []
+        self.recent: deque[Window] = deque(maxlen=SPANS[-1])
+        self.reference: _Reference | None = None
+        self.estimator: Estimator | None = None
+        self.pending: tuple[Deviation, int] | None = None
+        self.restarts = self.blocks = self.quiet_since = 0
+        self.named: Event | None = None
+        self.counts: dict[str, int] = {}
+        self.first: float | None = None
+        self.last = 0.0
+
+    # -- samples ----------------------------------------------------------------------------------------------
+
+    def push(self, samples: Float) -> list[Event]:
+        """Take samples and return the events they cause."""
+        rows = np.atleast_2d(np.asarray(samples, dtype=float))
+        width = 1 + 2 * len(self.model.joints)
+        if rows.shape[1] != width:
+            raise ExoidError(
+                f"a sample has {rows.shape[1]} numbers; this machine has {width}: t, q and tau of each joint",
+                remedy="give rows t, q1, ..., tau1, ...",
+            )
+        known = self.front.filters
+        events = self._note(self.front.push(rows[np.isfinite(rows).all(axis=1)]))
+        if known is None and self.front.filters is not None and not self.restarts:
+            events.insert(0, self._start())
+        return self._count(events)
+
+    def finish(self) -> list[Event]:
+        """Return what the end of the stream still causes, the summary last."""
+        events = self._note(self.front.finish())
+        if self.named is not None:
+            events += self._refined()
+        self._count(events)
+        return [*events, *self._count([self._summary()])]
+
+    def _count(self, events: list[Event]) -> list[Event]:
+        for one in events:
+            self.counts[one.event] = self.counts.get(one.event, 0) + 1
+        return events
+
+    def _note(self, fresh: Samples) -> list[Event]:
+        """Add working samples; cut blocks and judge them."""
+        if self.front.restarts != self.restarts:
+            self.restarts, self.waiting = self.front.restarts, Samples.none(len(self.model.joints))
+        if not len(fresh) or self.front.filters is None:
+            return []
+        self.first = float(fresh.t[0]) if self.first is None else self.first
+        self.last = float(fresh.t[-1])
+        self.waiting = Samples.joined([self.waiting, fresh])
+        filters = self.front.filters
+        lead = max(filters.settled, round(LEAD * filters.working))
+        size = round(self.settings.block * filters.working / filters.stride) * filters.stride
+        events: list[Event] = []
+        while len(self.waiting) >= lead + size:
+            self.blocks += 1
+            one = window(clock(float(self.waiting.t[lead])), self.waiting.part(0, lead + size), lead, filters)
+            self.waiting = self.waiting.part(size)
+            events += self._block(one)
+        return events
+
+    # -- blocks -----------------------------------------------------------------------------------------------
+
+    def _block(self, one: Window) -> list[Event]:
+        if self.reference is None:
+            self.kept.append(one)
+            return self._learn() if len(self.kept) >= self.settings.learn else []
+        self.recent.append(one)
+        reference = self.reference
+        block = reference.now.block_of(one)
+        self._estimate(one, block)
+        events = self._told()
+        if self.named is not None:
+            self.quiet_since += 1
+            return events + (self._refined() if self.quiet_since >= self.settings.sure else [])
+        leaving = self.recent[0] if len(reference.detector.recent) == SPANS[-1] else None
+        found = reference.detector.take(
+            scores(columns_of(reference.asked, one, block.columns, reference.now), block.residual, block.use,
+                   reference.scale, block)
+        )  # fmt: skip
+        if leaving is not None:
+            self._remember(leaving)
+        if self.pending is None and found.alarms:
+            self.pending = found, max(0, self.settings.least - reference.detector.onset(found.column))
+        elif self.pending is not None:
+            self.pending = self.pending[0], self.pending[1] - 1
+        if self.pending is not None and self.pending[1] <= 0:
+            events += self._alarm(self.pending[0])
+        return events
+
+    def _learn(self) -> list[Event]:
+        """Fit the model to what was seen, and calibrate the detector; wait on where that does not determine it."""
+        settings = self.settings
+        question = prepared(self.kept)
+        try:
+            now = fitted_model(identify(self.model, question.train, optimisers=()), question)
+        except ExoidError as error:
+            if len(self.kept) < settings.most_learn:
+                return []
+            self.kept = self.kept[settings.learn :]
+            return [Event("waiting", self.last, f"the motion so far does not determine the model: {error}")]
+        blocks = [now.block_of(one) for one in self.kept]
+        scale = now.scale
+        asked = watched(questions(now, [b.columns for b in blocks], len(blocks), self.extra, always=False))
+        found, chance = [], []
+        for one, block in zip(self.kept, blocks, strict=True):
+            columns = columns_of(asked, one, block.columns, now)
+            found.append(scores(columns, block.residual, block.use, scale, block))
+            chance.append(placebos(columns, block.residual, block, scale, settings.placebos, self.rng))
+        detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
+        self.reference = _Reference(now, asked, detector, scale, now.train_rms)
+        if self.estimator is None:
+            width = len(self.model.parameters)
+            self.estimator = Estimator.start(
+                [p.name for p in self.model.parameters], [p.unit for p in self.model.parameters], now.linear,
+                10.0 * (np.abs(now.linear) + 1.0), scale, self.kept[0].kept_rate, len(self.model.inertial),
+                settings.pace,
+            )  # fmt: skip
+            assert width == now.linear.size
+            for one, block in zip(self.kept, blocks, strict=True):
+                self._estimate(one, block)
+        self.recent.clear()
+        said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in now.fit.estimates)
+        errors = ", ".join(f"{n} {x:.3g}" for n, x in zip(self.model.joint_names, now.train_rms, strict=True))
+        return [Event(
+            "reference", self.last, f"what is usual is known: {said}; error {errors} N·m", tuple(now.fit.estimates),
+            more={"rms": now.train_rms, "limit": detector.limit, "blocks": len(self.kept)},
+        )]  # fmt: skip
+
+    def _estimate(self, one: Window, block: RecordingEvidence) -> None:
+        assert self.estimator is not None
+        width = self.estimator.linear.size
+        columns = np.moveaxis(block.columns[:, :, :width], 0, 1)
+        for row, tau, use in zip(columns, one.tau, one.use, strict=True):
+            self.estimator.step(row, tau, use)
+
+    def _told(self) -> list[Event]:
+        every = self.settings.estimates
+        if not every or self.blocks % every or self.estimator is None:
+            return []
+        estimates = self.estimator.estimates()
+        text = ", ".join(f"{e.name} {e.value:.3g}" for e in estimates)
+        return [Event("estimates", self.last, text, estimates)]
+
+    def _remember(self, one: Window) -> None:
+        """Keep a quiet window: some dozen of all there were, each as likely as any other (reservoir sampling)."""
+        assert self.reference is not None
+        place = int(self.rng.integers(self.blocks))
+        if place < len(self.kept):
+            self.kept[place] = one
+
+    # -- changes ----------------------------------------------------------------------------------------------
+
+    def _alarm(self, found: Deviation) -> list[Event]:
+        """Ask what differs between before and after; say so, or that it is the motion, or nothing."""
+        assert self.reference is not None
+        self.pending = None
+        detector = self.reference.detector
+        lasted = max(detector.onset(found.column), self.settings.least)
+        last = list(self.recent)[-lasted:]
+        answer = self._ask(last)
+        if answer.found:
+            self.quiet_since = lasted
+            self.named = self._change(answer, found, "first", last)
+            return [self.named]
+        detector.calm()
+        for one in last:
+            self._remember(one)
+        if answer.old:
+            text = f"nothing changed; this motion shows what the model has missed all along: {', '.join(answer.old)}"
+            return [Event("motion", self.last, text, differences=answer)]
+        grown = np.max(np.array(answer.rms_after) / np.maximum(self.reference.rms, 1e-300))
+        if grown > GROWN:
+            return [Event(
+                "unexplained", self.last, f"the error is {grown:.2g} times what it was, and nothing known explains it",
+                differences=answer, more={"rms": answer.rms_after},
+            )]  # fmt: skip
+        return []
+
+    def _ask(self, after: Sequence[Window]) -> Differences:
+        assert self.reference is not None
+        now = self.reference.now
+        # Those just before show whether it came slowly; the one at the seam may hold both.
+        recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
+        question = prepared([*self.kept[: self.settings.learn], *recent], after)
+        fit = fitted_model(now.fit, question)
+        rules = replace(self.rules, placebos=self.settings.draws)
+        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, MOST).run(0.0)
+
+    def _change(self, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
+        since = _onset(answer, last)
+        first = answer.found[0]
+        kind = {"load": "payload", "sensor": "sensor"}.get(first.kind, "drift" if since and since.slow else "abrupt")
+        when = "" if since is None else (
+            f"since {clock(since.t)} ({clock(since.low)} to {clock(since.high)}) "
+        )  # fmt: skip
+        more: dict[str, object] = {"state": state, "rms_before": answer.rms_before, "rms_after": answer.rms_after}
+        if found is not None:
+            more |= {"deviation": found.size, "limit": found.limit}
+        text = f"{when}{'slowly ' if kind == 'drift' else ''}{'; '.join(d.sentence for d in answer.found)}"
+        return Event("change", self.last, text, (), answer, since, kind, more)
+
+    def _refined(self) -> list[Event]:
+        """Name the change once more, now that it has lasted, and learn what is usual from here on."""
+        assert self.named is not None
+        last = list(self.recent)[-min(self.quiet_since, SPANS[-1]) :]
+        answer = self._ask(last)
+        told = self.named
+        self.named, self.pending, self.reference = None, None, None
+        self.kept = list(last)
+        self.recent.clear()
+        if not answer.found:
+            return [Event("change", self.last, f"over again: {told.names[0]} is as it was before", (), answer, None,
+                          "over", {"state": "over"})]  # fmt: skip
+        return [self._change(answer, None, "refined", last)]
+
+    # -- beginning and end ------------------------------------------------------------------------------------
+
+    def _start(self) -> Event:
+        filters = self.front.filters
+        assert filters is not None
+        need = self.settings.learn * self.settings.block
+        text = (
+            f"{filters.rate:.5g} Hz, cut-off {filters.cutoff:g} Hz, answers {filters.delay:.2g} s late; the first "
+            f"{need:g} s say what is usual"
+        )
+        more = {"rate": filters.rate, "cutoff": filters.cutoff, "delay": filters.delay,
+                "joints": self.model.joint_names}  # fmt: skip
+        return Event("start", float(self.front.begin), text, more=more)
+
+    def _summary(self) -> Event:
+        seconds = 0.0 if self.first is None else self.last - self.first
+        changes = self.counts.get("change", 0)
+        text = f"{clock(seconds)} watched, {self.blocks} blocks"
+        if self.reference is None and not changes:
+            text += ": too little to say what is usual, so nothing was looked for"
+        else:
+            text += f", {changes} reports of changes" if changes else ", no change"
+        estimates = () if self.estimator is None else self.estimator.estimates()
+        return Event("summary", self.last, text, estimates, more={"seconds": seconds, "blocks": self.blocks,
+                     "events": dict(self.counts)})  # fmt: skip
+
+
+def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:
+    course = answer.found[0].course
+    return None if course is None else onset(course, float(last[0].t[0]) - float(last[0].t[-1] - last[0].t[0]))

@@ -1,0 +1,167 @@
+"""Watching a machine: front end, estimator, detector, course, and the lines of a stream."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis.watching.course import onset
+from diagnosis.watching.estimator import Estimator, Pace
+from diagnosis.watching.front import FrontEnd, Samples
+from diagnosis.watching.result import Course
+from diagnosis.watching.window import weighted, window
+from ground.errors import RecordingError
+from measurement.reading.live import Lines, grown
+
+
+def _stream(seconds: float = 12.0, rate: float = 100.0) -> np.ndarray:
+    t = np.arange(0.0, seconds, 1.0 / rate)
+    q = np.column_stack([0.6 + 0.4 * np.sin(1.7 * t), -0.9 + 0.4 * np.cos(2.3 * t)])
+    return np.column_stack([t, q, 3.0 * q])
+
+
+def _all(front: FrontEnd, rows: np.ndarray, size: int) -> Samples:
+    return Samples.joined([front.push(rows[k : k + size]) for k in range(0, len(rows), size)])
+
+
+@pytest.mark.parametrize("rate", [100.0, 1000.0])
+def test_the_front_end_gives_the_same_however_samples_are_portioned(rate: float) -> None:
+    rows = _stream(4.0, rate)
+    whole, parts = _all(FrontEnd(2), rows, len(rows)), _all(FrontEnd(2), rows, 7)
+    assert len(whole) == len(parts)
+    for name in ("t", "q", "dq", "ddq", "tau", "good"):
+        np.testing.assert_allclose(getattr(whole, name), getattr(parts, name), rtol=0, atol=1e-9)
+
+
+def test_angles_and_torque_are_late_by_what_is_stated() -> None:
+    front = FrontEnd(2)
+    made = _all(front, _stream(), 100)
+    assert front.filters is not None
+    first = front.filters.keep / (1.0 - front.filters.keep) * 4 / front.filters.rate
+    late = made.t - first  # the median's neighbours are in the stamps already
+    wanted = 0.6 + 0.4 * np.sin(1.7 * late)
+    np.testing.assert_allclose(made.q[100:, 0], wanted[100:], atol=2e-3)
+    np.testing.assert_allclose(made.tau[:, 0], 3.0 * made.q[:, 0], atol=1e-9)
+    np.testing.assert_allclose(made.dq[100:, 0], (0.4 * 1.7 * np.cos(1.7 * late))[100:], atol=6e-3)
+
+
+def test_a_spike_of_the_torque_is_replaced_and_a_hole_is_not_used() -> None:
+    rows = _stream()
+    spoilt = rows.copy()
+    spoilt[600, 3] += 50.0
+    clean, made = _all(FrontEnd(2), rows, 100), _all(FrontEnd(2), spoilt, 100)
+    assert np.abs(made.tau - clean.tau).max() < 0.05
+    holed = np.delete(rows, slice(600, 640), axis=0)
+    made = _all(FrontEnd(2), holed, 100)
+    assert len(made) == len(clean)
+    assert not made.good[600:630].any()
+
+
+def test_a_clock_that_jumps_starts_the_filters_anew() -> None:
+    rows = _stream()
+    later = rows.copy()
+    later[600:, 0] += 3600.0
+    front = FrontEnd(2)
+    made = _all(front, later, 50)
+    assert front.restarts == 1
+    assert len(made) < 2000
+
+
+def test_what_holds_between_torque_and_columns_holds_after_the_weighted_filter() -> None:
+    front = FrontEnd(2)
+    made = _all(front, _stream(), 100)
+    assert front.filters is not None
+    one = window("w", made, front.filters.settled, front.filters)
+    column = np.stack([made.dq, made.q], axis=2)
+    smooth = one.smooth(column)
+    direct = one.smooth(column @ np.array([2.0, -1.5]))
+    np.testing.assert_allclose(smooth @ np.array([2.0, -1.5]), direct, atol=1e-12)
+    assert one.use.any()
+    assert not weighted(made.q, np.zeros_like(made.q), 0.5).any()
+
+
+def _regressor(rng: np.random.Generator, count: int) -> np.ndarray:
+    return rng.standard_normal((count, 1, 2)) * np.array([1.0, 3.0])
+
+
+def _estimator(scale: float = 0.1) -> Estimator:
+    return Estimator.start(
+        ("a", "b"), ("", ""), np.zeros(2), np.full(2, 1e3), np.array([scale]), 10.0, 0, Pace(rest=20.0, block=1.0)
+    )
+
+
+def test_the_estimator_is_weighted_least_squares_as_long_as_nothing_is_forgotten() -> None:
+    rng = np.random.default_rng(0)
+    rows, truth = _regressor(rng, 300), np.array([2.0, -1.0])
+    one = _estimator(1e6)  # so that no residual is large
+    one.forget = np.zeros(2)
+    one.follow = 0.0
+    tau = (rows @ truth)[:, 0] + 0.1 * rng.standard_normal(300)
+    for row, value in zip(rows, tau, strict=True):
+        one.step(row, np.array([value]), [True])
+    wanted = np.linalg.lstsq(
+        np.vstack([rows[:, 0] / 1e6, np.eye(2) / 1e3]), np.append(tau / 1e6, [0.0, 0.0]), rcond=None
+    )[0]
+    np.testing.assert_allclose(one.linear, wanted, rtol=1e-8)
+
+
+def test_a_parameter_without_excitation_keeps_value_and_certainty() -> None:
+    rng = np.random.default_rng(1)
+    one = _estimator()
+    for row in _regressor(rng, 600):
+        one.step(row, row @ np.array([2.0, -1.0]) + 0.1 * rng.standard_normal(1), [True])
+    before, sure = one.linear.copy(), one.variance.copy()
+    for _ in range(3000):
+        one.step(np.array([[1.0, 0.0]]), np.array([5.0]) + 0.1 * rng.standard_normal(1), [True])
+    assert abs(one.linear[0] - 5.0) < 0.1  # follows what is excited
+    assert abs(one.linear[1] - before[1]) < 0.05
+    assert one.variance[1] < 4.0 * sure[1]
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_the_course_tells_a_jump_from_a_drift(slow: bool) -> None:
+    rng = np.random.default_rng(2)
+    t = np.arange(0.0, 300.0, 2.0)
+    shape = np.clip((t - 150.0) / 120.0, 0.0, 1.0) if slow else (t >= 150.0).astype(float)
+    found = onset(Course(t, shape + 0.1 * rng.standard_normal(t.size), np.ones(t.size)))
+    assert found.slow == slow
+    if not slow:
+        assert found.low <= 150.0 <= found.high
+        assert abs(found.t - 150.0) < 5.0
+
+
+def test_lines_of_csv_come_in_pieces_and_bad_ones_are_told() -> None:
+    lines = Lines()
+    text = "time;hip_angle [deg];knee_angle [deg];hip_torque;knee_torque\n0,0;10;20;1;2\nrubbish\n0,01;10;20;1"
+    first = lines.feed(text)
+    assert first.shape == (1, 5)
+    assert first[0, 1] == pytest.approx(np.deg2rad(10.0))
+    second = lines.feed(",5;2\n0,02;nan;1;1;1\n")
+    assert second[0, 3] == pytest.approx(1.5)
+    assert [one.line for one in lines.skipped] == [3, 5]
+
+
+def test_json_lines_may_hold_lists_and_names_in_any_order() -> None:
+    lines = Lines()
+    rows = lines.feed(
+        '{"tau": [1, 2], "q": [0.1, 0.2], "t": 0.5}\n{"t": 1}\n[1]\n{"t": 1, "q": [1, null], "tau": [0, 0]}\n'
+    )
+    np.testing.assert_allclose(rows, [[0.5, 0.1, 0.2, 1.0, 2.0]])
+    assert lines.skipped_count == 3
+
+
+def test_columns_that_are_not_there_are_refused() -> None:
+    with pytest.raises(RecordingError, match="tau"):
+        Lines().feed("t,q1,q2\n")
+
+
+def test_a_file_that_is_rotated_is_read_on(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "log.csv"
+    path.write_text("t,q1,q2,tau1,tau2\n0,0,0,0,0\n")
+    texts = grown(path, True)
+    assert (next(texts) or "").startswith("t,q1")
+    path.rename(tmp_path / "log.1")
+    path.write_text("t,q1,q2,tau1,tau2\n1,0,0,0,0\n")
+    fresh = next(text for text in texts if text is None)
+    assert fresh is None
+    assert "1,0,0,0,0" in (next(texts) or "")

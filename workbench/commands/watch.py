@@ -1,0 +1,205 @@
+"""`exoid watch`: follow a machine while it runs, and say when something changed."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+from workbench.command_line.deliver import check_places
+from workbench.command_line.options import add_common, pairs, positive_number, whole_number
+from workbench.terminal.screen import Screen, warn
+
+if TYPE_CHECKING:
+    from diagnosis.watching.events import Event
+    from measurement.reading.live import Lines
+    from symbolic.model import Model
+
+HELP = """follow a machine while it runs: numbers with intervals, and what changed, named
+
+exoid watch leg.toml run.csv                a recording, or a file that is still being written
+exoid watch leg.toml --follow log.csv       until Ctrl-C; log rotation is noticed
+my_logger | exoid watch leg.toml -          CSV or one JSON object per line on standard input
+exoid watch standard log.csv --json -       one JSON object per event"""
+
+STANDARD = "standard"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("model", metavar="MODEL", help=f"model file (TOML), or {STANDARD} for the standard leg")
+    parser.add_argument("source", metavar="SOURCE", help="a recording, a file that grows, or - for standard input")
+    parser.add_argument("--follow", action="store_true", help="wait for further lines of the file until Ctrl-C")
+    group = parser.add_argument_group("reading the samples")
+    group.add_argument(
+        "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
+        help="which column is which, for example q1=HipEnc,q2=KneeEnc",
+    )  # fmt: skip
+    group.add_argument(
+        "--units", metavar="NAME=UNIT", action="append", default=[], type=pairs,
+        help="units that are not SI, for example q=deg,tau=mNm",
+    )  # fmt: skip
+    group.add_argument("--cutoff", metavar="HZ", type=positive_number, default=None, help="cut-off of the filters (4)")
+    group = parser.add_argument_group("watching")
+    group.add_argument(
+        "--learn", metavar="S", type=positive_number, default=120.0, help="first seconds, which say what is usual (120)"
+    )
+    group.add_argument(
+        "--false-alarms", metavar="N", type=positive_number, default=1.0,
+        help="false alarms accepted in 24 h of operation (1)",
+    )  # fmt: skip
+    group.add_argument(
+        "--estimates", metavar="BLOCKS", type=whole_number, default=0,
+        help="report the model's numbers every so many blocks of 10 s (0: only at the end)",
+    )  # fmt: skip
+    add_common(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Watch until the source ends; 1 when something changed."""
+    check_places(args)
+    from diagnosis.watching.front import CUTOFF
+    from diagnosis.watching.watcher import Settings, Watcher
+    from workbench.command_line.inputs import load_model
+    from workbench.command_line.parser import UsageError
+
+    given = None if args.model == STANDARD and not Path(STANDARD).exists() else args.model
+    model = load_model(given, any_machine=True)
+    block = Settings().block
+    if args.learn < 4 * block:
+        raise UsageError(f"--learn {args.learn:g} is too short", remedy=f"give at least {4 * block:g} s")
+    settings = Settings(
+        cutoff=args.cutoff or CUTOFF, learn=round(args.learn / block), alarms_per_day=args.false_alarms,
+        estimates=args.estimates, seed=args.seed, most_learn=3 * round(args.learn / block),
+    )  # fmt: skip
+    watcher = Watcher(model, settings, model.custom)
+    report = _Report(args)
+    try:
+        try:
+            for samples, skipped in _samples(args, model):
+                for one in skipped:
+                    report.skipped(one.line, one.why)
+                if samples is not None:
+                    report.all(watcher.push(samples))
+        except KeyboardInterrupt:
+            report.note("interrupted")
+        report.all(watcher.finish())
+    finally:
+        report.close()
+    if args.out:
+        report.write(args.out)
+    return 1 if report.alarms else 0
+
+
+class _Report:
+    """Tells events as they come: lines for people, objects for programs."""
+
+    def __init__(self, args: argparse.Namespace) -> None:
+        self.screen = Screen.of(args)
+        self.alarms = 0
+        self.events: list[dict[str, Any]] = []
+        self.keep = bool(args.out)
+        self.stream: IO[str] | None = None
+        self.own = args.json not in (None, "-")
+        if args.json == "-":
+            self.stream = sys.stdout
+        elif args.json:
+            # A stream has to be readable while it grows, so it is not delivered whole at the end.
+            self.stream = Path(args.json).open("w", encoding="utf-8")  # noqa: SIM115
+
+    def all(self, events: list[Event]) -> None:
+        for one in events:
+            self.alarms += one.alarm
+            style = "bad" if one.alarm else "warn" if one.event in ("motion", "waiting") else ""
+            self.screen.say(repr(one), style)
+            self._object(one.to_json())
+        sys.stdout.flush()
+
+    def skipped(self, line: int, why: str) -> None:
+        warn(f"line {line} is passed over: {why}")
+        self._object({"schema": "exoid.watch/1", "event": "skipped", "line": line, "sentence": why})
+
+    def note(self, text: str) -> None:
+        self.screen.say(text, "faint")
+
+    def _object(self, found: dict[str, Any]) -> None:
+        if self.keep:
+            self.events.append(found)
+        if self.stream is not None:
+            self.stream.write(json.dumps(found, ensure_ascii=True, allow_nan=False) + "\n")
+            self.stream.flush()
+
+    def close(self) -> None:
+        if self.stream is not None and self.own:
+            self.stream.close()
+
+    def write(self, folder: str) -> None:
+        """Write the events into a folder."""
+        from workbench.command_line.files import make_folder, write_json
+
+        write_json(str(make_folder(folder) / "result.json"), {"schema": "exoid.watch/1", "events": self.events})
+
+
+def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list[Any]]]:
+    """Yield samples (N, 1 + 2 J) as they come, and the lines passed over."""
+    import numpy as np
+
+    from measurement.reading.live import Lines, check_text, grown, piped
+    from workbench.command_line.inputs import read
+    from workbench.command_line.options import merged
+
+    told = merged(args.map, "--map"), merged(args.units, "--units")
+    if args.source == "-":
+        yield from _lines(Lines(model.joints, *told), piped(sys.stdin.buffer))
+        return
+    if not Path(args.source).is_file() and not args.follow:
+        from measurement.reading.sources import expand
+
+        expand([args.source])  # says what is wrong with the name, and what is near it
+    if args.follow or _may_grow(args.source):
+        check_text(args.source)
+        lines = Lines(model.joints, *told, where=args.source)
+        yield from _lines(lines, grown(args.source, True if args.follow else None))
+        return
+    for one in read(args.source, columns=told[0], units=told[1], quiet=args.quiet):
+        rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
+        for first in range(0, len(rows), 1000):
+            yield rows[first : first + 1000], []
+
+
+def _may_grow(source: str) -> bool:
+    """Whether the file is text by its name and was written to a moment ago."""
+    from measurement.reading.live import RECENT
+
+    path = Path(source)
+    texts = (".csv", ".tsv", ".txt", ".log", ".jsonl", ".json", ".ndjson")
+    young = path.is_file() and time.time() - path.stat().st_mtime < RECENT
+    return path.suffix.lower() in texts[3:] or (path.suffix.lower() in texts and young)
+
+
+def _lines(lines: Lines, texts: Iterator[str | None]) -> Iterator[tuple[Any, list[Any]]]:
+    from measurement.reading.live import TOLD, Skipped
+
+    told = 0
+
+    def new() -> list[Any]:
+        nonlocal told
+        fresh = lines.skipped[told:]
+        told = len(lines.skipped)
+        return fresh
+
+    for text in texts:
+        if text is None:
+            last = lines.feed("", last=True)
+            lines.again()
+            yield last, new()
+        elif text:
+            yield lines.feed(text), new()
+    yield lines.feed("", last=True), new()
+    more = lines.skipped_count - TOLD
+    if more > 0:
+        yield None, [Skipped(lines.number, f"{more} further lines were no samples either")]
