@@ -21,7 +21,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.trials.machines import MACHINES
+from diagnosis.trials.machines import (
+    CONVENTION,
+    CONVENTIONS,
+    MACHINES,
+    PASSIVE,
+    kept_in,
+    without_knee_drive,
+)
 from measurement.bench.blind import draw, relative_size
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg
@@ -34,7 +41,7 @@ from symbolic.model import Model
 from symbolic.motion import Motion
 from symbolic.quantity import JOINTS
 
-KINDS = ("single", "small", "pair", "none", "outside", *MACHINES)
+KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION)
 VISIBLE = (0.25, 1.2)
 """RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
 RATE, BAND = 200.0, 5.0
@@ -140,6 +147,8 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
         }
         for kind in MACHINES:
             by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(names, MACHINES_PER_SEED, replace=False)]
+        for kind, choice in ((PASSIVE, [n for n in names if n.endswith(":hip")]), (CONVENTION, CONVENTIONS)):
+            by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(choice, MACHINES_PER_SEED, replace=False)]
         out += [case for kind in kinds for case in by_kind[kind]]
     return out
 
@@ -155,7 +164,7 @@ def _pair(rng: np.random.Generator, names: list[str]) -> tuple[str, str]:
 def hide(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[Hidden, ...]:
     """Return what is hidden in the leg of `case`, with its numbers drawn."""
     out = []
-    for name in case.variants:
+    for name in case.variants if case.kind != CONVENTION else ():
         identifier, _, joint = name.partition(":")
         effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue()[identifier]
         alone = effect if effect.on_both else replace(effect, joints=(joint,))
@@ -226,6 +235,10 @@ def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hid
     """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
     hidden = hide(case, leg, rng)
     worse = MACHINES.get(case.kind, lambda runs, _: runs)
+    if case.kind == CONVENTION:
+        return hidden, tuple(kept_in(case.variants[0], simulate_runs(4, None, leg, seed=case.number)))
+    if case.kind == PASSIVE:
+        leg = without_knee_drive(leg)
     for _ in range(8):
         try:
             return hidden, tuple(worse(simulate_runs(4, None, leg, effects=hidden, seed=case.number), rng))

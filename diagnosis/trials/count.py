@@ -2,7 +2,7 @@
 
 A case is *right* when exactly as much is accepted as was hidden, and each hidden effect is an accepted one or among its
 look-alikes; `outside` is right when nothing is accepted and what is left is reported at the right joint in the right
-variable.
+variable; `convention` is right when the option that reads the recordings rightly is named and nothing is accepted.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from diagnosis.grading import match
 from diagnosis.trials.cases import KINDS, OUTSIDE
+from diagnosis.trials.machines import CONVENTION
 
 
 def matched(line: Mapping[str, Any]) -> tuple[int, int]:
@@ -34,6 +35,9 @@ def right(line: Mapping[str, Any]) -> bool:
         rest = line["unexplained"]
         placed = rest["joint"] == effect.joints[0] and bool({*rest["variables"]} & {*variables})
         return line["verdict"] == "unexplained" and placed
+    if line["kind"] == CONVENTION:
+        option = line["case"].split("/")[1]
+        return line["verdict"] == "check_channels" and f"--convention {option.replace('+', ',')}" in line["next"]
     found, extra = matched(line)
     return found == len(line["hidden"]) and extra == 0 and (bool(line["hidden"]) or line["verdict"] == "adequate")
 
@@ -66,7 +70,7 @@ def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
                 str(len(some)),
                 f"{100 * sum(map(right, some)) / len(some):.1f} %",
                 str(extra),
-                str(missed) if kind not in ("none", "outside") else "",
+                str(missed) if kind not in ("none", "outside", CONVENTION) else "",
                 f"{np.mean(alike):.2f}" if alike else "",
                 f"{np.median(ratios):.3f}, {max(ratios):.3f}",
                 f"{100 * np.mean(covered):.1f} %" if covered else "",

@@ -4,8 +4,10 @@
     current    torques from motor current, with a constant that is wrong by up to a fifth
     uneven     quiet and loud runs in one set: noise and outliers differ by up to a factor of ten
     locked     a run in which the knee is locked
+    passive    a leg whose knee has no drive, and swings; the effect is one of the hip
+    convention recordings that keep another convention than exoid's, named by the case; nothing is hidden
 
-One effect is hidden in each, as in `single`.
+One effect is hidden in each of the others, as in `single`.
 """
 
 from __future__ import annotations
@@ -16,7 +18,9 @@ from types import MappingProxyType
 
 import numpy as np
 
+from measurement.bench.leg import Leg
 from measurement.bench.simulation import BenchRun
+from measurement.reading.conventions import combined, conventions
 from measurement.signals.conditioning import low_pass
 from symbolic.motion import Float
 
@@ -72,6 +76,35 @@ def _locked(runs: Sequence[BenchRun], rng: np.random.Generator) -> list[BenchRun
     held = replace(run.recording, q=still + steps, tau=torque + noise)
     return [runs[0], replace(run, recording=held, motion=motion, torque=torque), *runs[2:]]
 
+
+def without_knee_drive(leg: Leg) -> Leg:
+    """Return the leg with a knee motor that gives nothing."""
+    return replace(leg, torque_limit=(leg.torque_limit[0], 1e-9))
+
+
+def kept_in(convention: str, runs: Sequence[BenchRun]) -> list[BenchRun]:
+    """Return the runs as a lab would log them that keeps `convention`."""
+    to = combined(conventions(convention))
+    angle, torque = np.linalg.inv(to.angle).T, np.linalg.inv(to.torque).T
+    return [
+        replace(
+            run, recording=replace(run.recording, q=(run.recording.q - to.zero) @ angle, tau=run.recording.tau @ torque)
+        )
+        for run in runs
+    ]
+
+
+CONVENTION, PASSIVE = "convention", "passive"
+CONVENTIONS = (
+    "flexion-positive",
+    "absolute-shank",
+    "hip-from-upright",
+    "knee-torque-negated",
+    "swapped-joints",
+    "flexion-positive,hip-from-horizontal",
+    "degrees,flexion-positive",
+)
+"""Conventions from which those of the trials are drawn."""
 
 MACHINES: Mapping[str, Callable[[Sequence[BenchRun], np.random.Generator], list[BenchRun]]] = MappingProxyType(
     {"rough": _rough, "current": _current, "uneven": _uneven, "locked": _locked}

@@ -42,6 +42,7 @@ def run_case(name: str) -> dict[str, Any]:
         "size": [relative_size(h, leg) for h in hidden],
         "visible": [visible(h, leg) for h in hidden],
         "verdict": found.verdict,
+        "next": found.next_experiment,
         "accepted": [_accepted(a) for a in found.accepted],
         "unexplained": found.to_json()["unexplained"],
         "suspects": [
