@@ -1,8 +1,9 @@
 """Every catalogue entry as columns for these recordings: what the data would have to look like if it were missing.
 
 An entry with linear coefficients gives one column per coefficient, for every trial value (node) of its shape
-parameters. An entry without (a delay, a tilt, an encoder offset) gives the *tangent*: how the model's torque would
-change with it, at the present parameters. Nothing here ever looks at the measured torque.
+parameters. An entry without (a tilt, an encoder offset) gives the *tangent*: how the model's torque would change with
+it, at the present parameters; where its number belongs to the recording (a delay), it gives the change itself at every
+trial value. Nothing here ever looks at the measured torque.
 """
 
 from __future__ import annotations
@@ -58,6 +59,11 @@ class Candidate:
         return self.term.name
 
     @property
+    def change(self) -> bool:
+        """Whether its single column is the change of the model's torque at a value of its number."""
+        return not self.tangent and not self.term.effect.coefficients
+
+    @property
     def joints(self) -> tuple[int, ...]:
         """Indices of the joints whose torque it changes."""
         return self.term.reaches
@@ -69,8 +75,9 @@ class Candidate:
 
     @property
     def common(self) -> np.ndarray:
-        """Indices of the nodes that are the same in every recording."""
-        return np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
+        """Indices of the nodes that are the same in every recording, each once."""
+        same = np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
+        return same[np.sort(np.unique(self.nodes[0, same], axis=0, return_index=True)[1])]
 
     @property
     def per_recording(self) -> tuple[int, ...]:
@@ -123,7 +130,8 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
             undriven = joint is not None and not driven[term.first]
             idle = undriven and (effect.drive or (effect.derive is None and _feeds_back(term)))
             if term.name not in known and not idle:
-                tangent = not effect.coefficients
+                own = any(shape.per_recording for shape in effect.shape.values())
+                tangent = not effect.coefficients and not own
                 found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
     return Library(tuple(found))
 
@@ -170,6 +178,8 @@ def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
     if candidate.tangent:
         raw = _tangent(candidate.term, one, fitted)[None]
+    elif candidate.change:
+        raw = _changes(candidate.term, one, fitted, nodes)
     elif candidate.term.effect.derive is not None:
         raw = _derived(candidate.term, one, fitted, nodes)
     else:
@@ -241,6 +251,16 @@ def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
         sides.append(extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, value])))
     slope = (sides[0] - sides[1]) / (2.0 * step)
     return slope.T[list(term.reaches)][:, :, None]
+
+
+def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
+    """Return by how much the term changes the model's torque (V, A, N, 1) at `nodes` (V, S) of its numbers."""
+    extended = fitted.model.with_effect(term.effect, term.joint)
+    still = fitted.model.torque(one.motion, fitted.linear, fitted.shape)
+    joints = list(term.reaches)
+    different, back = np.unique(nodes, axis=0, return_inverse=True)
+    torques = [extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, node])) for node in different]
+    return np.stack([(torque - still).T[joints] for torque in torques])[back.ravel()][..., None]
 
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:

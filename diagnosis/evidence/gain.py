@@ -251,10 +251,26 @@ class Evidence:
 
     def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
         """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
-        units = [u for u in range(len(self._units)) if self._units[u][0] == index]
+        units = self._units_of(index)
         inverse, slope = self._normal(units)
         step = inverse @ slope
         return fit_candidate(inverse, step, [grams[u] for u in units], self.ridge(None))[::2]
+
+    def gain_once(self, grams: Sequence[Gram], index: int, step: Float) -> Float:
+        """Return the gain (D,) on recording `index` of a candidate's only column as it is, nothing fitted, the model's
+        own numbers moved by `step` (D, P).
+        """
+        parts = [grams[u] for u in self._units_of(index)]
+        return np.sum([2.0 * (u.a[:, 0] - np.sum(step * u.g[:, :, 0], axis=1)) - u.h[:, 0, 0] for u in parts], axis=0)
+
+    def step_beside(self, grams: Sequence[Gram]) -> Float:
+        """Return how the model's own numbers move (D, P) when all training units are fitted beside a candidate."""
+        fit = [u for u in range(len(self._units)) if self.is_train[u]]
+        inverse, slope = self._normal(fit)
+        return fit_candidate(inverse, inverse @ slope, [grams[u] for u in fit], self.ridge())[1]
+
+    def _units_of(self, index: int) -> list[int]:
+        return [u for u in range(len(self._units)) if self._units[u][0] == index]
 
     def pick(self, grams_by_node: Sequence[Sequence[Gram]], nodes: np.ndarray) -> list[Gram]:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; `grams_by_node` is [node][unit]."""

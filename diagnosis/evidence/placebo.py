@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, Gain, Gram
-from diagnosis.evidence.score import Score, admissible, groups_of
+from diagnosis.evidence.gain import Evidence, Gain
+from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 from symbolic.motion import Float
 
 
@@ -27,8 +27,8 @@ def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Sco
     groups = groups_of(candidate)
     by_node = {v: evidence.shifted(columns, int(v)) for group in groups for v in group}
     for group in groups:
-        chosen = _local_draws(evidence, candidate, by_node, group)
         stacked = [by_node[v] for v in group]
+        chosen = own_nodes(evidence, candidate, stacked)
         null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(evidence.pick(stacked, chosen))))
     seen = score.share * float(evidence.fold_losses.sum())
     beaten = int(np.count_nonzero(null >= seen))
@@ -52,17 +52,3 @@ def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:
 def _null_of(evidence: Evidence, candidate: Candidate, gain: Gain) -> Float:
     """Return the gains (draws,) of placebos; one with a forbidden sign would not have been accepted either."""
     return np.where(admissible(candidate, gain.coefficients, evidence.rules), gain.total, 0.0)[1:]
-
-
-def _local_draws(
-    evidence: Evidence, candidate: Candidate, by_node: Mapping[int, Sequence[Gram]], group: np.ndarray
-) -> np.ndarray:
-    """Return the place in `group` (R, D) that each recording would choose for each draw."""
-    out = []
-    for recording in range(len(evidence.blocks)):
-        gains = []
-        for v in group:
-            coefficients, gain = evidence.recording_gain(by_node[v], recording)
-            gains.append(np.where(admissible(candidate, coefficients, evidence.rules), gain, -np.inf))
-        out.append(np.argmax(gains, axis=0))
-    return np.array(out)

@@ -15,6 +15,9 @@ from diagnosis.rules import Rules
 from symbolic.effect import Coefficient, Shape
 from symbolic.motion import Float
 
+ROUNDS = 4
+"""Times that recordings choose values of their own beside the numbers they share."""
+
 
 @dataclass(frozen=True, eq=False)
 class Score:
@@ -116,8 +119,13 @@ def _harmless(rules: Rules, gains: Float) -> bool:
 
 
 def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.ndarray:
-    """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds."""
+    """Return for each entry D of `coefficients` (D, m) whether all lie within their physical bounds.
+
+    That of a `change` is how many times it is there.
+    """
     effect = candidate.term.effect
+    if candidate.change:
+        return np.asarray(coefficients[:, 0] >= 0.0)  # in the direction that its value says
     entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*effect.shape.values()][:1]
     reach = rules.tangent_reach if candidate.tangent else 1.0
     ok = np.ones(len(coefficients), dtype=bool)
@@ -148,9 +156,6 @@ def groups_of(candidate: Candidate) -> list[np.ndarray]:
     own = candidate.per_recording
     every = np.arange(candidate.nodes.shape[1])
     moving = np.setdiff1d(every, candidate.common)
-    if not moving.size and len(candidate.nodes) > 1:
-        # Places that are the same in recordings of one length: each may still take another of them.
-        moving = every[: len(every) // 2]
     if not own or not moving.size:
         return []
     _, label = np.unique(np.delete(candidate.nodes[0, moving], own, axis=1), axis=0, return_inverse=True)
@@ -178,12 +183,30 @@ def _choices(
         return out
     by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
     for group in groups:
-        nodes = np.array([group[_local(evidence, candidate, grams, r, group)] for r in range(recordings)])
+        nodes = group[own_nodes(evidence, candidate, [by_node[v] for v in group])[:, 0]]
         out.append((nodes, evidence.gain(evidence.pick(by_node, nodes[:, None]))))
     return out
 
 
-def _local(evidence: Evidence, candidate: Candidate, grams: Sequence[Gram], recording: int, group: np.ndarray) -> int:
-    coefficients, gain = evidence.recording_gain(grams, recording)
-    gain = np.where(admissible(candidate, coefficients, evidence.rules), gain, -np.inf)
-    return int(np.argmax(gain[group]))
+def own_nodes(evidence: Evidence, candidate: Candidate, by_node: Sequence[Sequence[Gram]]) -> np.ndarray:
+    """Return which node (R, D) each recording chooses for itself; `by_node` are the Gram blocks of every node.
+
+    A recording is fitted alone, base and candidate alike. Not where the candidate is a change of the model's torque: a
+    delay would hide behind friction that all recordings share. There the model's numbers are those of all recordings,
+    and the choice is repeated beside what was chosen.
+    """
+    step: Float = np.zeros((1, len(evidence.prior)))
+    nodes = np.zeros((len(evidence.blocks), len(by_node[0][0].a)), dtype=int)
+    for _ in range(ROUNDS if candidate.change else 1):
+        for recording in range(len(nodes)):
+            gains = []
+            for grams in by_node:
+                if candidate.change:
+                    gains.append(evidence.gain_once(grams, recording, step))
+                    continue
+                coefficients, gain = evidence.recording_gain(grams, recording)
+                gains.append(np.where(admissible(candidate, coefficients, evidence.rules), gain, -np.inf))
+            nodes[recording] = np.argmax(gains, axis=0)
+        if candidate.change:
+            step = evidence.step_beside(evidence.pick(by_node, nodes))
+    return nodes

@@ -25,7 +25,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> st
         too_short(after.fitted.prepared, rules)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
-        or small_while_far(after, floor, rules)
+        or small_while_far(before, after, floor, rules)
     )
 
 
@@ -80,12 +80,13 @@ def undetermined(fitted: FittedModel, name: str) -> str:
     return f"{text}: the interval contains zero"
 
 
-def small_while_far(after: Extension, floor: Float, rules: Rules) -> str:
+def small_while_far(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
     """Return that the term gains little while an error stays far above the noise floor (J,)."""
     score = after.added
     if score is None:
         return ""
-    share = max(score.share, score.unseen or 0.0)
+    refitted = before.unseen_gain(after, rules) if before.fitted.verified else 0.0
+    share = max(score.share, score.unseen or 0.0, refitted)
     # At any joint: what is missing at one bends the inertias of all, and a small term elsewhere may bend them back.
     ratio = after.fitted.judged_rms / np.maximum(floor, 1e-12)
     times = float(ratio.max()) / rules.far_above

@@ -1,4 +1,8 @@
-"""Torque and motion recorded at different moments: τ_model(t - d) instead of τ_model(t)."""
+"""Torque and motion recorded at different moments: τ_model(t - d) instead of τ_model(t).
+
+Loggers that are started by hand, or a bus that is busier in one run than in another, give every recording a delay of
+its own.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +19,10 @@ EFFECT = Effect(
             "s",
             min=-0.1,
             max=0.1,
-            points=20,
+            points=21,
             typical=0.02,
             explains="delay of the torque; negative: of the motion",
+            per_recording=True,
         )
     },
     explains="The torque is logged later (or earlier) than the motion that belongs to it.",

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from synthetic import CUTOFF, recording
 
+from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
+from diagnosis.rules import Rules
+from diagnosis.search.context import SearchContext
+from optimisation.preparation.prepare import CutoffChoice, Prepared
+from symbolic.model import Model
 
 
 def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> RecordingEvidence:
@@ -126,3 +132,19 @@ def test_noise_is_called_significant_as_often_as_it_should_be():
         values.append(placebo(evidence, score, columns).p_value)
     low = np.mean(np.array(values) <= 0.2)
     assert 0.05 <= low <= 0.37
+
+
+def test_every_recording_has_a_delay_of_its_own():
+    """A common delay hides behind friction; what differs from file to file does not."""
+    delays = [0.01, 0.06, 0.03, 0.045]
+    made = [recording(f"run_{k}", k, {"time_delay:knee": ([], [d])}, noise=0.02) for k, d in enumerate(delays)]
+    choice = CutoffChoice(CUTOFF, "fixed")
+    prepared = Prepared(tuple(made[:3]), tuple(made[3:]), choice, np.full(2, 0.01), np.zeros(2), 0.0)
+    context = SearchContext(prepared, build_library(Model.standard(), prepared.all), rules=Rules(placebos=99))
+    extension = context.fit(Model.standard())
+    evidence = context.evidence(extension, draws=0)
+    score = context.tested(extension, context.weighed(extension, evidence, context.library.find("time_delay:knee")))
+    np.testing.assert_allclose(score.shape[:, 0], delays, atol=0.011)
+    assert score.p_value == 0.01 and score.share > 0.8
+    found = context.with_term(extension, score).fitted
+    np.testing.assert_allclose(found.shapes[:, 0], delays, atol=2e-3)
