@@ -20,7 +20,7 @@ import numpy as np
 
 from measurement.bench.leg import Leg
 from measurement.bench.simulation import BenchRun
-from measurement.reading.conventions import combined, conventions
+from measurement.reading.conventions import combined_map, conventions
 from measurement.signals.conditioning import low_pass
 from symbolic.motion import Float
 
@@ -84,7 +84,7 @@ def without_knee_drive(leg: Leg) -> Leg:
 
 def kept_in(convention: str, runs: Sequence[BenchRun]) -> list[BenchRun]:
     """Return the runs as a lab would log them that keeps `convention`."""
-    to = combined(conventions(convention))
+    to = combined_map(conventions(convention))
     angle, torque = np.linalg.inv(to.angle).T, np.linalg.inv(to.torque).T
     return [
         replace(

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from diagnosis.trials.cases import Case, cases
-from diagnosis.trials.machines import LEFT, MACHINES, TIMES
+from diagnosis.trials.count import right
+from diagnosis.trials.machines import CONVENTIONS, LEFT, MACHINES, TIMES, kept_in, without_knee_drive
+from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import Bench, simulate_runs
+from measurement.reading.conventions import read_as
 
 RUNS = simulate_runs(4, seed=1, bench=Bench(duration=6.0))
 
@@ -39,3 +42,24 @@ def test_a_locked_knee_still_carries_the_shank():
 def test_each_kind_is_part_of_a_campaign():
     names = [case.name for case in cases(list(MACHINES), 1)]
     assert {Case.named(name).kind for name in names} == set(MACHINES)
+
+
+def test_recordings_in_another_convention_are_the_same_once_they_are_read_rightly():
+    for name in CONVENTIONS:
+        for run, before in zip(kept_in(name, RUNS), RUNS, strict=True):
+            assert not np.allclose(run.recording.q, before.recording.q) or "torque" in name
+            np.testing.assert_allclose(read_as(run.recording, name).q, before.recording.q, atol=1e-12)
+
+
+def test_a_trial_of_conventions_is_right_only_with_the_option_that_helps():
+    line = {"kind": "convention", "case": "convention/flexion-positive/3", "verdict": "check_channels"}
+    assert right({**line, "next": "first give --convention flexion-positive"})
+    assert not right({**line, "next": "first give --convention swapped-joints"})
+    assert not right({**line, "verdict": "adequate", "next": ""})
+
+
+def test_a_knee_without_a_drive_gives_no_torque():
+    leg = without_knee_drive(standard_leg())
+    run = simulate_runs(1, None, leg, seed=3, bench=Bench(duration=4.0))[0]
+    assert np.abs(run.torque[:, 1]).max() < 1e-6 < np.abs(run.torque[:, 0]).max()
+    assert np.ptp(run.motion.q[:, 1]) > 0.1
