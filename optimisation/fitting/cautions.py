@@ -66,6 +66,7 @@ def price(model: FittableModel, held: Held | None) -> list[Finding]:
 def held(found: Settled, delta: Float, possible: Physics) -> Held:
     """Return what asking for a machine that could exist has changed in `found`."""
     free = solve_huber(found.data, delta, found.linear)
+    broken = possible.broken(free)
     least = huber(found.data.residual(free), delta)
     cost = huber(found.data.residual(found.linear), delta) / max(least, np.finfo(float).tiny) - 1.0
-    return Held(free, possible.broken(free), max(cost, 0.0))
+    return Held(free, broken, max(cost, 0.0) if broken else 0.0)
