@@ -58,11 +58,11 @@ def load_model(path: str | None, any_machine: bool = False) -> Model:
     return model
 
 
-def load(args: argparse.Namespace, any_machine: bool = False) -> Inputs:
+def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
     from measurement.reading.sources import expand
 
-    model = load_model(getattr(args, "model", None), any_machine)
+    model = load_model(getattr(args, "model", None), any_machine=True)
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
     expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
