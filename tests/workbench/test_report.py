@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
+import base64
 import functools
 import http.server
+import json
 import re
 import shutil
 import subprocess
@@ -12,10 +15,11 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
-from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, figure, material
+from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, figure, material, recording
 
 from ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
-from workbench.report.material import Material, Steps
+from measurement.finding import Finding
+from workbench.report.material import Material, Steps, command_of
 from workbench.report.page import figure_file_name, find_sections, render_report, write_report
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -85,6 +89,26 @@ def test_every_section_is_shown_with_its_title():
 @pytest.mark.parametrize("section", find_sections(), ids=lambda s: s.__name__.rsplit(".", 1)[1])
 def test_sections_keep_quiet_without_material(section):
     assert section.__name__.endswith("repeat") or section.context(Material(title="empty")) is None
+
+
+def test_a_page_does_not_tell_where_its_maker_keeps_files():
+    finding = Finding("gaps", "warning", "12 rows are empty", where="/home/me/data set/run_0.csv, column tau2")
+    given = Material(
+        title="t", answer="a", recordings=(recording(findings=(finding,)),), model=FakeModel(), truth="in /srv/x/seal",
+        command=command_of(argparse.Namespace(command_line=["exoid", "--model=/home/me/leg.toml", "C:/a/b.csv"])),
+        payload={"where": "/home/me/data/run_0.csv", "unit": "N·m·s/rad", "ratio": "1/(a/b)"},
+    )  # fmt: skip
+    text = render_report(given)
+    data = base64.b64decode(text.split("data:application/json;base64,")[1].split('"')[0])
+    assert json.loads(data) == {"where": "run_0.csv", "unit": "N·m·s/rad", "ratio": "1/(a/b)"}
+    assert "/home" not in text and "/srv" not in text and "C:/" not in text
+    assert "run_0.csv, column tau2" in text and "leg.toml" in text
+
+
+def test_the_answer_is_open_and_the_rest_is_folded():
+    text = render_report(material())
+    assert text.index('class="verdict') < text.index('<details class="folded">')
+    assert text.count('<details class="folded">') == text.count("<section ") - 1
 
 
 def test_an_almost_empty_page_renders():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 FALLING = "The error falling"
 """Title of the figure that every result with steps draws."""
 NOTHING: Mapping[str, str] = MappingProxyType({})
+FOLDERS = re.compile(r"""(?<![\w.~/\\])(?:/|[A-Za-z]:[/\\]+)(?:[^\s/\\:"'<>]+[/\\]+)+""")
+"""The folders of an absolute path, up to the name of the file."""
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
 
@@ -109,9 +112,14 @@ def settings_of(args: argparse.Namespace) -> dict[str, str]:
     }
 
 
+def without_folders(text: str) -> str:
+    """Return `text` with the names of files in place of their whole paths: a page is made to be handed on."""
+    return FOLDERS.sub("", text)
+
+
 def command_of(args: argparse.Namespace) -> str:
-    """Return the command line as it can be pasted into a shell."""
-    return shlex.join(getattr(args, "command_line", ["exoid"]))
+    """Return the command line as it can be pasted into a shell, in the folder of the files."""
+    return shlex.join(without_folders(word) for word in getattr(args, "command_line", ["exoid"]))
 
 
 def _row(step: Any) -> Mapping[str, Any]:

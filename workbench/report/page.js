@@ -27,6 +27,13 @@ for (const table of document.querySelectorAll("table.sortable")) {
     });
   });
 }
+// A section that is folded opens where a link points at it, and all of them open on paper.
+const unfold = (sections) => sections.forEach((section) => section?.querySelectorAll("details").forEach((d) => { d.open = true; }));
+const follow = () => unfold([document.getElementById(decodeURIComponent(location.hash.slice(1)))]);
+addEventListener("hashchange", follow);
+addEventListener("beforeprint", () => unfold([document.body]));
+for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", () => setTimeout(follow));
+follow();
 // Click on a figure shows it large; Escape or another click closes it.
 const zoom = document.getElementById("zoom");
 for (const button of document.querySelectorAll("button.zoom")) {

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
-from workbench.report.material import Material, Picture
+from workbench.report.material import Material, Picture, without_folders
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -20,13 +20,15 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent
 
 
+
 @dataclass(frozen=True)
 class PageSection:
-    """A section as it stands in the page."""
+    """A section as it stands in the page; one that is not `open` shows its title until it is clicked."""
 
     id: str
     title: str
     html: str
+    open: bool
 
 
 def find_sections() -> tuple[ModuleType, ...]:
@@ -48,7 +50,9 @@ def render_report(material: Material) -> str:
             continue
         name = section.__name__.rsplit(".", 1)[1]
         html = templates.get_template(f"sections/{name}.html").render(context)
-        blocks.append(PageSection(name, section.TITLE, Markup(html)))  # escaped by its own template
+        # The answer and, without a diagnosis, what it rests on; one screen that is not lost among proofs and settings.
+        shown = len(blocks) < (1 if material.diagnosis is not None else 2)
+        blocks.append(PageSection(name, section.TITLE, Markup(html), shown))  # escaped by its own template
     # The two files below are ours and contain no text from outside.
     style = Markup((FOLDER / "page.css").read_text("utf-8"))
     script = Markup((FOLDER / "page.js").read_text("utf-8"))
@@ -70,12 +74,14 @@ def write_report(material: Material, folder: str | Path) -> Path:
 
 
 def environment() -> Environment:
-    """Return the templates with autoescape, undefined names refused, and the filters sections use."""
+    """Return the templates with autoescape, undefined names refused, the filters sections use, and no folder of whoever
+    made the page in any text.
+    """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     templates = Environment(
         loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
+        lstrip_blocks=True, finalize=_for_others,
     )  # fmt: skip
     templates.filters["number"] = number_in_page
     templates.filters["percent"] = percent_in_page
@@ -98,11 +104,17 @@ def percent_in_page(value: Any) -> str:
     return "–" if value is None or not math.isfinite(value) else f"{100 * value:.0f} %"
 
 
+def _for_others(value: Any) -> Any:
+    return without_folders(value) if type(value) is str else value  # what is markup came through here as text
+
+
 def uri(picture: Picture) -> str:
-    """Return the picture as a data URI."""
+    """Return the picture as a data URI, which is no text for people."""
+    from markupsafe import escape
+
     from ground.figures import to_data_uri
 
-    return to_data_uri(picture.figure)
+    return escape(to_data_uri(picture.figure))
 
 
 def figure_file_name(title: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.command_line.files import json_text
-from workbench.report.material import Material
+from workbench.report.material import Material, without_folders
 
 TITLE = "To repeat this"
 ORDER = 90
@@ -15,10 +15,12 @@ ORDER = 90
 
 def context(material: Material) -> Mapping[str, Any] | None:
     """Return command, settings, model and versions."""
+    from markupsafe import Markup
+
     from workbench.command import versions
 
     model = material.model
-    data = "" if material.payload is None else base64.b64encode(json_text(material.payload).encode()).decode("ascii")
+    text = "" if material.payload is None else without_folders(json_text(material.payload))
     terms = [term.name for term in getattr(model, "terms", ())]
     return {
         "command": material.command,
@@ -26,5 +28,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "model": "" if model is None else f"{model.name}" + (f" with {', '.join(terms)}" if terms else ""),
         "versions": versions(),
         "seconds": material.seconds,
-        "data": data,
+        "data": Markup(base64.b64encode(text.encode()).decode("ascii")),
     }

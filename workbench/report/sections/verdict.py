@@ -41,6 +41,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "differing": [] if found is None else [d["sentence"] for d in found.to_json().get("differing", ())],
         "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
+        "pictures": material.pictures_in("verdict"),
+        "more": found is not None or bool(material.truth),
     }
 
 
