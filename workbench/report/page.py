@@ -43,7 +43,7 @@ def render_report(material: Material) -> str:
     from markupsafe import Markup
 
     templates = environment()
-    blocks = []
+    blocks: list[PageSection] = []
     for section in find_sections():
         context = section.context(material)
         if context is None:
