@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from ground.errors import RecordingError
 from measurement.finding import Finding
@@ -18,6 +19,10 @@ HEAD_LINES = 400
 """A preamble of instrument settings longer than this has not been seen."""
 COMMENTS = ("#", "%", "//")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(inf|infinity|nan)|", re.IGNORECASE)
+AXES = ("X", "Y", "Z")
+FLEXION = "of the components X, Y and Z, X is read as flexion, as Plug-in Gait and Visual3D count them"
+ALONE = re.compile(r"[XYZ]|[\[(][^\])]*[\])]", re.IGNORECASE)
+"""A name that says an axis or a unit, and not of what."""
 BOMS = (
     (b"\xff\xfe\x00\x00", "utf-32"),
     (b"\x00\x00\xfe\xff", "utf-32"),
@@ -202,6 +207,10 @@ def _header(
         names = [str(i + 1) for i in range(width)]
         what = "the file has no line of column names; its columns are called 1, 2, 3, ..."
         notes = (Finding("format", "info", what, where, remedy="say which is which: --map t=1,q1=2"),)
+    else:
+        names, axes = under_groups(names, [cells for cells in above if not _is_unit_row(cells)])
+        if axes:
+            notes = (Finding("format", "info", FLEXION, where, remedy="if it is not: --map q1=COLUMN"),)
     pairs = [split_unit(name) for name in names]
     number, offset, _ = table[first]
     return Layout(
@@ -213,6 +222,27 @@ def _header(
         number,
         notes,
     )
+
+
+def under_groups(names: list[str], above: list[list[str]]) -> tuple[list[str], bool]:
+    """Return `names` with those of the rows above, where they stand several times, are empty or only an axis or a unit;
+    and whether there are axes. A cell that is empty there belongs to the group before it.
+    """
+    axes = False
+    for row in reversed(above):
+        weak = {i for i, name in enumerate(names) if names.count(name) > 1 or not name or ALONE.fullmatch(name)}
+        if not weak or len(set(filter(None, row))) < 2 or len(row) > len(names) or row == names:
+            continue
+        joined, group = list(names), ""
+        for i, (name, cell) in enumerate(zip_longest(names, row, fillvalue="")):
+            group = cell or (group if name else "")
+            if i in weak and group:
+                axis = name.upper() in AXES
+                axes = axes or axis
+                said = name.upper() == AXES[0] or group.lower().endswith(name.lower())
+                joined[i] = group if said else f"{group} {name}"
+        names = joined if len(set(joined)) > len(set(names)) else names
+    return names, axes
 
 
 def _trimmed(cells: list[str], width: int, open_end: bool) -> list[str] | None:

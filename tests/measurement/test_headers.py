@@ -158,3 +158,52 @@ def test_torque_per_body_mass_asks_for_the_mass(tmp_path):
     assert "body mass" in asked.value.remedy
     recording = read_recording(path, units={"tau": "Nm/kg*70"})
     np.testing.assert_allclose(recording.tau[:, 1], LEG["tau2"], rtol=1e-6, atol=1e-6)
+
+
+Q_DEG = [np.degrees(LEG["q1"]), np.degrees(LEG["q2"])]
+SIDE = [np.zeros_like(LEG["t"])] * 2
+FRAME = np.arange(1.0, len(LEG["t"]) + 1)
+MOTION_CAPTURE = {
+    "Vicon, model outputs": (
+        "Model Outputs\n100\n,,P01:RHipAngles,,,P01:RKneeAngles,,,P01:RHipMoment,,,P01:RKneeMoment,,\n"
+        "Frame,Sub Frame,X,Y,Z,X,Y,Z,X,Y,Z,X,Y,Z\n,,deg,deg,deg,deg,deg,deg,N.mm,N.mm,N.mm,N.mm,N.mm,N.mm",
+        [FRAME, SIDE[0], Q_DEG[0], *SIDE, Q_DEG[1], *SIDE, 1e3 * LEG["tau1"], *SIDE, 1e3 * LEG["tau2"], *SIDE],
+    ),
+    "Vicon, devices": (
+        "Devices\n100\n,,Hip - Encoder,Knee - Encoder,Hip - Torque,Knee - Torque\n"
+        "Frame,Sub Frame,Angle,Angle,Torque,Torque\n,,deg,deg,Nm,Nm",
+        [1 + (FRAME - 1) // 10, (FRAME - 1) % 10, *Q_DEG, LEG["tau1"], LEG["tau2"]],
+    ),
+    "joints above quantities": (
+        "Joint,Hip,,Knee,\nTime,Angle,Torque,Angle,Torque\ns,deg,Nm,deg,Nm",
+        [LEG["t"], Q_DEG[0], LEG["tau1"], Q_DEG[1], LEG["tau2"]],
+    ),
+    "quantities above joints": (
+        "Time,Angle,Angle,Torque,Torque\n,Hip,Knee,Hip,Knee\n[s],[deg],[deg],[Nm],[Nm]",
+        [LEG["t"], *Q_DEG, LEG["tau1"], LEG["tau2"]],
+    ),
+    "units beside the lower names": (
+        "Time,Hip,Hip,Knee,Knee\n[s],Angle [deg],Torque [Nm],Angle [deg],Torque [Nm]",
+        [LEG["t"], Q_DEG[0], LEG["tau1"], Q_DEG[1], LEG["tau2"]],
+    ),
+    "Qualisys, frames without time": (
+        "NO_OF_FRAMES,1500\nFREQUENCY,100\nDATA_INCLUDED,3D\n"
+        "Frame,Hip Angle [deg],Knee Angle [deg],Hip Moment [Nm],Knee Moment [Nm]",
+        [FRAME, *Q_DEG, LEG["tau1"], LEG["tau2"]],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MOTION_CAPTURE)
+def test_names_in_two_rows_and_frames_for_time(name, tmp_path):
+    header, columns = MOTION_CAPTURE[name]
+    recording = read_recording(written(tmp_path / "run.csv", header, columns))
+    np.testing.assert_allclose(recording.q, np.column_stack([LEG["q1"], LEG["q2"]]), atol=1e-7)
+    np.testing.assert_allclose(recording.tau, np.column_stack([LEG["tau1"], LEG["tau2"]]), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(recording.t - recording.t[0], LEG["t"], atol=1e-6)
+
+
+def test_frames_without_a_rate_are_no_time(tmp_path):
+    path = written(tmp_path / "run.csv", "Frame,q1,q2,tau1,tau2", [FRAME, *(LEG[n] for n in COLUMNS[1:])])
+    with pytest.raises(RecordingError, match="no column for t"):
+        read_recording(path)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ground.errors import RecordingError
 from ground.inputs import open_input
 from measurement.finding import Finding, row_ranges
+from measurement.reading.camera import with_time
 from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, column_from_cells
 from measurement.reading.sniff import COMMENTS, Layout, decode, sniff, split_line
@@ -80,7 +81,7 @@ def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
     layout = sniff(text, where=str(path))
     layout = replace(layout, first_line=layout.first_line + above)
     notes += layout.notes
-    body = text[layout.body_start :]
+    head, body = text[: layout.body_start], text[layout.body_start :]
     del text
     lines = body.count("\n")
     row = np.arange(layout.first_line, layout.first_line + lines)
@@ -107,7 +108,7 @@ def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
         column_from_cells(name, frame[i], unit)
         for i, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
     )
-    return RawTable(columns, row, notes)
+    return with_time(RawTable(columns, row, notes), head, str(path))
 
 
 def _parse(body: str, layout: Layout) -> Any | None:

@@ -19,9 +19,11 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.finding import Finding
 from measurement.reading import limits, sheet_process
+from measurement.reading.camera import with_time
 from measurement.reading.limits import TEXT, Budget
 from measurement.reading.names import recognise
 from measurement.reading.raw import RawTable, column_from_cells, split_unit
+from measurement.reading.sniff import FLEXION, under_groups
 from measurement.reading.units import is_unit
 
 SUFFIXES = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
@@ -103,7 +105,7 @@ def _table(rows: list[list[Any]], where: str) -> RawTable | None:
     units = [""] * width
     if len(head) > 1 and _share(head[-1], is_unit) > 0.6 and _share(head[-2], is_unit) < 0.5:
         units = [cell.strip("[]() ") for cell in head.pop()]
-    named = head[-1] if head else [str(k + 1) for k in range(width)]
+    named, axes = under_groups(head[-1], head[:-1]) if head else ([str(k + 1) for k in range(width)], False)
     if head and not any(recognise(cell) for cell in named):
         named = next((row for row in reversed(head) if any(recognise(cell) for cell in row)), named)
     columns = []
@@ -113,7 +115,9 @@ def _table(rows: list[list[Any]], where: str) -> RawTable | None:
         if name or any(cell not in (None, "") for cell in cells):
             columns.append(column_from_cells(name or str(k + 1), _numbers(cells), units[k] if k < len(units) else unit))
             columns[-1] = replace(columns[-1], unit=columns[-1].unit or unit)
-    return RawTable(tuple(columns), np.arange(first + 1, len(rows) + 1))
+    notes = (Finding("format", "info", FLEXION, where, remedy="if it is not: --map q1=COLUMN"),) if axes else ()
+    above = "\n".join("\t".join(row) for row in head)
+    return with_time(RawTable(tuple(columns), np.arange(first + 1, len(rows) + 1), notes), above, where)
 
 
 def _is_data(row: list[Any]) -> bool:
