@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.remainder import VARIABLES, Remainder, remainders
+from diagnosis.evidence.remainder import Remainder, remainders, split_variable, variables
 from diagnosis.plots import against, over_time
 from ground.html import table
 from ground.plain import AsJson, plain_dict
@@ -27,7 +27,6 @@ from optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.model import Model
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,6 +74,11 @@ class Comparison:
     thigh_length: ThighLength | None = None
 
     @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.now.model.joint_names
+
+    @property
     def misread(self) -> tuple[Finding, ...]:
         """What says that the recordings keep another convention."""
         return self.now.prepared.misread
@@ -82,6 +86,7 @@ class Comparison:
     def to_json(self) -> dict[str, Any]:
         """Return the comparison in plain types."""
         return plain_dict({
+            "joints": list(self.joints),
             "rms": self.rms,
             "verify_rms": self.verify_rms,
             "signal_rms": self.signal_rms,
@@ -106,19 +111,20 @@ class Comparison:
         index = len(self.now.prepared.train) if self.now.prepared.verify else 0
         one = self.now.prepared.all[index]
         model = self.now.torque(index).T
-        return over_time(one.name, one.t, one.tau, model, np.where(one.use, self.now.residuals[index].T, np.nan))
+        left = np.where(one.use, self.now.residuals[index].T, np.nan)
+        return over_time(one.name, one.t, one.tau, model, left, self.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
-        alt = "Torque of hip and knee over time, measured and modelled, with the difference below each."
+        alt = f"Torque of {' and '.join(self.joints)} over time, measured and modelled, with the difference below each."
         out = [("Measured and modelled torque", alt, self.plot())]
         sentences: dict[tuple[str, str], str] = {}
         for one in self.where:
             if one.variable != "load":
                 sentences.setdefault((one.joint, one.variable), one.sentence)
         for (joint, variable), sentence in list(sentences.items())[:4]:
-            words = VARIABLES[variable]
-            drawn = against(joint, words, *_samples(self.now, JOINTS.index(joint), variable))
+            words = variables(self.now.model.joints)[variable]
+            drawn = against(joint, words, *_samples(self.now, self.joints.index(joint), variable))
             out.append((f"{joint}: error against {words[0]}", sentence, drawn))
         return out
 
@@ -127,16 +133,16 @@ class Comparison:
         kind = "fitted motion (nothing is held out)" if self.verify_rms is None else "unseen motion"
         numbers = ", ".join(
             f"{joint} {e:.3g} of {s:.3g} N·m (noise floor {n:.2g})"
-            for joint, e, s, n in zip(JOINTS, shown, self.signal_rms, self.noise_floor, strict=True)
+            for joint, e, s, n in zip(self.joints, shown, self.signal_rms, self.noise_floor, strict=True)
         )
         doubts = [f"  {finding}" for finding in self.misread]
         return "\n".join([f"error on {kind}: {numbers}", *doubts, *(f"  {w.sentence}" for w in self.where[:6])])
 
     def _repr_html_(self) -> str:
-        unseen = [None, None] if self.verify_rms is None else self.verify_rms.tolist()
+        unseen = [None] * len(self.joints) if self.verify_rms is None else self.verify_rms.tolist()
         size = [
             (joint, float(self.signal_rms[j]), float(self.rms[j]), unseen[j], float(self.noise_floor[j]))
-            for j, joint in enumerate(JOINTS)
+            for j, joint in enumerate(self.joints)
         ]
         where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
         return table(("RMS [N·m]", "torque", "error, fitted", "error, unseen", "noise floor"), size) + (
@@ -213,17 +219,17 @@ def verification(fit: Fit, prepared: Prepared) -> Verification | None:
 def _where(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
     """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
     found = []
-    for joint in JOINTS:
+    for joint in now.model.joint_names:
         mine = [c for c in curves if c.joint == joint and c.share >= LEAST_SHARE]
         seen: set[str] = set()
         for one in mine:
             if one.variable in seen:
                 continue
             seen.add(one.variable)
-            words, _ = VARIABLES[one.variable]
+            words, _ = variables(now.model.joints)[one.variable]
             direction = " and the direction of motion" if one.directed else ""
             moved = ", at a place that differs between recordings" if one.own else ""
-            # A curve helps the other joint a little too, through the parameters both share: never say above 100 %.
+            # A curve helps other joints a little too, through the parameters they share: never say above 100 %.
             share = min(1.0, one.share)
             text = f"{joint}: {100 * share:.0f} % of the squared error follows the {words}{direction}{moved}"
             caution = "" if one.unseen > 0.0 else "not so on the verification recordings"
@@ -238,7 +244,8 @@ def _samples(now: FittedModel, j: int, variable: str) -> tuple[Float, Float, Flo
     for number, (one, residual) in enumerate(zip(now.prepared.all, now.residuals, strict=True)):
         used, motion = one.use[:, j], one.motion
         from_start = motion.t - motion.t[0]
-        signal = from_start if variable == "t" else getattr(motion, variable[:-1])[:, int(variable[-1]) - 1]
+        stem, index = split_variable(variable)
+        signal = from_start if variable == "t" else getattr(motion, stem)[:, index]
         xs.append(signal[one.kept][used])
         ys.append(residual[j][used])
         blocks.append((1000 * number + np.arange(len(one.t)) // max(1, int(2.0 * one.kept_rate)))[used])
@@ -247,7 +254,7 @@ def _samples(now: FittedModel, j: int, variable: str) -> tuple[Float, Float, Flo
 
 def _regions(now: FittedModel, joint: str) -> list[Where]:
     """Return the regions (slow motion, the ends of the range) that hold much more error than time."""
-    j = JOINTS.index(joint)
+    j = now.model.joint_names.index(joint)
     train = now.prepared.train
     used = [p.use[:, j] for p in train]
     error = np.concatenate([r[j][u] ** 2 for r, u in zip(now.residuals[: len(train)], used, strict=True)])

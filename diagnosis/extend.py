@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -60,19 +60,24 @@ class Waterfall:
         rows = [s.to_json() for s in self.steps]
         return pd.DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return cast("Model", self.fits[0].model).joint_names if self.fits else JOINTS
+
     def plot(self) -> Figure:
         """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor)
+        return steps_figure(self.steps, self.noise_floor, self.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""
-        return [("The error falling", falling_text(self.steps), self.plot())]
+        return [("The error falling", falling_text(self.steps, self.joints), self.plot())]
 
     def __repr__(self) -> str:
-        return falling_text(self.steps)
+        return falling_text(self.steps, self.joints)
 
     def _repr_html_(self) -> str:
-        return steps_table(self.steps, self.noise_floor)
+        return steps_table(self.steps, self.noise_floor, self.joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +123,11 @@ class Addition:
         return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
 
-def falling_text(steps: Sequence[Step]) -> str:
+def falling_text(steps: Sequence[Step], joints: Sequence[str]) -> str:
     """Return the steps as lines of text."""
     lines = []
     for step in steps:
-        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, step.judged_rms, strict=True))
+        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.judged_rms, strict=True))
         lines.append(f"{step.label}: {step.judged} error [N·m] {numbers}")
     return "\n".join(lines)
 

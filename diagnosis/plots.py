@@ -10,11 +10,11 @@ import numpy as np
 from ground.figures import (
     FAINT,
     INK,
-    JOINT_COLOURS,
     JOINT_MARKERS,
     PAPER,
     ROLE_COLOURS,
     figure_style,
+    joint_colours,
     label,
     new_figure,
 )
@@ -34,13 +34,18 @@ Bar = tuple[str, str | None, float, bool]
 """A suspect: its name, its joint (None: both), the share it explains, and whether placebos do not match it."""
 
 
-def falling_error(names: Sequence[str], fitted: Float, unseen: Float | None, noise_floor: Float) -> Figure:
+def falling_error(
+    names: Sequence[str], fitted: Float, unseen: Float | None, noise_floor: Float, joints: Sequence[str] = JOINTS
+) -> Figure:
     """Draw the RMS error (steps, J) in N·m from step to step, fitted and unseen, with the noise floor (J,)."""
     with figure_style():
-        figure = new_figure(8.0, 3.8)
-        panels = figure.subplots(1, 2)
+        rows = -(-len(joints) // 2)
+        figure = new_figure(8.0, 3.8 * rows)
+        panels = figure.subplots(rows, min(2, len(joints)), squeeze=False).ravel()
+        for spare in panels[len(joints) :]:
+            spare.remove()
         place = np.arange(len(names), dtype=float)
-        for j, (joint, axes) in enumerate(zip(JOINTS, panels, strict=True)):
+        for j, (joint, axes) in enumerate(zip(joints, panels, strict=False)):
             if unseen is not None:
                 axes.bar(place - 0.2, fitted[:, j], 0.36, color=ROLE_COLOURS["train"], label="fitted motion")
                 axes.bar(place + 0.2, unseen[:, j], 0.36, color=ROLE_COLOURS["verify"], label="unseen motion")
@@ -66,14 +71,16 @@ def _numbers(axes: Any, place: Float, values: Float) -> None:
         )  # fmt: skip
 
 
-def over_time(name: str, t: Float, measured: Float, model: Float, residual: Float) -> Figure:
+def over_time(
+    name: str, t: Float, measured: Float, model: Float, residual: Float, joints: Sequence[str] = JOINTS
+) -> Figure:
     """Draw measured and modelled torque and the residual, (K, J) in N·m over `t` (K,) in s; NaN is not drawn."""
     t = t - t[0]
     shown = t <= SECONDS_SHOWN
     with figure_style():
-        figure = new_figure(8.0, 5.2)
-        panels = figure.subplots(4, 1, sharex=True, height_ratios=[2, 1, 2, 1])
-        for j, joint in enumerate(JOINTS):
+        figure = new_figure(8.0, 2.6 * max(2, len(joints)))
+        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 1] * len(joints))
+        for j, joint in enumerate(joints):
             upper, lower = panels[2 * j], panels[2 * j + 1]
             upper.plot(t[shown], measured[shown, j], color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
             upper.plot(t[shown], model[shown, j], color=ROLE_COLOURS["model"], label="model")
@@ -93,14 +100,15 @@ def against(joint: str, variable: Quantity, x: Float, y: Float, block: Float) ->
     `block` (K,) says which stretch of time a sample belongs to: the band comes from the scatter of the stretches'
     means, since neighbouring samples are no independent evidence.
     """
+    colour = joint_colours((joint,))[joint]
     with figure_style():
         figure = new_figure(5.6, 3.6)
         axes = figure.subplots()
         step = max(1, len(x) // 4000)
-        axes.plot(x[::step], y[::step], ".", color=JOINT_COLOURS[joint], markersize=2, alpha=0.25, rasterized=True)
+        axes.plot(x[::step], y[::step], ".", color=colour, markersize=2, alpha=0.25, rasterized=True)
         centre, mean, half = _binned(x, y, block)
         axes.errorbar(
-            centre, mean, half, color=INK, marker=JOINT_MARKERS[joint], markersize=3.5, linewidth=1.2,
+            centre, mean, half, color=INK, marker=JOINT_MARKERS.get(joint, "D"), markersize=3.5, linewidth=1.2,
             label="mean in a bin, 95 % over recordings' blocks",
         )  # fmt: skip
         low, high = np.quantile(y, (0.002, 0.998))
@@ -130,7 +138,7 @@ def curve(joint: str, variable: Quantity, x: Float, y: Float, band: Float, facto
     with figure_style():
         figure = new_figure(5.6, 3.4)
         axes = figure.subplots()
-        colour = JOINT_COLOURS[joint]
+        colour = joint_colours((joint,))[joint]
         axes.fill_between(x, y - band, y + band, color=colour, alpha=0.25, label="95 % band")
         axes.plot(x, y, color=colour, label="learnt curve")
         axes.axhline(0.0, color=FAINT, linewidth=0.7)
@@ -147,8 +155,9 @@ def suspects(bars: Sequence[Bar], most: int = 10) -> Figure:
     with figure_style():
         figure = new_figure(6.4, 0.8 + 0.3 * max(1, len(rows)))
         axes = figure.subplots()
+        colours = joint_colours(sorted({joint for _, joint, _, _ in rows if joint}))
         for place, (_, joint, share, sure) in enumerate(rows):
-            colour = JOINT_COLOURS.get(joint or "", ROLE_COLOURS["floor"])
+            colour = colours.get(joint or "", ROLE_COLOURS["floor"])
             axes.barh(place, 100 * share, color=colour if sure else "none", edgecolor=colour)
         axes.set_yticks(range(len(rows)), [name for name, *_ in rows], fontsize=8)
         axes.set(xlabel=label("share of the unseen error explained alone", "%"), title="Suspects (filled: p ≤ 0.01)")

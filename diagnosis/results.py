@@ -217,11 +217,17 @@ class Diagnosis:
     rules: Rules = field(default=RULES, repr=False)
     thigh_length: ThighLength | None = None
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints (J,), in the order of every list per joint."""
+        return self.model.joint_names
+
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
         return {
             "schema": SCHEMA,
             "verdict": self.verdict,
+            "joints": list(self.joints),
             "rule": self.rule,
             "sentence": self.sentence,
             "accepted": [a.to_json() for a in self.accepted],
@@ -269,7 +275,7 @@ class Diagnosis:
 
     def plot(self) -> Figure:
         """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor)
+        return steps_figure(self.steps, self.noise_floor, self.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
@@ -277,7 +283,7 @@ class Diagnosis:
         kind, before, after = "fitted", first.train_rms, last.train_rms
         if first.verify_rms is not None and last.verify_rms is not None:
             kind, before, after = "unseen", first.verify_rms, last.verify_rms
-        changes = zip(JOINTS, before, after, strict=True)
+        changes = zip(self.joints, before, after, strict=True)
         text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} N·m" for joint, b, a in changes)
         out = [("The error falling", text, self.plot())]
         if self.suspects:
@@ -295,7 +301,7 @@ class Diagnosis:
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
         for step in self.steps:
-            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(JOINTS, step.judged_rms, strict=True))
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.judged_rms, strict=True))
             lines.append(f"  {step.label:<28} {step.judged} error [N·m]: {numbers}")
         lines += [f"  {a.name}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]
@@ -309,7 +315,7 @@ class Diagnosis:
         ranking = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
         return (
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
-            + steps_table(self.steps, self.noise_floor)
+            + steps_table(self.steps, self.noise_floor, self.joints)
             + (ranking if rows else "")
             + lines(*(f"{a.name}: {a.stability}" for a in self.accepted if a.stability))
             + lines(*(f"possible, {p.sentence}" for p in self.possible))
@@ -318,22 +324,22 @@ class Diagnosis:
         )
 
 
-def steps_figure(steps: Sequence[Step], noise_floor: Float) -> Figure:
+def steps_figure(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS) -> Figure:
     """Draw the falling error."""
     unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
     fitted = np.array([step.train_rms for step in steps])
-    return falling_error([s.label for s in steps], fitted, np.array(unseen) if unseen else None, noise_floor)
+    names = [s.label for s in steps]
+    return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints)
 
 
-def steps_table(steps: Sequence[Step], noise_floor: Float) -> str:
+def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS) -> str:
     """Return the falling error as an HTML table, the noise floor as its last row."""
     rows = []
     for step in steps:
         unseen = (None, None) if step.verify_rms is None else step.verify_rms.tolist()
-        rows.append((step.label, *(x for j in range(len(JOINTS)) for x in (float(step.train_rms[j]), unseen[j]))))
-    floor = noise_floor.tolist()
-    rows.append(("noise floor", floor[0], floor[0], floor[1], floor[1]))
-    head = ("RMS error [N·m]", *(f"{joint}, {kind}" for joint in JOINTS for kind in ("fitted", "unseen")))
+        rows.append((step.label, *(x for j in range(len(joints)) for x in (float(step.train_rms[j]), unseen[j]))))
+    rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
+    head = ("RMS error [N·m]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
     return table(head, rows)
 
 

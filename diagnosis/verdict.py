@@ -17,7 +17,7 @@ from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
-from symbolic.quantity import JOINTS, Estimate
+from symbolic.quantity import Estimate
 from symbolic.term import Term
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     """Return the conclusion where a model leaves no more than filter and derivatives get wrong."""
     errors = ", ".join(
         f"{joint} {1e3 * e:.2g} of {1e3 * f:.2g} mN·m"
-        for joint, e, f in zip(JOINTS, base.judged_rms, base.prepared.filter_error, strict=True)
+        for joint, e, f in zip(base.model.joint_names, base.judged_rms, base.prepared.filter_error, strict=True)
     )
     return Conclusion(
         "adequate",
@@ -192,7 +192,8 @@ def _deciding(alike: Sequence[Accepted]) -> str:
 def _falls(first: FittedModel, last: FittedModel) -> str:
     before, after = first.judged_rms, last.judged_rms
     kind = "unseen" if first.verified else "fitted"
-    parts = [f"{joint} {b:.3g} to {a:.3g} N·m" for joint, b, a in zip(("hip", "knee"), before, after, strict=True)]
+    falls = zip(last.model.joint_names, before, after, strict=True)
+    parts = [f"{joint} {b:.3g} to {a:.3g} N·m" for joint, b, a in falls]
     return f"Error on {kind} motion: {', '.join(parts)}."
 
 

@@ -61,10 +61,11 @@ def left_share(fitted: FittedModel) -> Float:
     """
     count = len(fitted.prepared.train)
     parts = [slice(0, count)] + ([slice(count, None)] if fitted.verified else [])
-    out = np.full((len(parts), len(JOINTS)), np.nan)
+    joints = len(fitted.model.joints)
+    out = np.full((len(parts), joints), np.nan)
     for row, part in enumerate(parts):
         pairs = list(zip(fitted.residuals[part], fitted.prepared.all[part], strict=True))
-        for joint in range(len(JOINTS)):
+        for joint in range(joints):
             driven = [(r[joint][p.use[:, joint]], p.tau[p.use[:, joint], joint]) for r, p in pairs if p.driven[joint]]
             tau = np.concatenate([t for _, t in driven]) if driven else np.zeros(0)
             if tau.size and tau.var() > 0.0:
@@ -78,10 +79,10 @@ def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
     if not share > rules.angle_noise:
         return None
     density = np.max([one.angle_noise * 0.5 * one.full_rate for one in base.prepared.train], axis=0)
-    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density))
+    size = " and ".join(f"{x:.2g}" for x in np.sqrt(density)) + f" rad at {' and '.join(base.model.joint_names)}"
     return Doubt(
         f"noise of the angles makes {100 * share:.0f} % of the accelerations, at {base.prepared.choice.cutoff:g} Hz",
-        f"The angles are too noisy for their accelerations ({size} rad at hip and knee): at the slowest useful cut-off "
+        f"The angles are too noisy for their accelerations ({size}): at the slowest useful cut-off "
         f"noise makes {100 * share:.0f} % of them, so every inertia comes out too small by about that part, and "
         "whatever smooths the model looks like an effect.",
         "check the encoders and the columns of the angles; record faster motion, or repeat one periodic motion many "
@@ -236,7 +237,8 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     unseen = last.verify_rms
     if unseen is None:
         return None
-    known = (last.train_rms > 0.0) & np.array([any(p.use[:, j].any() for p in last.prepared.verify) for j in range(2)])
+    used = [any(p.use[:, j].any() for p in last.prepared.verify) for j in range(len(unseen))]
+    known = (last.train_rms > 0.0) & np.array(used)
     if not known.any():
         return None
     worse = unseen[known] / last.train_rms[known]
@@ -254,7 +256,7 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     ]
     errors = ", ".join(
         f"{joint} {a:.3g} N·m on fitted and {b:.3g} N·m on held-out motion"
-        for joint, a, b, k in zip(JOINTS, last.train_rms, unseen, known, strict=True)
+        for joint, a, b, k in zip(last.model.joint_names, last.train_rms, unseen, known, strict=True)
         if k
     )
     return Doubt(

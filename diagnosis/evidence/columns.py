@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symbolic.joints import LEG
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +33,10 @@ class Columns:
         parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
         return functools.reduce(np.maximum, parts)
 
-    def full(self, node: int) -> Float:
-        """Return the columns (J, K, m) of one node, zero at joints it does not act on."""
+    def full(self, node: int, joints: int = len(LEG)) -> Float:
+        """Return the columns (J, K, m) of one node, zero at those of the `joints` that it does not act on."""
         _, _, samples, width = self.values.shape
-        out = np.zeros((len(JOINTS), samples, width))
+        out = np.zeros((joints, samples, width))
         out[list(self.joints)] = self.values[node]
         return out
 
@@ -45,6 +45,6 @@ class Columns:
         return Columns(self.joints, self.values[index : index + 1])
 
 
-def stacked(parts: Sequence[Columns]) -> Columns:
-    """Return the columns (one node each) of several candidates as those of one on both joints."""
-    return Columns(tuple(range(len(JOINTS))), np.concatenate([p.full(0) for p in parts], axis=2)[None])
+def stacked(parts: Sequence[Columns], joints: int) -> Columns:
+    """Return the columns (one node each) of several candidates as those of one on all `joints`."""
+    return Columns(tuple(range(joints)), np.concatenate([p.full(0, joints) for p in parts], axis=2)[None])

@@ -19,9 +19,9 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
 from diagnosis.rules import Rules
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
+from symbolic.joints import UNITS
 from symbolic.model import Model
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,10 @@ def _questions(model: Model, linear: Float, shapes: Float) -> list[_Question]:
     for k, entry in enumerate(model.shapes):
         if not entry.shape.choices and not entry.shape.per_recording:
             out.append(_Question(entry.name, float(shapes[0, k]), entry.shape.unit, count + k))
-    return out + [_Question(f"zero:{name}", 0.0, "N·m", None, joint) for joint, name in enumerate(JOINTS)]
+    return out + [
+        _Question(f"zero:{joint.name}", 0.0, UNITS["tau"][not joint.turns], None, k)
+        for k, joint in enumerate(model.joints)
+    ]
 
 
 class _Pooled:

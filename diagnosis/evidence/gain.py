@@ -314,7 +314,7 @@ class Evidence:
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
     """Return the robust standard deviation (J,) of pairs (residual (J, K) N·m, use (J, K)) together."""
     out = []
-    for joint in range(2):
+    for joint in range(len(parts[0][0])):
         values = np.concatenate([residual[joint][use[joint]] for residual, use in parts])
         out.append(max(float(np.median(np.abs(values))) / 0.6745, 1e-12) if values.size else 1.0)
     return np.array(out)

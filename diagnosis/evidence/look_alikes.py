@@ -92,7 +92,7 @@ def look_alikes(
 def _gains_beside(
     evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
 ) -> bool:
-    together = [stacked([b, c]) for b, c in zip(best[1], columns, strict=True)]
+    together = [stacked([b, c], len(evidence.sigma)) for b, c in zip(best[1], columns, strict=True)]
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
     return share - best[0].share > evidence.rules.another * rival.share
 

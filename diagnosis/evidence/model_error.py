@@ -12,7 +12,6 @@ from diagnosis.evidence.repeats import Repeats, repeats
 from diagnosis.rules import RULES, Rules
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
         return (
             None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
         )
-    joint, kind = JOINTS[j], "unseen" if last.verified else "fitted"
+    joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
     text = (
         f"the {joint} keeps {error[j]:.3g} N·m on {kind} motion, {times[j]:.2g} times the noise of {floor[j]:.2g} N·m. "
         "It is not noise, and no function of angle, velocity, acceleration, load or time that was tried"
@@ -91,11 +90,12 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
 
 def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
+    joint = last.model.joint_names[j]
     text = (
-        f"the {JOINTS[j]} keeps {last.judged_rms[j]:.3g} N·m, {times:.2g} times what sensor noise explains, "
+        f"the {joint} keeps {last.judged_rms[j]:.3g} N·m, {times:.2g} times what sensor noise explains, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion"
     )
-    return ModelError(JOINTS[j], float(times), text, _CHANGES, float(again.share[j]), random=True)
+    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), random=True)
 
 
 _CHANGES = (

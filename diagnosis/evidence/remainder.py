@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,8 +25,8 @@ from diagnosis.rules import RULES, Rules
 from ground.html import bullets, lines
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.joints import LEG, UNITS, Joint
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 from symbolic.term import Term
 
 if TYPE_CHECKING:
@@ -33,17 +34,24 @@ if TYPE_CHECKING:
 
 BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
 """Quantiles of a path at which bumps are tried."""
-VARIABLES: Mapping[str, tuple[str, str]] = {
-    "q1": ("hip angle", "rad"),
-    "q2": ("knee angle", "rad"),
-    "dq1": ("hip velocity", "rad/s"),
-    "dq2": ("knee velocity", "rad/s"),
-    "ddq1": ("hip acceleration", "rad/s²"),
-    "ddq2": ("knee acceleration", "rad/s²"),
-    "load": ("rigid-body torque of the joint", "N·m"),
-    "t": ("time", "s"),
-}
-"""Variables a remainder may depend on: name in words, and unit."""
+_WORDS = {"q": ("angle", "position"), "dq": ("velocity", "velocity"), "ddq": ("acceleration", "acceleration")}
+
+
+@lru_cache(maxsize=32)
+def variables(joints: tuple[Joint, ...] = LEG) -> Mapping[str, tuple[str, str]]:
+    """Return the variables a remainder may depend on, {"dq2": (name in words, unit)}."""
+    found = {
+        f"{stem}{k + 1}": (f"{joint.name} {words[not joint.turns]}", UNITS[stem][not joint.turns])
+        for stem, words in _WORDS.items()
+        for k, joint in enumerate(joints)
+    }
+    return {**found, "load": ("rigid-body torque of the joint", "N·m"), "t": ("time", "s")}
+
+
+def split_variable(variable: str) -> tuple[str, int]:
+    """Return ("dq", 1) for "dq2"; ("load", -1) for one without a joint's number."""
+    stem = variable.rstrip("0123456789")
+    return stem, int(variable[len(stem) :] or 0) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +73,12 @@ class Remainder:
     band: Float = field(repr=False)
     own: bool = False
     suggestions: tuple[Suggestion, ...] = ()
+    joints: tuple[Joint, ...] = LEG
+
+    @property
+    def index(self) -> int:
+        """Index of its joint."""
+        return [joint.name for joint in self.joints].index(self.joint)
 
     @property
     def directed(self) -> bool:
@@ -74,13 +88,13 @@ class Remainder:
     @property
     def variables(self) -> list[str]:
         """Return all variables it depends on."""
-        own = str(JOINTS.index(self.joint) + 1)
+        own = self.index + 1
         return list(dict.fromkeys([self.variable, *([f"dq{own}"] if self.factor else [])]))
 
     @property
     def sentence(self) -> str:
         """Say what is left in words."""
-        words, _ = VARIABLES[self.variable]
+        words, _ = variables(self.joints)[self.variable]
         turned = {"sign": ", with the sign of the motion", "speed": ", times its velocity"}.get(self.factor, "")
         moved = ", at a place that differs between recordings" if self.own else ""
         return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
@@ -88,7 +102,7 @@ class Remainder:
     def plot(self) -> Figure:
         """Draw the learnt curve with its band."""
         factor = {"sign": " × sign of motion", "speed": " × velocity"}.get(self.factor, "")
-        return curve(self.joint, VARIABLES[self.variable], self.x, self.y, self.band, factor)
+        return curve(self.joint, variables(self.joints)[self.variable], self.x, self.y, self.band, factor)
 
     def _repr_html_(self) -> str:
         texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]
@@ -128,12 +142,13 @@ class Suggestion:
 def remainders(
     now: FittedModel,
     evidence: Evidence,
-    joints: Sequence[str] = JOINTS,
+    joints: Sequence[str] | None = None,
     *,
     placebos: int = 3,
     each_joint: bool = False,
 ) -> list[Remainder]:
-    """Return every remainder tried at `joints`, the most telling first, the best `placebos` of them with p-values.
+    """Return every remainder tried at `joints` (default: all), the most telling first, the best `placebos` of them with
+    p-values.
 
     A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
     its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
@@ -143,13 +158,15 @@ def remainders(
     owns = _own_judges(now, evidence)
     found = []
     seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
-    for joint in (j for j in joints if seen[JOINTS.index(j)]):
-        for variable, factor in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), factor, evidence.rules.knots)
+    names = now.model.joint_names
+    for joint in (j for j in joints or names if seen[names.index(j)]):
+        for variable, factor in _tried(now.model.joints):
+            splines = _splines(now, variable, names.index(joint), factor, evidence.rules.knots)
             if splines is None:
                 continue
             for own, judges in _modes(variable, factor, common, owns):
-                one = _weigh(judges, splines, joint, variable, factor, own, each_joint)
+                one = replace(_weigh(judges, splines, joint, names.index(joint), variable, factor, own, each_joint),
+                              joints=now.model.joints)  # fmt: skip
                 found.append((judges, splines, one))
     # A curve of its own for each recording must earn that freedom.
     found.sort(key=lambda entry: -entry[2].share * (evidence.rules.own_handicap if entry[2].own else 1.0))
@@ -161,17 +178,21 @@ def remainders(
     return out
 
 
-_TRIED = (
-    *((v, "") for v in VARIABLES),
-    *((v, "sign") for v in VARIABLES if v != "t" and not v.startswith("ddq")),
-    *((v, "speed") for v in ("q1", "q2")),
-)
-"""(variable, factor). A velocity with the sign of motion is |θ'| with the sign of θ': it may jump at standstill."""
+def _tried(joints: tuple[Joint, ...]) -> tuple[tuple[str, str], ...]:
+    """Return (variable, factor). A velocity with the sign of motion is |θ'| with the sign of θ': it may jump at
+    standstill.
+    """
+    known = variables(joints)
+    return (
+        *((v, "") for v in known),
+        *((v, "sign") for v in known if v != "t" and not v.startswith("ddq")),
+        *((v, "speed") for v in known if split_variable(v)[0] == "q"),
+    )
 
 
 def _may_move(variable: str, factor: str) -> bool:
     """Whether strapping can move a curve in this variable: the place of a stop or a bump, on the path."""
-    return variable in ("q1", "q2") and not factor
+    return split_variable(variable)[0] == "q" and not factor
 
 
 def _modes(
@@ -213,10 +234,11 @@ class _Splines:
 def _own_judges(now: FittedModel, evidence: Evidence) -> list[_Judge]:
     """Return a judge for each recording, to whom the zeros of its torque sensors are no news."""
     out = []
-    prior = np.append(evidence.prior, np.zeros(len(JOINTS)))
+    joints = len(now.model.joints)
+    prior = np.append(evidence.prior, np.zeros(joints))
     for index, block in enumerate(evidence.blocks):
         samples = block.residual.shape[1]
-        zeros = np.repeat(np.eye(len(JOINTS))[:, None, :], samples, axis=1)
+        zeros = np.repeat(np.eye(joints)[:, None, :], samples, axis=1)
         columns = np.concatenate([block.columns, zeros], axis=2)
         folded = replace(block, columns=columns, fold=np.arange(samples) * evidence.rules.blocks // samples)
         alone = Evidence(
@@ -230,6 +252,7 @@ def _weigh(
     judges: Sequence[_Judge],
     splines: _Splines,
     joint: str,
+    index: int,
     variable: str,
     factor: str,
     own: bool,
@@ -240,7 +263,7 @@ def _weigh(
     loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
     if each_joint:
         both = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
-        loss *= float(both[JOINTS.index(joint)] / both.sum())
+        loss *= float(both[index] / both.sum())
     if own:
         fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
         unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
@@ -294,8 +317,8 @@ def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Colu
     for judges, own in ((common, False), (tuple(_own_judges(now, evidence)), True)):
         mine = _share(judges, term)
         losses = _blocks(judges, term)
-        for variable, factor in _TRIED:
-            splines = _splines(now, variable, JOINTS.index(joint), factor, evidence.rules.knots)
+        for variable, factor in _tried(now.model.joints):
+            splines = _splines(now, variable, now.model.joint_names.index(joint), factor, evidence.rules.knots)
             if splines is None or (own and not _may_move(variable, factor)):
                 continue
             curve = Winner(
@@ -324,9 +347,10 @@ def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Colu
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
     """Return single bumps in the angles and in the joint's own velocity, as candidates at `joint`."""
-    own, other = JOINTS.index(joint) + 1, 2 - JOINTS.index(joint)
+    own, known = now.model.joint_names.index(joint) + 1, variables(now.model.joints)
+    others = [k for k in range(1, len(now.model.joints) + 1) if k != own]
     out = []
-    for word, variable in ((f"theta{own}", f"q{own}"), (f"theta{other}", f"q{other}"), (f"dtheta{own}", f"dq{own}")):
+    for word, variable in (*((f"theta{k}", f"q{k}") for k in (own, *others)), (f"dtheta{own}", f"dq{own}")):
         paths = [_signal(p, now, variable, own - 1, "") for p in now.prepared.all]
         low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
         if not high - low > 1e-9:
@@ -337,10 +361,10 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
             f"c * exp(-(({word} - m)/w)**2)",
             None,
             (joint,),
-            {"c": Coefficient("N·m")},
+            {"c": Coefficient(UNITS["tau"][not now.model.joints[own - 1].turns])},
             {
-                "m": Shape(VARIABLES[variable][1], low, high, per_recording=variable.startswith("q")),
-                "w": Shape(VARIABLES[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),
+                "m": Shape(known[variable][1], low, high, per_recording=variable.startswith("q")),
+                "w": Shape(known[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),
             },
             custom=True,
         )
@@ -351,7 +375,7 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
         nodes = np.concatenate(
             [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
         )
-        out.append(Candidate(Term(effect, joint), nodes, False))
+        out.append(Candidate(Term(effect, joint, now.model.joints), nodes, False))
     return out
 
 
@@ -364,8 +388,9 @@ def _blocks(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float |
 def _beside(curve: Columns, term: Columns) -> Columns:
     """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
     size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
-    both = np.concatenate([curve.full(0), size * term.full(0)], axis=2)
-    return Columns(tuple(range(len(JOINTS))), both[None])
+    joints = 1 + max(*curve.joints, *term.joints)
+    both = np.concatenate([curve.full(0, joints), size * term.full(0, joints)], axis=2)
+    return Columns(tuple(range(len(both))), both[None])
 
 
 def _share(judges: Sequence[_Judge], columns: Sequence[Columns], ridge: float | None = None) -> float:
@@ -387,7 +412,7 @@ def _signal(one: PreparedRecording, now: FittedModel, variable: str, joint: int,
         return motion.t - motion.t[0]
     if variable == "load":
         return own_torques(now, one)[f"tau_rigid{joint + 1}"]
-    stem, index = variable[:-1], int(variable[-1]) - 1
+    stem, index = split_variable(variable)
     signal = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq}[stem][:, index]
     return np.abs(signal) if factor == "sign" and stem == "dq" else signal
 
@@ -442,7 +467,7 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
 
     word = _word(one)
     x, y = one.x, one.y - one.y.mean()
-    unit = VARIABLES[one.variable][1]
+    unit, torque = variables(one.joints)[one.variable][1], UNITS["tau"][not one.joints[one.index].turns]
     span, middle = float(np.ptp(x)), float(x.mean())
     peak = float(x[np.argmax(np.abs(y))])
     factor = {"sign": " * sgn(dtheta)", "speed": " * dtheta"}.get(one.factor, "")
@@ -469,18 +494,19 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
         if "/w" in text:
             values["w"] = (unit, low[1], high[1], float(found.x[1]))
         power = {"**2": "²", "**3": "³"}
-        per = "N·m·s/rad" if one.factor == "speed" else "N·m"
+        speed = UNITS["q"][not one.joints[one.index].turns]
+        per = f"{torque}·s/{speed}" if one.factor == "speed" else torque
         per += f"/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else ""
         out.append(Suggestion(text, share, {"c": per}, values))
     return tuple(sorted((s for s in out if s.share > 0.3), key=lambda s: -s.share))
 
 
 def _word(one: Remainder) -> str:
-    own = str(JOINTS.index(one.joint) + 1)
     if one.variable == "load":
         return "tau_rigid"
     if one.variable == "t":
         return "t"
-    stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta"}[one.variable[:-1]]
-    word = stem if one.variable[-1] == own else stem + one.variable[-1]
+    kind, index = split_variable(one.variable)
+    stem = {"q": "theta", "dq": "dtheta", "ddq": "ddtheta"}[kind]
+    word = stem if index == one.index else f"{stem}{index + 1}"
     return f"abs({word})" if one.directed and stem == "dtheta" else word

@@ -10,7 +10,6 @@ from diagnosis.search.state import Extension
 from optimisation.fitting.shapes import to_unit
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 
 def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
@@ -92,7 +91,7 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     times = float(ratio.max()) / rules.far_above
     if times < 1.0 or share >= rules.small_gain * rules.farther ** np.log10(times):
         return ""
-    joint = JOINTS[int(np.argmax(ratio))]
+    joint = after.fitted.model.joint_names[int(np.argmax(ratio))]
     return (
         f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise floor: "
         "something larger is missing, and small terms may only take up part of it"

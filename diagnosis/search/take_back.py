@@ -13,7 +13,6 @@ from diagnosis.evidence.remainder import Remainder, Winner, beaten, remainders, 
 from diagnosis.search.context import SearchContext, as_fitted
 from diagnosis.search.doubt import too_short
 from diagnosis.search.state import Extension, State
-from symbolic.quantity import JOINTS
 
 
 def take_back(context: SearchContext, state: State) -> State:
@@ -45,7 +44,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
     could only take their place: those that add little to the same curve.
     """
     scores = {score.name: score for score in state.accepted}
-    for joint in JOINTS:
+    for joint in state.last.fitted.model.joint_names:
         here = [n for n, s in scores.items() if s.candidate.term.joint == joint]
         disturbed = left is not None and left.joint == joint
         single = [[n] for n, s in scores.items() if disturbed or s.candidate.term.joint in (joint, None)]
@@ -55,7 +54,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
             evidence = context.evidence(without, draws=0)
             numbers = sum(scores[n].candidate.numbers for n in group)
             columns = [context.columns_of(as_fitted(scores[n], state.last), without.fitted) for n in group]
-            together = [stacked(each) for each in zip(*columns, strict=True)]
+            together = [stacked(each, len(evidence.sigma)) for each in zip(*columns, strict=True)]
             winner = beaten(without.fitted, evidence, joint, together, numbers)
             if winner is not None:
                 return frozenset({*group, *_superseded(context, without, evidence, winner, joint)})

@@ -46,6 +46,7 @@ def figure(points: int = 200) -> Any:
 class FakeModel:
     name: str = "standard leg"
     joints: tuple[Any, ...] = LEG
+    joint_names: tuple[str, ...] = ("hip", "knee")
     parameters: tuple[Any, ...] = (SimpleNamespace(name="Phi1", label="inertia Φ1", unit="kg·m²"),)
     shapes: tuple[Any, ...] = ()
     terms: tuple[Any, ...] = (SimpleNamespace(name="stribeck:knee"),)
@@ -87,6 +88,7 @@ class FakeFit:
 
 @dataclass(frozen=True, eq=False)
 class FakeComparison:
+    joints: tuple[str, ...] = ("hip", "knee")
     misread: tuple[Finding, ...] = ()
     audit: tuple[Finding, ...] = ()
     unseen: bool = True

@@ -234,14 +234,15 @@ def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:
             )
 
 
-def split_joint(text: str) -> tuple[str, str | None]:
+def split_joint(text: str, joints: Sequence[str] = JOINTS) -> tuple[str, str | None]:
     """Return ("stribeck", "knee") for "stribeck:knee"; raises UsageError for a joint that does not exist."""
     effect, colon, joint = text.partition(":")
-    if not effect or (colon and joint not in JOINTS):
+    if not effect or (colon and joint not in joints):
+        example = f"write for example stribeck:{joints[-1]}; joints are {' and '.join(joints)}"
         raise UsageError(
             f"{text!r} does not name an effect",
             where="EFFECT[:joint]",
-            remedy=did_you_mean(joint, JOINTS) or "write for example stribeck:knee; joints are hip and knee",
+            remedy=did_you_mean(joint, joints) or example,
         )
     return effect, joint or None
 
@@ -259,7 +260,9 @@ def check_new_model(target: str, source: str | None) -> None:
     check_target(target, _is_model)
 
 
-MODEL_KEYS = frozenset(("name", "geometry", "joints", "limits", "effects", "custom_effects", "identified"))
+MODEL_KEYS = frozenset(
+    ("name", "geometry", "gravity", "joints", "base", "limits", "effects", "custom_effects", "identified")
+)
 
 
 def _is_model(content: bytes) -> bool:

@@ -96,7 +96,7 @@ def add_limit(parser: argparse.ArgumentParser, what: str) -> None:
     """Add --limit: an error in N·m above which the exit status is 1."""
     parser.add_argument(
         "--limit", metavar="RMS", type=limits,
-        help=f"exit with status 1 when {what} is above RMS N·m (one number, or hip,knee)",
+        help=f"exit with status 1 when {what} is above RMS N·m (one number, or one per joint: hip,knee)",
     )  # fmt: skip
 
 
@@ -154,12 +154,9 @@ def count_to(most: int) -> Callable[[str], int]:
     return read
 
 
-def limits(text: str) -> tuple[float, float]:
-    """Return a limit per joint from "0.5" or "0.5,0.8"."""
-    parts = [positive_number(part) for part in text.split(",")]
-    if len(parts) not in (1, 2):
-        raise argparse.ArgumentTypeError(f"{text!r} has {len(parts)} numbers; give one, or two as hip,knee")
-    return parts[0], parts[-1]
+def limits(text: str) -> tuple[float, ...]:
+    """Return the limit for all joints from "0.5", or one per joint from "0.5,0.8"."""
+    return tuple(positive_number(part) for part in text.split(","))
 
 
 def pairs(text: str) -> dict[str, str]:

@@ -35,8 +35,9 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
 
     check_places(args)
-    effect, joint = split_joint(args.effect)
-    load_model(args.model).with_effect(effect, joint=joint)  # a wrong name is told before the recordings are read
+    model = load_model(args.model)
+    effect, joint = split_joint(args.effect, model.joint_names)
+    model.with_effect(effect, joint=joint)  # a wrong name is told before the recordings are read
     target = args.write or (str(Path(args.out) / "model.toml") if args.out else beside(args.model, args.effect))
     if args.out:
         make_folder(args.out)  # the model goes there

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
@@ -42,20 +42,20 @@ def run(args: argparse.Namespace) -> int:
     rms = found.rms if found.verify_rms is None else found.verify_rms
     over = above(args.limit, rms)
     if over:
-        screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
+        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} N·m", "bad")
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(
-        title="Model against measurement", answer=_sentence(rms, found.verify_rms is not None),
+        title="Model against measurement", answer=_sentence(rms, found.joints, found.verify_rms is not None),
         recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
         pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),
     ))  # fmt: skip
     return 1 if over else 0
 
 
-def _sentence(rms: Iterable[float], unseen: bool) -> str:
+def _sentence(rms: Iterable[float], joints: Sequence[str], unseen: bool) -> str:
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import NOTHING_HELD_OUT
 
     kind = "motion the fit has not seen" if unseen else "the fitted motion"
     held_out = "" if unseen else f" {NOTHING_HELD_OUT}"
-    return f"The model's torque misses the measured one by {per_joint(rms)} (RMS) on {kind}.{held_out}"
+    return f"The model's torque misses the measured one by {per_joint(rms, joints)} (RMS) on {kind}.{held_out}"

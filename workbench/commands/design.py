@@ -238,7 +238,8 @@ def _numbers(path: str | None) -> Any:
 def _noise(text: str) -> tuple[float, float]:
     from workbench.command_line.options import limits
 
-    return limits(text)
+    values = limits(text)
+    return values[0], values[-1]
 
 
 def _separate(args: argparse.Namespace) -> int:

@@ -74,10 +74,11 @@ def run(args: argparse.Namespace) -> int:
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import above, show_by_recording, show_fit
 
-    screen = Screen.of(args)
+    screen, joints = Screen.of(args), given.model.joint_names
     show_fit(screen, fit)
     if unseen is not None:
-        screen.say(f"error (RMS) on unseen motion: {per_joint(unseen.huber)} by Huber, {per_joint(unseen.sse)} by SSE")
+        by_huber, by_squares = per_joint(unseen.huber, joints), per_joint(unseen.sse, joints)
+        screen.say(f"error (RMS) on unseen motion: {by_huber} by Huber, {by_squares} by SSE")
     if near.cutoffs and near.agree:
         tried = " and ".join(f"{cutoff:g}" for cutoff in near.cutoffs)
         screen.say(f"cut-off {near.cutoff:g} Hz; at {tried} Hz every parameter stays within its interval")
@@ -91,15 +92,15 @@ def run(args: argparse.Namespace) -> int:
         screen.say(f"model: {args.write}")
     over = above(args.limit, fit.rms if unseen is None else unseen.huber)
     if over:
-        screen.say(f"the error is above the limit of {args.limit[0]:g} / {args.limit[1]:g} N·m", "bad")
+        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} N·m", "bad")
     checked = {} if unseen is None else unseen.to_json()
-    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber)}"
+    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber, joints)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
     payload["by_recording"] = alone.to_json()
     payload["thigh_length"] = None if length is None else length.to_json()
     deliver_results(args, screen, payload, lambda: Material(
         title="Identified parameters",
-        answer=f"The error left on the fitted motion is {per_joint(fit.rms)} (RMS){beyond}.",
+        answer=f"The error left on the fitted motion is {per_joint(fit.rms, joints)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
         by_recording=alone,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from symbolic.quantity import JOINTS
+
 if TYPE_CHECKING:
     from measurement.recording import Recording
 
@@ -42,11 +44,14 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """The falling error: `rows` of {"model", "train_rms", "verify_rms", "sentence"}, RMS (J,) N·m or None."""
+    """The falling error: `rows` of {"model", "train_rms", "verify_rms", "sentence"}, RMS (J,) N·m or None; `joints` are
+    their names.
+    """
 
     rows: tuple[Mapping[str, Any], ...]
     noise_floor: tuple[float, ...] | None = None
     ending: str = ""
+    joints: tuple[str, ...] = JOINTS
 
     @classmethod
     def of(cls, result: Any) -> Steps:
@@ -54,7 +59,8 @@ class Steps:
         rows = tuple(_row(step) for step in result.steps)
         floor = getattr(result, "noise_floor", None)
         ending = str(getattr(result, "stopped_because", "") or "")
-        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending)
+        joints = tuple(getattr(result, "joints", JOINTS))
+        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending, joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +104,7 @@ def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
 
 def picture_of_fit(fit: Any) -> Picture:
     """Return the plot of a Fit."""
-    alt = "Torque and residual of both joints, intervals of the parameters, and how each optimiser converged."
+    alt = "Torque and residual of every joint, intervals of the parameters, and how each optimiser converged."
     return Picture("The fit: residuals, intervals, convergence", alt, fit.plot())
 
 

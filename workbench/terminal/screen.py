@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.text import printable
-from symbolic.quantity import JOINTS
 from workbench.terminal.encoding import ascii_text, spells
 
 BLOCKS = " ▏▎▍▌▋▊▉█"
@@ -115,9 +114,9 @@ def warn(text: str) -> None:
     sys.stderr.write(f"exoid: {printable(text)}\n")
 
 
-def per_joint(values: Iterable[float], unit: str = "N·m") -> str:
+def per_joint(values: Iterable[float], joints: Sequence[str], unit: str = "N·m") -> str:
     """Return "hip 0.71, knee 0.53 N·m"."""
-    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(JOINTS, values, strict=True)) + f" {unit}"
+    return ", ".join(f"{joint} {value:.3g}" for joint, value in zip(joints, values, strict=True)) + f" {unit}"
 
 
 def bar(share: float, width: int = 24) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from symbolic.quantity import JOINTS
+from workbench.command_line.parser import UsageError
 from workbench.report.material import Steps
 from workbench.report.sections.verdict import WORDS, term
 from workbench.terminal.screen import Screen, bar
@@ -26,7 +26,7 @@ def show_fit(screen: Screen, fit: Any) -> None:
     """Show parameters with intervals, the proof, the optimisers and what to be careful about."""
     rows = [(e.name, number(e.value, 5), e.unit, number(e.low), number(e.high)) for e in fit.estimates]
     screen.table("Parameters", ("name", "value", "unit", "95 % from", "to"), rows)
-    errors = ", ".join(f"{joint} {number(x)}" for joint, x in zip(JOINTS, fit.rms, strict=True))
+    errors = ", ".join(f"{joint} {number(x)}" for joint, x in zip(fit.model.joint_names, fit.rms, strict=True))
     screen.say(f"error (RMS) on the fitted motion: {errors} N·m")
     screen.say(str(fit.certificate))
     if fit.shapes_known:
@@ -71,7 +71,7 @@ def show_comparison(screen: Screen, found: Any) -> None:
             number(None if unseen is None else unseen[j]),
             number(found.noise_floor[j]),
         ]
-        for j, joint in enumerate(JOINTS)
+        for j, joint in enumerate(found.joints)
     ]
     if unseen is None:
         head.pop(3)
@@ -132,7 +132,7 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
 
 def show_steps(screen: Screen, steps: Steps) -> None:
     """Show the falling error: one bar per step, of the unseen motion where there is some."""
-    for j, joint in enumerate(JOINTS):
+    for j, joint in enumerate(steps.joints):
         shown = [(row["model"], (row["verify_rms"] or row["train_rms"])[j]) for row in steps.rows]
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
@@ -167,8 +167,12 @@ def percent(share: float | None) -> str:
 
 
 def above(limit: Sequence[float] | None, rms: Iterable[float]) -> bool:
-    """Whether an error asked to stay at or below `limit` (J,) is above it at any joint (or not a number)."""
-    return limit is not None and not all(x <= most for x, most in zip(rms, limit, strict=True))
+    """Whether an error asked to stay at or below `limit`, (1,) or (J,), is above it at any joint (or not a number)."""
+    errors = [*rms]
+    if limit is not None and len(limit) not in (1, len(errors)):
+        remedy = "give one for all, or one per joint"
+        raise UsageError(f"{len(limit)} limits for {len(errors)} joints", where="--limit", remedy=remedy)
+    return limit is not None and not all(x <= limit[j % len(limit)] for j, x in enumerate(errors))
 
 
 def truth_sentence(truth: Any) -> str:

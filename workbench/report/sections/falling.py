@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from symbolic.quantity import JOINTS
 from workbench.report.material import Material
 
 TITLE = "The falling error"
@@ -19,12 +18,12 @@ def context(material: Material) -> Mapping[str, Any] | None:
         return None
     steps = material.steps
     return {
-        "joints": [_bars(steps, index) for index in range(len(JOINTS))],
-        "head": ("model", *(f"{joint}, {kind} [N·m]" for joint in JOINTS for kind in ("fitted", "unseen"))),
+        "joints": [_bars(steps, index) for index in range(len(steps.joints))],
+        "head": ("model", *(f"{joint}, {kind} [N·m]" for joint in steps.joints for kind in ("fitted", "unseen"))),
         "rows": [
             (
                 row["model"],
-                *(x for j in range(len(JOINTS)) for x in (row["train_rms"][j], _at(row["verify_rms"], j))),
+                *(x for j in range(len(steps.joints)) for x in (row["train_rms"][j], _at(row["verify_rms"], j))),
             )
             for row in steps.rows
         ],
@@ -50,7 +49,7 @@ def _bars(steps: Any, index: int) -> Mapping[str, Any]:
         }
         for row in steps.rows
     ]
-    return {"joint": JOINTS[index], "rows": rows, "floor": floor, "floor_width": _width(floor, longest)}
+    return {"joint": steps.joints[index], "rows": rows, "floor": floor, "floor_width": _width(floor, longest)}
 
 
 def _at(values: Any, index: int) -> float | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from symbolic.quantity import JOINTS
 from workbench.report.effects import meaning, torque
 from workbench.report.material import Material
 
@@ -60,7 +59,7 @@ def tiles(material: Material) -> list[Mapping[str, Any]]:
             "floor": None if steps.noise_floor is None else steps.noise_floor[j],
             "kind": "on unseen motion" if kind == "verify_rms" else "on the fitted motion",
         }
-        for j, joint in enumerate(JOINTS)
+        for j, joint in enumerate(steps.joints)
     ]
 
 

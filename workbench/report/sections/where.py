@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from symbolic.quantity import JOINTS
 from workbench.report.cells import share
 from workbench.report.material import Material
 from workbench.terminal.screen import without_empty
@@ -23,7 +22,13 @@ def context(material: Material) -> Mapping[str, Any] | None:
     head, rows = without_empty(
         ("joint", "depends on", "share of the error", "what that means", "caution"),
         [
-            (w.joint, words(w.variable), share(w.share), w.sentence.removeprefix(f"{w.joint}: "), w.caution or "–")
+            (
+                w.joint,
+                words(w.variable, found.joints),
+                share(w.share),
+                w.sentence.removeprefix(f"{w.joint}: "),
+                w.caution or "–",
+            )
             for w in found.where
         ],
     )
@@ -43,7 +48,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
                 None if unseen is None else float(unseen[j]),
                 float(found.noise_floor[j]),
             )
-            for j, joint in enumerate(JOINTS)
+            for j, joint in enumerate(found.joints)
         ],
         "head": head,
         "rows": rows,
@@ -51,8 +56,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
     }
 
 
-def words(variable: str) -> str:
+def words(variable: str, joints: Sequence[str]) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from diagnosis.evidence.remainder import VARIABLES
+    from diagnosis.evidence.remainder import variables
+    from symbolic.joints import Joint
 
-    return VARIABLES[variable][0] if variable in VARIABLES else variable
+    known = variables(tuple(Joint(name) for name in joints))
+    return known[variable][0] if variable in known else variable
