@@ -22,7 +22,6 @@ from optimisation.linear.solve import solve_sse
 from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s; smaller ones are left to the catalogue."""
@@ -199,7 +198,7 @@ def _unexplained_torque(last: FittedModel, rules: Rules) -> Doubt | None:
     share = left_share(last)
     if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
         return None
-    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
     return Doubt(
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
@@ -222,7 +221,7 @@ def _impossible_base(base: FittedModel, rules: Rules) -> Doubt | None:
     ]
     if not np.nanmax(share, initial=0.0) > rules.base_share or not wrong:
         return None
-    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+    parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
     return Doubt(
         f"the rigid leg leaves {parts} of the torque's variance, and its numbers are impossible ({wrong[0].what})",
         f"The channels do not fit a leg: weight, inertia and friction together leave {parts} of the torque's variance "
@@ -268,5 +267,5 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     )
 
 
-def _finite(share: Float) -> Iterator[tuple[str, float]]:
-    return ((joint, float(x)) for joint, x in zip(JOINTS, share, strict=True) if np.isfinite(x))
+def _finite(share: Float, joints: Sequence[str]) -> Iterator[tuple[str, float]]:
+    return ((joint, float(x)) for joint, x in zip(joints, share, strict=True) if np.isfinite(x))
