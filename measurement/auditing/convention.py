@@ -359,6 +359,16 @@ def _stops(q: Float) -> Float:
     return out
 
 
+def _factor(scaled: Float) -> Float:
+    """Return the Cholesky factors of Gram matrices (M, P, P), which rounding may have left slightly indefinite."""
+    try:
+        return np.asarray(np.linalg.cholesky(scaled), dtype=float)
+    except np.linalg.LinAlgError:
+        least = np.linalg.eigvalsh(scaled)[:, :1, None]
+        lifted = scaled + np.maximum(1e-10 - 2.0 * least, 0.0) * np.eye(scaled.shape[1])
+        return np.asarray(np.linalg.cholesky(lifted), dtype=float)
+
+
 def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
     """Return for each torque map (M, J, J) the share of the power left, each group fitted on its own.
 
@@ -378,7 +388,7 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
         slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
         size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
         scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
-        lower = np.linalg.cholesky(scaled)
+        lower = _factor(scaled)
         side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
         total = float(weight @ s.power)
         ready.append((total, lower, side))
