@@ -12,13 +12,15 @@ if TYPE_CHECKING:
     from diagnosis.discover import diagnose, discover
     from diagnosis.extend import add
     from diagnosis.separation.design import separate
+    from diagnosis.session.session import Session
     from diagnosis.watching.watch import follow, watch
 
-__all__ = ["add", "compare", "diagnose", "discover", "follow", "separate", "watch"]
+__all__ = ["Session", "add", "compare", "diagnose", "discover", "follow", "separate", "watch"]
 
 lend(
     __name__,
     {
+        "Session": "diagnosis.session.session",
         "add": "diagnosis.extend",
         "compare": "diagnosis.compare",
         "diagnose": "diagnosis.discover",

@@ -10,7 +10,7 @@ the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, 
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
                  `simulate`, `simulate_runs`
 numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`
-what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`
+what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; all of one preparation: `Session`
 bad input        `ExoidError`: what is wrong, where, what to do
 
 `dir(exoid)` has them all. Every name lives in one of the packages `symbolic`, `measurement`, `optimisation` and

@@ -52,6 +52,9 @@ Then with your own recordings: tables with t, q1, q2, tau1, tau2 in s, rad, N·m
   the same to the end, with a report to read
     exoid discover run1.csv run2.csv --verify run3.csv --out report
 
+the same in a browser, by dropping files and pointing
+    exoid open
+
 No recordings yet?
     exoid simulate --blind --out runs      makes some and seals the truth
 

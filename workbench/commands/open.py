@@ -1,0 +1,77 @@
+"""`exoid open`: the workbench in the browser, served by this machine to itself."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from workbench.command_line.options import add_common, add_model, add_recordings, count_to
+
+HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
+
+exoid open run1.csv run2.csv --verify run3.csv
+prints the address of the page, which only this machine can reach; without recordings it offers to drop some or to begin
+with the demo. A folder that was saved from the page is opened again as it was."""
+
+LAST_PORT = 65535
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_recordings(parser, required=False)
+    add_model(parser)
+    parser.add_argument(
+        "--port", metavar="N", type=count_to(LAST_PORT), default=0, help="port of the page (a free one)"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    add_common(parser, out="keep the session and its report in DIR")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve the page until Ctrl-C."""
+    from ground.cache import cache_folder
+    from workbench.page.serve import serve
+    from workbench.page.workspace import Workspace
+
+    workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff)
+    if args.out:
+        from workbench.command_line.files import check_folder
+
+        check_folder(args.out)
+        workspace.saving = Path(args.out)
+    _open(workspace, args)
+    serve(workspace, args.port, not args.no_browser, not args.quiet)
+    return 0
+
+
+def _open(workspace: Any, args: argparse.Namespace) -> None:
+    """Hand over what the command line names; what does not exist is refused here."""
+    from measurement.reading.sources import expand
+    from workbench.command_line.inputs import conventions_of, joins_of, passive_joints, refuse_repeats
+    from workbench.command_line.options import merged
+    from workbench.page.given import FIT, VERIFY
+    from workbench.page.takeaway import is_session, reopen
+
+    if len(args.recordings) == 1 and is_session(args.recordings[0]):
+        reopen(workspace, Path(args.recordings[0]))
+        return
+    if args.model:
+        workspace.use_model(Path(args.model), args.model)
+    refuse_repeats(args.recordings, args.verify)
+    given, unseen = (expand(paths) if paths else [] for paths in (args.recordings, args.verify))
+    every = [*given, *unseen]
+    told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
+    said = {name: value for name, value in told.items() if value}
+    kept, idle, others = (
+        read(values, every)
+        for read, values in (
+            (conventions_of, args.convention), (passive_joints, args.passive), (joins_of, args.join),
+        )
+    )  # fmt: skip
+    for path in every:
+        options = {**said, "convention": kept[path], "join": others[path]}
+        workspace.add_file(
+            Path(path), Path(path).name, VERIFY if path in unseen else FIT,
+            options={name: value for name, value in options.items() if value}, passive=tuple(idle[path]),
+        )  # fmt: skip

@@ -1,0 +1,153 @@
+"""Files that were given, on the command line or dropped into the page: read, mapped, and what is doubtful in them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ground.errors import ExoidError, RecordingError
+from ground.text import printable
+
+if TYPE_CHECKING:
+    from measurement.reading.mapping import Told
+    from measurement.reading.raw import RawTable
+    from measurement.recording import Recording
+
+FIT, VERIFY = "fit", "verify"
+SHOWN = 8
+"""Values of each column in the preview."""
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A file: its `name` as the user knows it, where it lies, whether it is fitted or held out, and what is in it.
+
+    `told` is what was said of its columns, `options` what else `read_recordings` takes, `passive` the joints without a
+    drive, `error` why it cannot be used as it is.
+    """
+
+    id: int
+    name: str
+    path: Path
+    role: str = FIT
+    told: Told | None = None
+    convention: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    passive: tuple[str, ...] = ()
+    recordings: tuple[Recording, ...] = ()
+    error: ExoidError | None = None
+    read: bool = False
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """What `read_recordings` takes beside the path."""
+        from measurement.reading.mapping import Told
+
+        told = self.told or Told()
+        said = {"columns": told.columns, "units": told.units, "leg": told.leg or None}
+        kept = {name: value for name, value in said.items() if value}
+        return {**self.options, **kept, **({"convention": self.convention} if self.convention else {})}
+
+
+def safe_name(name: str) -> str:
+    """Return a name under which a dropped file may be stored: its last part, without anything a shell or page obeys."""
+    last = re.split(r"[/\\]", name)[-1]
+    kept = re.sub(r"[^A-Za-z0-9._-]", "_", last).lstrip(".")[-80:]
+    return kept or "recording.csv"
+
+
+def shown_name(name: str) -> str:
+    """Return the last part of a file's name as it is shown: control characters spelt out."""
+    return printable(re.split(r"[/\\]", name)[-1])[:120] or "recording"
+
+
+def read(given: Given, remembered: Path) -> Given:
+    """Return the file with its recordings, or with the reason why it cannot be used.
+
+    What is known of files with the same columns is taken from the folder `remembered`, if nothing was said.
+    """
+    from measurement.reading.mapping import remembered as mapping_for
+    from measurement.reading.read import open_table, read_recordings
+
+    try:
+        if given.told is None and not given.options.get("columns"):
+            told = mapping_for(remembered, open_table(given.path).names)
+            given = replace(given, told=told) if told else given
+        recordings = read_recordings([given.path], **given.columns)
+    except ExoidError as error:
+        return replace(given, recordings=(), error=_without_path(error, given), read=True)
+    recordings = tuple(one.with_passive(*given.passive) for one in recordings)
+    stem = Path(given.name).stem or given.name
+    if len(recordings) == 1:
+        recordings = (replace(recordings[0], name=stem),)
+    return replace(given, recordings=recordings, error=None, read=True)
+
+
+def preview(given: Given) -> dict[str, Any]:
+    """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
+    from measurement.reading.columns import SI, assign, canonical, legs, numbered, required
+    from measurement.reading.conventions import CONVENTIONS
+    from measurement.reading.read import open_table
+
+    table = open_table(given.path)
+    told = given.told
+    columns = {} if told is None else dict(told.columns)
+    units = {} if told is None else dict(told.units)
+    leg = "" if told is None else told.leg
+    try:
+        found = assign(table, columns, units, where=given.name, leg=leg or None, partial=True)
+        guess = {name: {"column": one.column.name, "unit": one.unit} for name, one in found.items()}
+    except ExoidError:
+        guess = {}
+    names = numbered(table.names)
+    return {
+        "id": given.id,
+        "name": given.name,
+        "columns": [{"name": n, **_column(c)} for n, c in zip(names, table.columns, strict=True)],
+        "wanted": [
+            {"name": name, "required": name in required(), "si": SI[name.rstrip("0123456789")]} for name in canonical()
+        ],
+        "guess": guess,
+        "told": {"columns": columns, "units": units, "leg": leg},
+        "legs": list(legs(table)),
+        "convention": given.convention,
+        "conventions": [{"name": one.name, "what": one.what} for one in CONVENTIONS.values()],
+        "error": None if given.error is None else error_json(given.error),
+        "findings": [f.to_json() for one in given.recordings for f in one.findings],
+    }
+
+
+def remember(folder: Path, table: RawTable, told: Told) -> None:
+    """Keep a mapping for the next file with these columns."""
+    from measurement.reading.mapping import remember as keep
+
+    folder.mkdir(parents=True, exist_ok=True)
+    keep(folder, table.names, told, replacing=True)
+
+
+def error_json(error: ExoidError) -> dict[str, str]:
+    """Return an error as what, where and what to do."""
+    return {"what": printable(error.what), "where": printable(error.where), "remedy": printable(error.remedy)}
+
+
+def _column(column: Any) -> dict[str, Any]:
+    import numpy as np
+
+    values = column.values
+    good = values[np.isfinite(values)]
+    first = [column.texts.get(k) or (None if v != v else float(v)) for k, v in enumerate(values[:SHOWN].tolist())]
+    return {
+        "unit": column.unit,
+        "low": float(good.min()) if good.size else None,
+        "high": float(good.max()) if good.size else None,
+        "first": first,
+    }
+
+
+def _without_path(error: ExoidError, given: Given) -> ExoidError:
+    """Return the error with the name of the file instead of the place where it was stored."""
+    texts = [text.replace(str(given.path), given.name) for text in (error.what, error.where, error.remedy)]
+    return RecordingError(texts[0], where=texts[1], remedy=texts[2])

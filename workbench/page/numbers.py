@@ -1,0 +1,159 @@
+"""Time series as bytes for the page: a short head of JSON, then arrays of 32-bit floats, one joint after the other."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ground.errors import RecordingError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from diagnosis.session.session import Session
+    from workbench.page.workspace import Workspace
+
+
+def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
+    """Return the bytes: length of the head (4 bytes, little endian), head, padding, arrays in its order."""
+    import numpy as np
+
+    places, parts, offset = {}, [], 0
+    for name, array in arrays.items():
+        data = np.ascontiguousarray(array, dtype="<f4")
+        places[name] = {"offset": offset, "shape": list(data.shape)}
+        offset += data.size
+        parts.append(data.tobytes())
+    text = json.dumps({**head, "arrays": places}).encode()
+    text += b" " * (-(4 + len(text)) % 4)
+    return struct.pack("<I", len(text)) + text + b"".join(parts)
+
+
+def motion_of(session: Session, index: int) -> bytes:
+    """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
+    one = _recording(session, index)
+    base = session.fitted()
+    load = _load(session, index, base)
+    motion = one.motion
+    arrays = {
+        "torque": one.tau.T,
+        "use": one.use.T,
+        "angle": motion.q[one.kept].T,
+        "velocity": motion.dq[one.kept].T,
+        "acceleration": motion.ddq[one.kept].T,
+        "load": load,
+    }
+    return packed({"recording": index, **_clock(one)}, arrays)
+
+
+def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
+    """Return the error (J, K) N·m of the present model on a recording; provisional where it is not fitted yet."""
+    names = workspace.names
+    now = session.known(names)
+    head = {"recording": index, **_clock(_recording(session, index))}
+    if now is not None:
+        return packed({**head, "provisional": False}, {"error": now.residuals[index]})
+    trial = workspace.trials.get(names)
+    residuals = _on_whole(session, trial.residuals, index) if trial else session.fitted().residuals[index]
+    return packed({**head, "provisional": True}, {"error": residuals})
+
+
+def preview_of(workspace: Workspace, session: Session, name: str, index: int) -> bytes:
+    """Return the error (J, K) N·m as it would become with one more effect, and between which its placebos stay."""
+    ranking = workspace.ranking()
+    trial = None if ranking is None else ranking.trial(name)
+    if ranking is None or trial is None:
+        raise RecordingError(f"{name} is not weighed yet", where=name, remedy="wait a moment")
+    low, high = ranking.band(name) or (trial.residuals, trial.residuals)
+    arrays = {
+        "error": _on_whole(session, trial.residuals, index),
+        "low": _on_whole(session, low, index),
+        "high": _on_whole(session, high, index),
+    }
+    return packed({"recording": index, "effect": name, "rms": trial.judged_rms.tolist()}, arrays)
+
+
+def explained(workspace: Workspace, session: Session, spans: Sequence[tuple[int, float, float]], joint: int | None,
+              box: Mapping[str, Any] | None) -> dict[str, float]:
+    """Return which share of the error in a selection each suspect would take away: stretches of time, or a box in the
+    plane of a variable and the error of a joint.
+    """
+    import numpy as np
+
+    ranking = workspace.ranking()
+    if ranking is None:
+        return {}
+    selected = []
+    for place, one in enumerate(session.searched.all):
+        origin = session.origins[place]
+        chosen = np.zeros(one.use.T.shape, dtype=bool)
+        for recording, low, high in spans:
+            if recording == origin:
+                chosen |= ((one.t >= low) & (one.t <= high))[None, :]
+        if box is not None and joint is not None:
+            x = _variable(session, place, ranking.fitted, str(box["variable"]), joint)
+            y = ranking.fitted.residuals[place][joint]
+            inside = (x >= box["x"][0]) & (x <= box["x"][1]) & (y >= box["y"][0]) & (y <= box["y"][1])
+            chosen[joint] |= inside
+        elif joint is not None:
+            chosen[np.arange(len(chosen)) != joint] = False
+        selected.append(chosen)
+    return ranking.explained(selected)
+
+
+def _variable(session: Session, place: int, fitted: Any, variable: str, joint: int) -> np.ndarray:
+    import numpy as np
+
+    one = session.searched.all[place]
+    motion = one.motion
+    if variable == "time":
+        return np.asarray(one.t - session.prepared.all[session.origins[place]].t[0])
+    if variable == "load":
+        return np.asarray(_load_on(one, fitted)[joint])
+    kind, _, of = variable.partition(":")
+    signal = {"angle": motion.q, "velocity": motion.dq, "acceleration": motion.ddq}.get(kind)
+    names = list(session.model.joint_names)
+    if signal is None or of not in names:
+        raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
+    return np.asarray(signal[one.kept][:, names.index(of)])
+
+
+def _load(session: Session, index: int, base: Any) -> np.ndarray:
+    return _load_on(session.prepared.all[index], base)
+
+
+def _load_on(one: Any, fitted: Any) -> np.ndarray:
+    """Return the rigid-body torque (J, K) N·m at the present inertial parameters."""
+    import numpy as np
+
+    model = fitted.model.base()
+    count = len(model.inertial)
+    columns = model.columns(one.motion)
+    return np.asarray((columns[:, :, :count] @ fitted.linear[:count])[:, one.kept])
+
+
+def _recording(session: Session, index: int) -> Any:
+    if not 0 <= index < len(session.prepared.all):
+        raise RecordingError("there is no such recording", remedy="reload the page")
+    return session.prepared.all[index]
+
+
+def _clock(one: Any) -> dict[str, Any]:
+    return {"t0": float(one.t[0]), "dt": 1.0 / one.kept_rate, "count": len(one.t)}
+
+
+def _on_whole(session: Session, parts: Sequence[np.ndarray], index: int) -> np.ndarray:
+    """Return residuals of stretches in the place they have in the whole recording, not a number in between."""
+    import numpy as np
+
+    one = session.prepared.all[index]
+    if session.searched is session.prepared:
+        return parts[index]
+    out = np.full(one.use.T.shape, np.nan)
+    for place, origin in enumerate(session.origins):
+        if origin == index:
+            first = int(np.searchsorted(one.t, session.searched.all[place].t[0] - 1e-9))
+            out[:, first : first + parts[place].shape[1]] = parts[place]
+    return out

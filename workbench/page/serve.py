@@ -1,0 +1,72 @@
+"""Starts the local server: a free port of this machine, a new token, and the address on the first line."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import socket
+import sys
+import webbrowser
+from typing import TYPE_CHECKING
+
+import uvicorn
+
+from ground.errors import ExoidError
+from workbench.page.app import application
+
+if TYPE_CHECKING:
+    from workbench.page.workspace import Workspace
+
+HOST = "127.0.0.1"
+
+
+def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
+    """Serve until interrupted; ExoidError where the port is taken. `port` 0 takes a free one."""
+    listening = _listen(port)
+    number = listening.getsockname()[1]
+    token = secrets.token_urlsafe(24)
+    address = f"http://{HOST}:{number}/?token={token}"
+    config = uvicorn.Config(
+        application(workspace, token, number), log_level="error", access_log=False, lifespan="off",
+        timeout_graceful_shutdown=1, server_header=False,
+    )  # fmt: skip
+    print(address, flush=True)
+    if say:
+        sys.stderr.write("exoid: the page is open at the address above; Ctrl-C ends it\n")
+    workspace.start()
+    if browser:
+        webbrowser.open(address)
+    server = _Server(config, workspace)
+    try:
+        asyncio.run(server.serve(sockets=[listening]))
+    finally:
+        workspace.close()
+        listening.close()
+
+
+class _Server(uvicorn.Server):
+    """A server of which an interruption is the ordinary end."""
+
+    def __init__(self, config: uvicorn.Config, workspace: Workspace) -> None:
+        super().__init__(config)
+        self.workspace = workspace
+
+    def handle_exit(self, sig: int, frame: object) -> None:
+        """Stop; the second time at once. Nothing is raised again when it has stopped."""
+        self.force_exit = self.should_exit
+        self.should_exit = True
+        self.workspace.end()  # who waits for news has waited enough
+
+
+def _listen(port: int) -> socket.socket:
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((HOST, port))
+    except OSError as error:
+        listening.close()
+        raise ExoidError(
+            f"port {port} cannot be used ({error.strerror})", where="--port", remedy="leave it out: a free one is found"
+        ) from error
+    listening.listen(128)
+    return listening

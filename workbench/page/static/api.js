@@ -1,0 +1,80 @@
+// Requests to the local server. A refusal becomes an Error that carries what, where and remedy.
+
+const token = new URLSearchParams(location.search).get("token");
+const headers = token ? { "X-Exoid-Token": token } : {};
+
+export class Refused extends Error {
+  constructor(problem) {
+    super(problem.what);
+    Object.assign(this, problem);
+  }
+}
+
+async function answered(response) {
+  if (response.ok) return response;
+  let problem = { what: `the server answers with status ${response.status}`, where: "", remedy: "" };
+  if ((response.headers.get("content-type") || "").includes("json")) problem = await response.json();
+  else problem.what = (await response.text()).trim() || problem.what;
+  throw new Refused(problem);
+}
+
+async function request(path, options = {}) {
+  let response;
+  try {
+    response = await fetch(path, { ...options, headers: { ...headers, ...options.headers } });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Refused({ what: "exoid does not answer", where: "", remedy: "is exoid open still running in its terminal?" });
+  }
+  return answered(response);
+}
+
+export function url(path, query = {}) {
+  return `${path}?${new URLSearchParams({ ...query, ...(token ? { token } : {}) })}`;
+}
+
+export async function ask(path, query, signal) {
+  return (await request(url(path, query), { signal })).json();
+}
+
+export async function tell(action, message = {}, signal) {
+  const body = JSON.stringify(message);
+  const response = await request(`/api/${action}`, { method: "POST", body, signal, headers: { "Content-Type": "application/json" } });
+  return response.json();
+}
+
+export async function upload(file, role) {
+  await request(url("/api/file", { name: file.name, role }), { method: "PUT", body: file });
+}
+
+// {head, arrays}: every array is a list of Float32Array, one per joint.
+export async function numbers(path, query, signal) {
+  const buffer = await (await request(url(path, query), { signal })).arrayBuffer();
+  const size = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, size)));
+  const arrays = {};
+  for (const [name, { offset, shape }] of Object.entries(head.arrays)) {
+    const [joints, count] = shape;
+    arrays[name] = Array.from({ length: joints }, (_, j) => new Float32Array(buffer, 4 + size + 4 * (offset + j * count), count));
+  }
+  return { head, arrays };
+}
+
+// Calls `changed` whenever the workspace has a new version; a hidden tab holds no connection.
+export function follow(changed, lost) {
+  let source = null;
+  const open = () => {
+    if (source || document.hidden) return;
+    source = new EventSource(url("/api/events"));
+    source.onmessage = (event) => changed(Number(event.data));
+    source.onerror = () => lost();
+  };
+  const close = () => {
+    if (source) source.close();
+    source = null;
+  };
+  document.addEventListener("visibilitychange", () => (document.hidden ? close() : open()));
+  addEventListener("pagehide", close);
+  addEventListener("pageshow", open);
+  open();
+}

@@ -1,0 +1,82 @@
+// Draws the page from the state of the workspace, again whenever that or what this tab looks at has changed.
+
+import { follow, tell } from "./api.js";
+import { drawSelection, loadCompare, redraw } from "./panels/compare.js";
+import { drawLayers } from "./panels/layers.js";
+import { offerMapping } from "./panels/mapping.js";
+import { drawRecordings } from "./panels/recordings.js";
+import { catchDrops, drawStart } from "./panels/start.js";
+import { doing, problem, say } from "./panels/status.js";
+import { drawSuspects } from "./panels/suspects.js";
+import { drawTakeaway } from "./panels/takeaway.js";
+import { drawVerdict } from "./panels/verdict.js";
+import { followSelection } from "./selection.js";
+import { forget, look, on, refresh, view } from "./store.js";
+
+const $ = (id) => document.getElementById(id);
+
+function draw() {
+  const { state } = view;
+  const empty = state.files.length === 0;
+  $("start").hidden = !empty;
+  $("work").hidden = empty;
+  document.body.dataset.ready = String(state.ready && state.fitted);
+  say(state.busy ? `${state.busy} …` : empty ? "" : state.ready ? "" : "give at least one recording to fit");
+  if (state.problem) problem(state.problem, false);
+  else if (shownProblem) problem(null);
+  shownProblem = Boolean(state.problem);
+  if (empty) {
+    if (!$("start").firstChild) drawStart();
+    return;
+  }
+  drawRecordings();
+  offerMapping(state.files);
+  for (const id of ["verdict", "compare", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
+  if (!state.ready) return;
+  forget(JSON.stringify([state.recordings, state.filter, state.files.map((file) => file.samples)]));
+  drawVerdict();
+  drawLayers();
+  drawSuspects();
+  drawTakeaway();
+  drawSelection();
+  doing(loadCompare());
+}
+
+let shownProblem = false;
+let refreshing = false;
+let again = false;
+
+// One request at a time; what changes meanwhile is fetched after it.
+async function update() {
+  again = true;
+  if (refreshing) return;
+  refreshing = true;
+  while (again) {
+    again = false;
+    try {
+      await refresh();
+    } catch (error) {
+      problem(error);
+    }
+  }
+  refreshing = false;
+}
+
+function keys(event) {
+  const typing = event.target.matches("input:not([type=checkbox]), textarea, select");
+  if (typing || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+  event.preventDefault();
+  doing(tell(event.shiftKey ? "redo" : "undo"));
+}
+
+on("state", draw);
+on("recording", () => doing(loadCompare()));
+for (const what of ["cursor", "range", "selection", "preview"]) on(what, redraw);
+on("selection", drawSelection);
+for (const what of ["explained", "pointed", "preview"]) on(what, () => view.state.ready && drawSuspects());
+on("state", () => view.pointed && !view.state.ranking?.suspects.some((one) => one.name === view.pointed) && look({ pointed: null, preview: null }));
+followSelection();
+catchDrops();
+document.addEventListener("keydown", keys);
+follow(update, () => say("connection lost; exoid open may have ended"));
+update();

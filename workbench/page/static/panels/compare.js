@@ -1,0 +1,216 @@
+// Measured and modelled torque and their difference: over time, against everything else, and the leg at the cursor.
+
+import { button, fill, h, set } from "../dom.js";
+import { number } from "../format.js";
+import { Scatter } from "../plot/scatter.js";
+import { TimePlot, showRange, zoom } from "../plot/timeplot.js";
+import { clear, inWords, selected, variable, variables } from "../selection.js";
+import { error as errorOf, look, motion as motionOf, view } from "../store.js";
+import { drawPosture } from "./posture.js";
+
+let plots = [];
+let data = null;
+let built = "";
+let layers = { measured: true, model: true, band: true };
+let colouring = "direction";
+const axisOf = new Map();
+const clouds = new Map();
+const memory = new WeakMap();
+
+// Measured torque minus error, kept as long as the error is.
+function modelled(motion, error, j) {
+  if (!memory.has(error)) memory.set(error, []);
+  const kept = memory.get(error);
+  if (!kept[j]) kept[j] = Float32Array.from(motion.arrays.torque[j], (v, k) => v - error.arrays.error[j][k]);
+  return kept[j];
+}
+
+// Errors are only drawn where they count.
+function masked(values, motion, j) {
+  if (!memory.has(values)) memory.set(values, Float32Array.from(values, (v, k) => (motion.arrays.use[j][k] ? v : NaN)));
+  return memory.get(values);
+}
+
+export async function loadCompare() {
+  const { state } = view;
+  if (!state.ready) return;
+  if (view.recording === null || view.recording >= state.recordings.length) {
+    const held = state.recordings.findIndex((one) => one.role === "verify");
+    return look({ recording: Math.max(0, held) });
+  }
+  build();
+  const { recording } = view;
+  const [motion, error] = await Promise.all([motionOf(recording), errorOf(recording, state.key)]);
+  if (recording !== view.recording) return;
+  data = { recording, motion, error };
+  redraw();
+  await Promise.all(state.recordings.map(async (_, k) => {
+    const [m, e] = await Promise.all([motionOf(k), errorOf(k, state.key)]);
+    clouds.set(k, { recording: k, motion: m, error: e });
+  }));
+  for (const k of clouds.keys()) if (k >= state.recordings.length) clouds.delete(k);
+  redraw();
+}
+
+export function redraw() {
+  for (const plot of plots) plot.draw();
+  readout();
+}
+
+function build() {
+  const { joints, recordings } = view.state;
+  const key = JSON.stringify([joints.map((one) => one.name), recordings]);
+  if (key === built) return;
+  built = key;
+  plots = [];
+  clouds.clear();
+  data = null;
+  fill(document.getElementById("compare"), head(recordings), h("div", { class: "readout", id: "readout" }),
+    joints.map((joint, j) => timePanels(joint, j)),
+    h("div", { class: "row wrap scatter-head" }, h("h3", {}, "Error against"), colours()),
+    h("div", { class: "scatters" }, joints.map((joint, j) => scatterPanel(joint, j)), posturePanel()),
+  );
+}
+
+function head(recordings) {
+  const choose = h("select", { id: "which", onchange: (event) => look({ recording: Number(event.target.value), range: null, cursor: null }) },
+    recordings.map((one, k) => h("option", { value: String(k) }, `${one.name} (${one.role === "verify" ? "unseen" : "fitted"})`)));
+  choose.value = String(view.recording);
+  const longest = () => (data ? data.motion.head.dt * Math.max(1, data.motion.head.count - 1) : 1);
+  const span = () => view.range || [0, longest()];
+  const by = (factor) => () => zoom((span()[0] + span()[1]) / 2, factor, ...span(), longest());
+  const move = (share) => () => showRange(span()[0] + share * (span()[1] - span()[0]), span()[1] + share * (span()[1] - span()[0]), longest());
+  const mode = h("button", { type: "button", "aria-pressed": String(Boolean(view.moving)), title: "what dragging does in plots over time" }, "drag moves");
+  mode.addEventListener("click", () => {
+    view.moving = !view.moving;
+    set(mode, { "aria-pressed": String(view.moving) });
+    document.body.classList.toggle("moving", view.moving);
+  });
+  return [
+    h("h2", { id: "compare-title" }, "Model against measurement"),
+    h("div", { class: "row wrap" },
+      h("label", { for: "which" }, "recording ", choose),
+      button("−", by(1.5), { "aria-label": "zoom out" }), button("+", by(1 / 1.5), { "aria-label": "zoom in" }),
+      button("◀", move(-0.5), { "aria-label": "earlier" }), button("▶", move(0.5), { "aria-label": "later" }),
+      button("all", () => look({ range: null }), { title: "the whole recording (double click)" }), mode,
+      ...Object.keys(layers).map((name) => toggle(name)),
+    ),
+    h("div", { class: "row selection", id: "selection", "aria-live": "polite" }),
+  ];
+}
+
+function toggle(name) {
+  const words = { measured: "measured", model: "model", band: "placebos" };
+  const box = h("input", { type: "checkbox", checked: layers[name], onchange: (event) => {
+    layers = { ...layers, [name]: event.target.checked };
+    redraw();
+  } });
+  return h("label", { class: `key-${name}` }, box, ` ${words[name]}`);
+}
+
+function timePanels(joint, j) {
+  const words = `${joint.name} over time. Arrows move the cursor, with Shift they select; plus and minus zoom, 0 shows everything, Escape clears the selection.`;
+  const torque = h("canvas", { class: "plot", role: "img", "data-testid": `plot-torque-${joint.name}`, "aria-label": `Measured and modelled torque of the ${words}` });
+  const error = h("canvas", { class: "plot short", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
+  plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: true }));
+  return h("div", { class: `joint-block joint-${j}` }, h("h3", {}, joint.name), torque, error);
+}
+
+function content(joint, j, series, label) {
+  const { motion, error, recording } = data;
+  const { t0, dt, count } = motion.head;
+  return { t0, dt, count, recording, joint: j, series, label, unit: joint.unit, chosen: selected(view.selection, recording, j, motion, error) };
+}
+
+function torqueContent(joint, j) {
+  if (!data) return null;
+  const { motion, error } = data;
+  const series = [];
+  if (layers.measured) series.push({ values: motion.arrays.torque[j], colour: "measured", width: 2.4 });
+  if (layers.model) series.push({ values: modelled(motion, error, j), colour: "model", width: 1.3 });
+  return content(joint, j, series, "torque");
+}
+
+function errorContent(joint, j) {
+  if (!data) return null;
+  const { motion, error, recording } = data;
+  const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint" }];
+  const { preview } = view;
+  if (preview && preview.head.recording === recording) {
+    const { arrays } = preview;
+    if (layers.band) series.unshift({ values: masked(arrays.high[j], motion, j), band: masked(arrays.low[j], motion, j), colour: "faint", scales: false });
+    series.push({ values: masked(arrays.error[j], motion, j), colour: "good", width: 1.8 });
+  }
+  return { ...content(joint, j, series, preview ? "error now, and with it" : "error"), zero: true };
+}
+
+function colours() {
+  const choose = h("select", { id: "colouring", onchange: (event) => {
+    colouring = event.target.value;
+    redraw();
+    legend();
+  } }, h("option", { value: "direction" }, "direction of motion"), h("option", { value: "recording" }, "recording"));
+  choose.value = colouring;
+  return h("label", { for: "colouring" }, "coloured by ", choose, h("span", { id: "legend", class: "faint" }));
+}
+
+const CLOUD_COLOURS = ["cloud-0", "cloud-1", "cloud-2", "cloud-3", "cloud-4", "cloud-5"];
+
+function legend() {
+  const place = document.getElementById("legend");
+  if (!place) return;
+  const words = colouring === "direction" ? ["forwards", "backwards"] : view.state.recordings.map((one) => one.name);
+  fill(place, words.map((text, k) => [h("span", { class: `dot ${CLOUD_COLOURS[k % CLOUD_COLOURS.length]}` }), ` ${text} `]));
+}
+
+function scatterPanel(joint, j) {
+  const entries = variables(view.state.joints);
+  if (!axisOf.has(joint.name)) axisOf.set(joint.name, `velocity:${joint.name}`);
+  const canvas = h("canvas", { class: "plot scatter", role: "img", "data-testid": `scatter-${joint.name}`,
+    "aria-label": `Error of the ${joint.name} against a variable. Arrows move a box that selects points, with Shift they size it; Escape takes it away.` });
+  const plot = new Scatter(canvas, () => scatterContent(joint, j, entries));
+  const id = `against-${joint.name}`;
+  const choose = h("select", { id, onchange: (event) => {
+    axisOf.set(joint.name, event.target.value);
+    plot.draw();
+  } }, entries.map((one) => h("option", { value: one.name }, one.words)));
+  choose.value = axisOf.get(joint.name);
+  plots.push(plot);
+  queueMicrotask(legend);
+  return h("div", { class: `joint-block joint-${j}` }, h("label", { for: id }, h("strong", {}, joint.name), " against ", choose), canvas);
+}
+
+function scatterContent(joint, j, entries) {
+  if (!clouds.size) return null;
+  const name = axisOf.get(joint.name);
+  const list = [...clouds.values()].sort((a, b) => a.recording - b.recording);
+  const colourOf = colouring === "direction"
+    ? (cloud) => (k) => (cloud.motion.arrays.velocity[j][k] >= 0 ? 0 : 1)
+    : (cloud) => () => cloud.recording % CLOUD_COLOURS.length;
+  return {
+    joint: j, variable: name, unit: joint.unit, entry: entries.find((one) => one.name === name), colours: CLOUD_COLOURS,
+    clouds: list.map((cloud) => ({ ...cloud, x: variable(name, j, cloud.motion), colourOf: colourOf(cloud) })),
+  };
+}
+
+function posturePanel() {
+  return h("figure", { class: "posture" }, h("div", { id: "posture" }), h("figcaption", {}, "posture at the cursor"));
+}
+
+function readout() {
+  const place = document.getElementById("readout");
+  if (!place || !data) return;
+  const { motion, error } = data;
+  const k = view.cursor === null ? 0 : Math.min(motion.head.count - 1, Math.max(0, Math.round(view.cursor / motion.head.dt)));
+  fill(place, h("output", {}, `t = ${(k * motion.head.dt).toFixed(2)} s`),
+    view.state.joints.map((joint, j) => h("output", { class: `joint-${j} joint-text` },
+      `${joint.name}: measured ${number(motion.arrays.torque[j][k])}, difference ${number(error.arrays.error[j][k])} ${joint.unit}`)));
+  drawPosture(document.getElementById("posture"), motion, k);
+}
+
+export function drawSelection() {
+  const place = document.getElementById("selection");
+  if (!place) return;
+  fill(place, !view.selection ? h("span", { class: "faint" }, "Drag over a plot to select a bad stretch or a cloud of points, and see where it lies everywhere.")
+    : [h("span", { "data-testid": "selection" }, `selected: ${inWords(view.selection)}`), button("clear", clear, { "data-testid": "clear-selection" })]);
+}

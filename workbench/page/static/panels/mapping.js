@@ -1,0 +1,76 @@
+// Which column is what: the columns with first values, what exoid thinks, and what it doubts.
+
+import { ask, tell } from "../api.js";
+import { button, h } from "../dom.js";
+import { number } from "../format.js";
+import { doing } from "./status.js";
+
+const offered = new Set();
+
+// A file that cannot be read as it is opens the dialog by itself, once.
+export function offerMapping(files) {
+  if (document.querySelector("dialog[open]")) return;
+  const file = files.find((one) => one.error && !offered.has(one.id));
+  if (file) openMapping(file.id);
+}
+
+export async function openMapping(id) {
+  offered.add(id);
+  const table = await doing(ask("/api/columns", { file: id }));
+  if (!table) return;
+  const error = h("div", { role: "alert", "data-testid": "map-error" });
+  const showError = (problem) => error.replaceChildren(...(problem ? [h("div", { class: "finding refused" }, h("p", {}, problem.what), problem.remedy && h("p", { class: "remedy" }, problem.remedy || ""))] : []));
+  showError(table.error);
+  const rows = table.wanted.map((wanted) => wantedRow(wanted, table));
+  const leg = choice("map-leg", [["", "not said"], ...["left", "right", "both"].map((name) => [name, name])], table.told.leg);
+  const convention = choice("map-convention", [["", "exoid's own"], ...table.conventions.map((one) => [one.name, `${one.name}: ${one.what}`])], table.convention);
+  const dialog = h("dialog", { class: "form", "data-testid": "map-dialog", "aria-labelledby": "map-title", onclose: () => dialog.remove() },
+    h("h2", { id: "map-title" }, "Which column is what? ", h("span", { class: "file-name" }, table.name)),
+    error,
+    table.findings.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy))),
+    h("div", { class: "scroll", tabindex: "0", "aria-label": "the columns of the file" }, preview(table)),
+    h("div", { class: "mapping" }, rows.map((row) => row.element)),
+    h("details", {}, h("summary", {}, "leg and convention"), h("label", { for: "map-leg" }, "leg ", leg), h("label", { for: "map-convention" }, "angles and torques are counted as ", convention)),
+    h("p", { class: "faint" }, "Kept for the next file with these columns."),
+    h("div", { class: "row" }, button("Use these columns", send, { class: "primary", "data-testid": "map-apply" }), button("Cancel", () => dialog.close())),
+  );
+  async function send() {
+    const columns = Object.fromEntries(rows.filter((row) => row.column.value).map((row) => [row.name, row.column.value]));
+    const units = Object.fromEntries(rows.filter((row) => row.column.value && row.unit.value.trim()).map((row) => [row.name, row.unit.value.trim()]));
+    try {
+      await tell("map", { file: id, columns, units, leg: leg.value, convention: convention.value });
+      dialog.close();
+    } catch (problem) {
+      showError(problem);
+    }
+  }
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+function choice(id, options, value) {
+  const select = h("select", { id, "data-testid": id }, options.map(([key, words]) => h("option", { value: key }, words)));
+  select.value = value;
+  return select;
+}
+
+function wantedRow(wanted, table) {
+  const guess = table.guess[wanted.name];
+  const id = `map-${wanted.name}`;
+  const column = choice(id, [["", wanted.required ? "choose …" : "not there"], ...table.columns.map((one) => [one.name, one.name])], guess ? guess.column : "");
+  const unit = h("input", { type: "text", size: 9, "aria-label": `unit of ${wanted.name}`, "data-testid": `map-unit-${wanted.name}`, placeholder: wanted.si,
+    value: table.told.units[wanted.name] || (guess && guess.unit !== wanted.si ? guess.unit : "") });
+  const words = h("label", { for: id }, h("code", {}, wanted.name), wanted.required ? "" : " (if there is one)");
+  return { name: wanted.name, column, unit, element: h("div", { class: "row wrap mapping-row" }, words, column, unit) };
+}
+
+function preview(table) {
+  const shown = table.columns.slice(0, 60);
+  const count = Math.max(...shown.map((column) => column.first.length), 0);
+  const cell = (value) => (typeof value === "number" ? number(value, 5) : value ?? "");
+  return h("table", {},
+    h("caption", { class: "caption" }, `${table.columns.length} columns, the first ${count} rows`),
+    h("thead", {}, h("tr", {}, shown.map((column) => h("th", { scope: "col" }, column.name, column.unit ? ` [${column.unit}]` : "")))),
+    h("tbody", {}, Array.from({ length: Math.min(count, 5) }, (_, k) => h("tr", {}, shown.map((column) => h("td", { class: "number" }, cell(column.first[k])))))),
+  );
+}

@@ -1,0 +1,95 @@
+// What could be missing, best first: pointing at a suspect draws the error as it would become.
+
+import { ask, numbers, tell } from "../api.js";
+import { button, fill, h } from "../dom.js";
+import { number, percent, rms } from "../format.js";
+import { look, view } from "../store.js";
+import { doing } from "./status.js";
+
+let asked = null;
+let shown = null;
+
+export function drawSuspects() {
+  const { ranking } = view.state;
+  const place = document.getElementById("suspects");
+  const head = h("h2", { id: "suspects-title" }, "Suspects");
+  if (!ranking) {
+    fill(place, head, h("p", { class: "faint" }, "ranked as soon as the model is fitted …"));
+    return;
+  }
+  const top = place.querySelector(".suspects") ? place.querySelector(".suspects").scrollTop : 0;
+  const chosen = view.explained;
+  const suspects = [...ranking.suspects];
+  if (chosen) suspects.sort((a, b) => (chosen[b.name] ?? -9) - (chosen[a.name] ?? -9));
+  const progress = ranking.finished ? "all placebos asked"
+    : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
+  fill(place, head,
+    h("p", { class: "faint", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
+      chosen ? "Share of the selected error that each would take away. " : "Share of the error on motion it was not fitted to. ", progress),
+    h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
+    detailPanel(),
+  );
+  place.querySelector(".suspects").scrollTop = top;
+}
+
+function row(suspect, chosen) {
+  const share = chosen ? chosen[suspect.name] : suspect.share;
+  const bar = h("span", { class: "share-bar" });
+  bar.style.setProperty("--share", `${Math.round(100 * Math.max(0, Math.min(1, share || 0)))}%`);
+  const on = () => point(suspect.name);
+  const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: suspect.explains });
+  return h("li", {
+    "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.significant ? " sure" : ""}`,
+    onpointerenter: on, onfocusin: on,
+  },
+    h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),
+      button("add", () => doing(tell("add", { effect: suspect.name })), { "data-testid": `add-${suspect.name}`, "aria-label": `add ${suspect.name}` })),
+    bar,
+    h("div", { class: "faint small", id: `p-${suspect.name}` }, suspect.name, " ", evidence(suspect)),
+  );
+}
+
+function evidence(suspect) {
+  const parts = [];
+  if (suspect.caution) parts.push(suspect.caution);
+  if (suspect.p !== null) parts.push(`p = ${number(suspect.p, 2)} (${number(suspect.p_low, 2)} to ${number(suspect.p_high, 2)}, ${suspect.draws} placebos)`);
+  if (suspect.splits) parts.push(`${suspect.splits[0]} of ${suspect.splits[1]} splits agree`);
+  return parts.length ? `· ${parts.join(" · ")}` : "";
+}
+
+export async function point(name) {
+  if (view.pointed === name && view.preview) return;
+  if (asked) asked.abort();
+  asked = new AbortController();
+  const { signal } = asked;
+  look({ pointed: name });
+  try {
+    const [preview, details] = await Promise.all([
+      numbers("/api/preview", { effect: name, recording: view.recording }, signal), ask("/api/details", { effect: name }, signal)]);
+    if (view.pointed !== name) return;
+    shown = details;
+    look({ preview });
+  } catch (error) {
+    if (error.name !== "AbortError") look({ preview: null });
+  }
+}
+
+export function unpoint() {
+  if (asked) asked.abort();
+  shown = null;
+  look({ pointed: null, preview: null });
+}
+
+function detailPanel() {
+  if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be told from, what to measure."));
+  const { joints } = view.state;
+  const falls = shown.rms ? joints.map((joint, j) => `${joint.name} ${rms(joint.error)} → ${rms(shown.rms[j])} ${joint.unit}`).join(", ") : "";
+  return h("div", { class: "detail", id: "detail", "data-testid": "detail" },
+    h("h3", {}, shown.title), h("p", {}, shown.explains),
+    falls && h("p", {}, `Error as it would become: ${falls}`),
+    shown.torque && h("p", {}, h("code", {}, shown.torque)),
+    shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => `${one.name} ≈ ${number(one.value)} ${one.unit === "1" ? "" : one.unit}`).join(", ")),
+    h("p", { class: "faint" }, shown.alike.length ? `These data cannot tell it from: ${shown.alike.join(", ")}` : "Nothing else does as well in these data."),
+    h("p", { class: "faint" }, `To measure: ${shown.tells_apart}`),
+  );
+}

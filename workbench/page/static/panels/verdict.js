@@ -1,0 +1,102 @@
+// What can be said now: verdict, error and noise of every joint, the falling error, and the whole search.
+
+import { tell } from "../api.js";
+import { button, fill, h, svg } from "../dom.js";
+import { percent, rms } from "../format.js";
+import { view } from "../store.js";
+import { doing } from "./status.js";
+
+const NAMES = {
+  adequate: "adequate", missing: "missing", ambiguous: "ambiguous", unexplained: "unexplained",
+  check_channels: "check the channels", open: "not judged yet", near_noise: "near the noise", unknown: "…",
+};
+
+export function drawVerdict() {
+  const { state } = view;
+  const { verdict, joints, search } = state;
+  const rows = [
+    h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
+    h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
+      h("p", {}, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind)),
+      h("p", { class: "lead" }, verdict.sentence),
+      verdict.why && h("p", { class: "faint" }, `why: ${verdict.why}`),
+      verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
+      (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
+      (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`)),
+    ),
+    h("div", { class: "tiles" }, joints.map(tile)),
+    staircase(),
+    discover(search),
+    state.audit.length > 0 && h("details", { class: "audit" }, h("summary", {}, `${state.audit.length} notes about the recordings`),
+      h("ul", {}, state.audit.map((text) => h("li", {}, text)))),
+  ];
+  fill(document.getElementById("verdict"), rows);
+}
+
+function tile(joint, j) {
+  const { judged, fitted } = view.state;
+  return h("div", { class: `tile joint-${j}` },
+    h("span", { class: "tile-head" }, joint.name),
+    h("span", { class: "tile-number", "data-testid": `error-${joint.name}` }, `${rms(joint.error)} ${joint.unit}`),
+    h("span", { class: "faint" }, `error on ${judged} motion${fitted ? "" : ", foreseen"}, of ${rms(joint.signal)} ${joint.unit}`),
+    h("span", { class: "faint" }, "noise ", h("span", { "data-testid": `noise-${joint.name}` }, `${rms(joint.noise)} ${joint.unit}`)),
+  );
+}
+
+// The falling error: one column per step of the history; a click goes back to it.
+function staircase() {
+  const { history, joints, search } = view.state;
+  const found = search.running ? search.steps.slice(1).map((step) => ({ ...step, coming: true })) : [];
+  const steps = [...history.steps, ...found];
+  const most = Math.max(...steps.flatMap((step) => step.rms || []), ...joints.map((joint) => joint.noise), 1e-9);
+  return h("div", { class: "staircase-block" },
+    h("div", { class: "row" },
+      h("h3", {}, "The error falling"),
+      button("↶ undo", () => doing(tell("undo")), { "data-testid": "undo", disabled: !history.undo, title: "undo (Ctrl+Z)" }),
+      button("↷ redo", () => doing(tell("redo")), { "data-testid": "redo", disabled: !history.redo, title: "redo (Ctrl+Shift+Z)" }),
+    ),
+    h("ol", { class: "staircase scroll", "data-testid": "staircase", tabindex: "0", "aria-label": "steps of the model" },
+      steps.map((step, place) => h("li", {}, stepButton(step, place, most, history.at))),
+    ),
+    h("p", { class: "faint" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}  `]), "line: noise floor"),
+  );
+}
+
+function stepButton(step, place, most, at) {
+  const { joints } = view.state;
+  const texts = joints.map((joint, j) => `${joint.name} ${step.rms ? rms(step.rms[j]) : "not fitted yet"}`);
+  const label = `${step.label}: ${texts.join(", ")}${step.provisional ? ", foreseen" : ""}`;
+  const open = step.coming ? null : () => doing(tell("go", { at: place }));
+  return h("button", {
+    type: "button", class: `step-button${place === at && !step.coming ? " now" : ""}${place > at ? " later" : ""}`,
+    "aria-label": label, title: label, "aria-current": place === at && !step.coming ? "step" : null,
+    disabled: Boolean(step.coming), onclick: open || (() => {}), "data-testid": `step-${place}`,
+  }, bars(step, most), h("span", { class: "step-label" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…"));
+}
+
+function bars(step, most) {
+  const { joints } = view.state;
+  const width = 18, gap = 6, height = 84;
+  const picture = svg("svg", { viewBox: `0 0 ${joints.length * (width + gap)} ${height}`, class: "bars", "aria-hidden": "true" });
+  joints.forEach((joint, j) => {
+    const x = j * (width + gap) + gap / 2, size = step.rms ? (step.rms[j] / most) * (height - 4) : 0;
+    const floor = height - (joint.noise / most) * (height - 4);
+    picture.append(svg("rect", { x, y: height - size, width, height: size, class: `bar joint-${j}${step.provisional || step.coming ? " foreseen" : ""}` }));
+    picture.append(svg("line", { x1: x - 2, x2: x + width + 2, y1: floor, y2: floor, class: "floor-line" }));
+  });
+  return picture;
+}
+
+function discover(search) {
+  if (!search.running) {
+    return h("div", { class: "row" },
+      button("Discover", () => doing(tell("discover")), { "data-testid": "discover", class: "primary" }),
+      h("span", { class: "faint" }, search.message || "searches the whole catalogue, adds what is missing, and judges it"),
+    );
+  }
+  const bar = h("progress", { max: "1", value: search.fraction, "data-testid": "progress", "aria-label": "progress of the search" });
+  return h("div", { class: "row running" },
+    bar, h("span", { class: "faint" }, `${percent(search.fraction)} ${search.text}`),
+    button("Cancel", () => doing(tell("cancel")), { "data-testid": "cancel" }),
+  );
+}

@@ -1,0 +1,307 @@
+"""What the page shows, as JSON: one picture of the whole workspace that every tab draws itself from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ground.plain import plain_dict
+from ground.text import printable
+from workbench.page.given import VERIFY, error_json
+
+if TYPE_CHECKING:
+    from diagnosis.evidence.score import Score
+    from diagnosis.session.ranking import Ranking
+    from diagnosis.session.session import Session
+    from symbolic.effect import Effect
+    from workbench.page.workspace import Names, Workspace
+
+SURE = 1.96
+"""Standard deviations of the interval of a p-value from a number of placebos."""
+
+
+def state(workspace: Workspace) -> dict[str, Any]:
+    """Return everything but the time series."""
+    session = workspace.session
+    out: dict[str, Any] = {
+        "version": workspace.version,
+        "files": [_file(one) for one in workspace.given],
+        "model": workspace.model_name or "standard leg",
+        "busy": printable(workspace.busy),
+        "problem": None if workspace.problem is None else error_json(workspace.problem),
+        "saved": None if workspace.saved is None else str(workspace.saved),
+        "own": list(workspace.own_texts.values()),
+        "ready": session is not None,
+        "search": _search(workspace),
+    }
+    if session is not None:
+        out |= _session(workspace, session)
+    return plain_dict(out)
+
+
+def details(workspace: Workspace, name: str) -> dict[str, Any]:
+    """Return what is known of one suspect: what it means, what it cannot be told from, what to measure."""
+    ranking = workspace.ranking()
+    score = None if ranking is None else ranking.score(name)
+    effect = _effect(workspace, name)
+    out: dict[str, Any] = {
+        "name": name,
+        "title": _title(effect, name),
+        "explains": effect.explains,
+        "torque": effect.torque if isinstance(effect.torque, str) else "",
+        "tells_apart": effect.tells_apart,
+        "reference": effect.reference,
+        "alike": [],
+        "numbers": [],
+    }
+    if ranking is not None and score is not None:
+        out["alike"] = list(ranking.alike(name))
+        out["numbers"] = _numbers(score)
+        trial = ranking.trial(name)
+        out["rms"] = None if trial is None else trial.judged_rms
+    return plain_dict(out)
+
+
+def _file(one: Any) -> dict[str, Any]:
+    findings = [f for recording in one.recordings for f in recording.findings]
+    return {
+        "id": one.id,
+        "name": one.name,
+        "role": one.role,
+        "read": one.read,
+        "error": None if one.error is None else error_json(one.error),
+        "seconds": sum(r.duration for r in one.recordings),
+        "rate": one.recordings[0].rate if one.recordings else None,
+        "samples": sum(len(r) for r in one.recordings),
+        "findings": [
+            {"severity": f.severity, "what": printable(f.what), "remedy": printable(f.remedy)} for f in findings
+        ],
+    }
+
+
+def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
+    names = workspace.names
+    now = session.known(names)
+    ranking = workspace.ranking()
+    prepared = session.prepared
+    error = _error(workspace, session, names)
+    base = session.fitted()
+    unit = ["N·m" if joint.turns else "N" for joint in session.model.joints]
+    lengths = _lengths(session.model)
+    above = _parents(session.model)
+    return {
+        "joints": [
+            {
+                "name": joint.name,
+                "kind": joint.kind,
+                "unit": unit[j],
+                "length": lengths[j],
+                "parent": above[j],
+                "error": None if error is None else error[j],
+                "first": base.judged_rms[j],
+                "noise": prepared.noise_floor[j],
+                "signal": _signal(session, j),
+            }
+            for j, joint in enumerate(session.model.joints)
+        ],
+        "judged": "unseen" if prepared.verify else "fitted",
+        "recordings": [
+            {"name": printable(one.name), "role": VERIFY if k >= len(prepared.train) else "fit"}
+            for k, one in enumerate(prepared.all)
+        ],
+        "filter": prepared.choice.reason,
+        "audit": [printable(str(f)) for f in prepared.findings if f.severity != "info"],
+        "fitted": now is not None,
+        "key": ",".join(names) if now is not None else f"{','.join(names)}?",
+        "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
+        "layers": _layers(workspace, session),
+        "history": _history(workspace, session),
+        "verdict": _verdict(workspace, session),
+        "ranking": None if ranking is None else _ranking(ranking),
+    }
+
+
+def _lengths(model: Any) -> list[float]:
+    """Return how long each link is drawn, m; the last one, whose length nobody needs to know, like the one before."""
+    given = [joint.length for joint in model.joints]
+    if not model.chain:
+        given[0] = model.thigh_length
+    known = [length for length in given if length]
+    usual = known[-1] if known else 0.4
+    return [length or usual for length in given]
+
+
+def _parents(model: Any) -> list[int | None]:
+    from symbolic.joints import parents
+
+    return list(parents(model.joints))
+
+
+def _signal(session: Session, j: int) -> float:
+    import numpy as np
+
+    shown = session.prepared.verify or session.prepared.train
+    total = sum(float(np.sum(np.where(one.use[:, j], one.tau[:, j], 0.0) ** 2)) for one in shown)
+    return math.sqrt(total / max(1, sum(int(one.use[:, j].sum()) for one in shown)))
+
+
+def _error(workspace: Workspace, session: Session, names: Names) -> list[float] | None:
+    """Return the error of each joint with these effects: fitted, else what the ranking foresees, else unknown."""
+    now = session.known(names)
+    if now is not None:
+        return [float(x) for x in now.judged_rms]
+    trial = workspace.trials.get(names)
+    return None if trial is None else [float(x) for x in trial.judged_rms]
+
+
+def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
+    now = session.known(workspace.names)
+    estimates = {} if now is None else {e.name: e for e in now.fit.estimates}
+    out = []
+    for layer in workspace.history.now.layers:
+        effect = _effect(workspace, layer.name)
+        mine = [e for name, e in estimates.items() if name.startswith(f"{layer.name}.")]
+        out.append({
+            "name": layer.name,
+            "on": layer.on,
+            "title": _title(effect, layer.name),
+            "explains": effect.explains,
+            "numbers": [
+                {"name": e.name.rpartition(".")[2], "value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+                for e in mine
+            ],
+        })
+    return out
+
+
+def _history(workspace: Workspace, session: Session) -> dict[str, Any]:
+    history = workspace.history
+    return {
+        "at": history.at,
+        "undo": history.at > 0,
+        "redo": history.at < len(history.steps) - 1,
+        "steps": [
+            {
+                "label": step.label,
+                "effects": list(step.names),
+                "rms": _error(workspace, session, step.names),
+                "provisional": session.known(step.names) is None,
+            }
+            for step in history.steps
+        ],
+    }
+
+
+def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
+    """Return the verdict of a search where it is about the present effects; else what can be said without one."""
+    names = workspace.names
+    if workspace.diagnosis is not None and set(workspace.diagnosis[0]) == set(names):
+        found = workspace.diagnosis[1]
+        return {
+            "kind": found.verdict,
+            "sentence": found.sentence,
+            "why": found.rule,
+            "next": found.next_experiment,
+            "stability": [f"{a.name}: {a.stability}" for a in found.accepted if a.stability],
+            "possible": [one.sentence for one in found.possible],
+            "judged": True,
+        }
+    if names in workspace.failed:
+        return {"kind": "unknown", "sentence": str(workspace.failed[names].what), "judged": False}
+    error = _error(workspace, session, names)
+    if error is None:
+        return {"kind": "unknown", "sentence": "Fitting …", "judged": False}
+    floor = session.prepared.noise_floor
+    times = [e / max(float(n), 1e-9) for e, n in zip(error, floor, strict=True)]
+    worst = max(range(len(times)), key=times.__getitem__)
+    joint, unit = session.model.joint_names[worst], "N·m" if session.model.joints[worst].turns else "N"
+    kind = "unseen" if session.prepared.verify else "fitted"
+    near = times[worst] <= session.rules.near_noise
+    text = f"The {joint} misses {error[worst]:.3g} {unit} on {kind} motion, {times[worst]:.2g} times its noise."
+    text += " What is left is near the noise." if near else " Something is still missing."
+    if not session.prepared.verify:
+        text += " Nothing is held out: hold a recording back to see whether it holds on unseen motion."
+    return {"kind": "near_noise" if near else "open", "sentence": text, "judged": False,
+            "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
+
+
+def _ranking(ranking: Ranking) -> dict[str, Any]:
+    return {
+        "weighed": ranking.weighed,
+        "finished": ranking.finished,
+        "suspects": [_suspect(ranking, score) for score in ranking.scores],
+    }
+
+
+def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
+    term = score.candidate.term
+    draws = ranking.draws.get(score.name, 0)
+    low, high = interval(score.p_value, draws)
+    agreement = score.agreement
+    return {
+        "name": score.name,
+        "effect": term.effect.id,
+        "joint": term.joint,
+        "title": _title(term.effect, score.name),
+        "explains": term.effect.explains,
+        "custom": term.effect.custom,
+        "share": score.share,
+        "p": score.p_value,
+        "p_low": low,
+        "p_high": high,
+        "draws": draws,
+        "significant": score.significant,
+        "caution": score.caution,
+        "splits": None if agreement is None or agreement.share is None else [agreement.accepted, agreement.of],
+    }
+
+
+def _numbers(score: Score) -> list[dict[str, Any]]:
+    """Return the coefficients and shape values that the ranking found."""
+    effect = score.candidate.term.effect
+    shape = score.shape[0]
+    if score.candidate.tangent:
+        shape = score.coefficients[:1]
+    units = {key: entry.unit for key, entry in effect.coefficients.items()}
+    bent = {key: entry.unit for key, entry in effect.shape.items()}
+    pairs = (*zip(units.items(), score.coefficients, strict=False), *zip(bent.items(), shape, strict=False))
+    return [{"name": key, "unit": unit, "value": float(value)} for (key, unit), value in pairs]
+
+
+def interval(p: float | None, draws: int) -> tuple[float | None, float | None]:
+    """Return the 95 % interval (Wilson 1927) of a p-value that comes from so many placebos."""
+    if p is None or draws <= 0:
+        return None, None
+    n, z = draws + 1, SURE
+    middle = (p + z * z / (2 * n)) / (1 + z * z / n)
+    half = z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def _search(workspace: Workspace) -> dict[str, Any]:
+    search = workspace.search
+    running = search is not None and search.running
+    return {
+        "running": running,
+        "fraction": search.fraction if search is not None and running else 0.0,
+        "text": search.text if search is not None and running else "",
+        "steps": _rows(search.steps) if search is not None and running else [],
+        "message": printable(workspace.search_message),
+    }
+
+
+def _rows(steps: list[dict[str, Any]]) -> list[Mapping[str, Any]]:
+    return [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps]
+
+
+def _effect(workspace: Workspace, name: str) -> Effect:
+    identifier = name.partition(":")[0]
+    own = workspace.own.get(identifier)
+    return own if own is not None else workspace.model.find_effect(identifier)
+
+
+def _title(effect: Effect, name: str) -> str:
+    joint = name.partition(":")[2]
+    title = effect.title or effect.id.replace("_", " ")
+    return f"{title}, {joint}" if joint else title

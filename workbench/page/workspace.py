@@ -1,0 +1,404 @@
+"""What is open in the page: files, the session made of them, the effects added so far, and the work that goes on.
+
+One thread computes in portions (reading, fitting, ranking) and looks after each whether something more urgent has come;
+what a click needs at once is answered from what is there. Every tab sees the same workspace; `version` says when to
+look again.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from diagnosis.session.history import History
+from ground.errors import EffectError, ExoidError, RecordingError
+from workbench.page import given as files
+from workbench.page.given import FIT, VERIFY, Given
+
+if TYPE_CHECKING:
+    from diagnosis.results import Diagnosis
+    from diagnosis.session.ranking import Ranking, Trial
+    from diagnosis.session.session import Session
+    from symbolic.effect import Effect
+    from symbolic.model import Model
+    from workbench.page.search import Search
+
+Names = tuple[str, ...]
+TOLD_EVERY = 0.3
+"""Seconds between two messages to the page while work goes on."""
+
+
+class Workspace:
+    """Everything that the page shows. Its methods may be called from any thread."""
+
+    def __init__(self, remembered: Path, seed: int = 0, cutoff: float | None = None) -> None:
+        self.remembered, self.seed, self.cutoff = remembered, seed, cutoff
+        self.saving: Path | None = None
+        self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
+        self.given: list[Given] = []
+        self.model_path: Path | None = None
+        self.model_name = ""
+        self.own: dict[str, Effect] = {}
+        self.own_texts: dict[str, dict[str, Any]] = {}
+        self.history = History()
+        self.session: Session | None = None
+        self.trials: dict[Names, Trial] = {}
+        self.failed: dict[Names, ExoidError] = {}
+        self.diagnosis: tuple[Names, Diagnosis] | None = None
+        self.search: Search | None = None
+        self.search_message = ""
+        self.problem: ExoidError | None = None
+        self.saved: Path | None = None
+        self.version = 0
+        self.busy = ""
+        self._model: Model | None = None
+        self._stale = False
+        self._work: dict[int, Iterator[str]] = {}
+        self._ids = 0
+        self._lock = threading.RLock()
+        self._change = threading.Condition(self._lock)
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="workspace", daemon=True)
+
+    # -- life ---------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin to work."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the work and a search, and clear away what was dropped and not saved."""
+        self.end()
+        if self.search is not None and self.search.running:
+            self.search.cancel()
+        shutil.rmtree(self.place, ignore_errors=True)
+
+    def end(self) -> None:
+        """Wake up everybody who waits, for the last time. Safe in a handler of signals."""
+        self._closed = True
+        threading.Thread(target=self._touch).start()
+
+    def wait(self, version: int, seconds: float) -> int:
+        """Wait until there is something newer than `version`, at most so long; return the present version."""
+        with self._change:
+            self._change.wait_for(lambda: self.version != version or self._closed, timeout=seconds)
+            return self.version
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed."""
+        return self._closed
+
+    def _touch(self) -> None:
+        with self._change:
+            self.version += 1
+            self._change.notify_all()
+
+    # -- files --------------------------------------------------------------------------------------------------
+
+    def add_file(self, path: Path, name: str, role: str = FIT, **more: Any) -> Given:
+        """Take in a file, to be read as soon as there is time."""
+        with self._change:
+            self._ids += 1
+            one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
+            self.given.append(one)
+            self._stale = True
+        self._touch()
+        return one
+
+    def drop_place(self, name: str) -> Path:
+        """Return where a dropped file of that name may be written."""
+        with self._lock:
+            self._ids += 1
+            folder = self.place / str(self._ids)
+        folder.mkdir()
+        return folder / files.safe_name(name)
+
+    def find(self, id: int) -> Given:
+        """Return the file with that number; RecordingError where there is none."""
+        for one in self.given:
+            if one.id == id:
+                return one
+        raise RecordingError("this recording is not open any more", remedy="reload the page")
+
+    def use_as(self, id: int, role: str) -> None:
+        """Fit a file, or hold it out."""
+        with self._change:
+            old = self.find(id)
+            self.given[self.given.index(old)] = replace(old, role=_role(role))
+            self._stale = True
+        self._touch()
+
+    def remove_file(self, id: int) -> None:
+        """Close a file."""
+        with self._change:
+            self.given.remove(self.find(id))
+            self._stale = True
+        self._touch()
+
+    def map_file(self, id: int, told: Any, convention: str) -> Given:
+        """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
+        from measurement.reading.read import open_table
+
+        one = files.read(replace(self.find(id), told=told, convention=convention), self.remembered)
+        if one.error is not None:
+            raise one.error
+        files.remember(self.remembered, open_table(one.path), told)
+        with self._change:
+            self.given[self.given.index(self.find(id))] = one
+            self._stale = True
+            # Files like it that wait for the same answer are read again.
+            for k, other in enumerate(self.given):
+                if other.error is not None:
+                    self.given[k] = replace(other, read=False, error=None)
+        self._touch()
+        return one
+
+    def _free(self, name: str) -> str:
+        """Return a name that no other file has."""
+        taken = {one.name for one in self.given}
+        stem, dot, suffix = name.rpartition(".")
+        count, free = 1, name
+        while free in taken:
+            count += 1
+            free = f"{stem} ({count}){dot}{suffix}" if dot else f"{name} ({count})"
+        return free
+
+    # -- model and effects --------------------------------------------------------------------------------------
+
+    @property
+    def model(self) -> Model:
+        """The model that everything starts from."""
+        from symbolic.model import Model
+
+        if self._model is None:
+            self._model = Model.standard()
+        return self._model
+
+    def use_model(self, path: Path, name: str) -> None:
+        """Start from the model in a file; its own errors where it is none."""
+        from symbolic.model_file import read_model
+
+        model = read_model(path)
+        with self._change:
+            self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
+            self._stale = True
+        self._touch()
+
+    def add_effect(self, entry: dict[str, Any]) -> Effect:
+        """Let an effect of the user's own join the suspects; ExpressionError with a caret where its torque is wrong."""
+        from ground.toml_reader import Table
+        from symbolic.custom_effect import read_custom_effect
+
+        effect = read_custom_effect(Table(entry, (), "", ""), self.model.joints)
+        with self._change:
+            used = [layer.name for layer in self.history.now.layers if layer.name.partition(":")[0] == effect.id]
+            if used:
+                raise EffectError(
+                    f"{used[0]} is among the layers", where=effect.id, remedy="remove it before changing it"
+                )
+            self.own[effect.id], self.own_texts[effect.id] = effect, entry
+            if self.session is not None:
+                self.session = self.session.knowing(effect)
+                self._work.clear()
+        self._touch()
+        return effect
+
+    # -- layers -------------------------------------------------------------------------------------------------
+
+    @property
+    def names(self) -> Names:
+        """Full names of the effects that are switched on."""
+        return self.history.now.names
+
+    def ranking(self) -> Ranking | None:
+        """Return the suspects beside the present effects; None before there is a fit."""
+        with self._lock:
+            session, names = self.session, self.names
+            return None if session is None or session.known(names) is None else session.ranking(names)
+
+    def add(self, name: str) -> None:
+        """Add an effect. What the ranking knows of it is shown until it is fitted."""
+        with self._change:
+            session = self._open()
+            session.with_effects([*self.names, name])  # refuses what does not exist
+            before, ranking = self.names, self.ranking()
+            self.history = self.history.add(name)
+            if ranking is not None and self.names == (*before, name):
+                session.starts_at(self.names, ranking)
+                trial = ranking.trial(name)
+                if trial is not None:
+                    self.trials[self.names] = trial
+        self._touch()
+
+    def change_history(self, change: Callable[[History], History]) -> None:
+        """Replace the history by what `change` makes of it."""
+        with self._change:
+            self.history = change(self.history)
+        self._touch()
+
+    def _open(self) -> Session:
+        if self.session is None:
+            raise RecordingError("nothing is open yet", remedy="give at least one recording to fit")
+        return self.session
+
+    # -- search -------------------------------------------------------------------------------------------------
+
+    def discover(self) -> None:
+        """Start the whole search beside the present effects, in a process of its own."""
+        from workbench.page.search import Search
+
+        with self._change:
+            session, names = self._open(), self.names
+            if self.search is not None and self.search.running:
+                return
+            session.prepared  # noqa: B018 - what is prepared need not be prepared again over there
+            self.search_message = ""
+            self.search = Search(session, names, lambda found, error: self._found(session, names, found, error))
+        self._touch()
+        threading.Thread(target=self._follow, args=(self.search,), daemon=True).start()
+
+    def cancel(self) -> None:
+        """End a search; what was there before it stays."""
+        with self._change:
+            if self.search is not None and self.search.running:
+                self.search.cancel()
+                self.search_message = "cancelled; nothing was changed"
+        self._touch()
+
+    def _follow(self, search: Search) -> None:
+        while search.running and not self._closed:
+            if search.look():
+                self._touch()
+            time.sleep(TOLD_EVERY)
+        self._touch()
+
+    def _found(self, session: Session, names: Names, found: Diagnosis | None, error: str) -> None:
+        with self._change:
+            if found is None or session is not self.session:
+                self.search_message = error or "the recordings were changed meanwhile; search again"
+            else:
+                accepted = [a.name for a in found.accepted]
+                if self.names == names:
+                    self.history = self.history.add(*accepted)
+                self.diagnosis = (*names, *accepted), found
+        self._touch()
+
+    # -- the thread ---------------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        told = 0.0
+        while not self._closed:
+            with self._change:
+                task = self._next()
+                if task is None:
+                    if self.busy:
+                        self.busy = ""
+                        self._touch()
+                    self._change.wait(timeout=5.0)
+                    continue
+            before = self.busy
+            try:
+                task()
+            except ExoidError as error:
+                self.problem = error
+            except Exception as error:  # noqa: BLE001 - the page must go on; whoever started it sees the traceback
+                traceback.print_exc()
+                self.problem = ExoidError(
+                    f"internal error in exoid ({type(error).__name__}: {error})",
+                    remedy="please report what the terminal says",
+                )
+            if self.busy != before or time.monotonic() - told > TOLD_EVERY:
+                told = time.monotonic()
+                self._touch()
+
+    def _next(self) -> Callable[[], None] | None:
+        """Return what is to be done first; None where there is nothing to do."""
+        unread = [one for one in self.given if not one.read]
+        if unread:
+            self.busy = f"reading {unread[0].name}"
+            return lambda: self._read(unread[0])
+        if self._stale:
+            self.busy = "filtering the recordings" if any(one.role == FIT for one in self.given) else ""
+            return self._rebuild
+        session = self.session
+        if session is None or self.problem is not None:
+            return None
+        for names in (self.names, *(step.names for step in self.history.steps)):
+            if session.known(names) is None and names not in self.failed:
+                self.busy = "fitting" if names == () else f"fitting with {', '.join(names)}"
+                return lambda names=names: self._fit(session, names)  # type: ignore[misc]
+        if self.names in self.failed:
+            return None
+        ranking = session.ranking(self.names)
+        if not ranking.finished:
+            self.busy = "ranking suspects" if ranking.weighed < 1.0 else "asking placebos"
+            return lambda: self._rank(ranking)
+        return None
+
+    def _read(self, one: Given) -> None:
+        found = files.read(one, self.remembered)
+        with self._lock:
+            if one in self.given:
+                self.given[self.given.index(one)] = found
+                self._stale = True
+
+    def _rebuild(self) -> None:
+        """Make a new session of the files as they are now; effects and history stay."""
+        from diagnosis.session.session import Session
+
+        with self._lock:
+            self._stale = False
+            fit, verify = self._recordings(FIT), self._recordings(VERIFY)
+            model, own = self.model, tuple(self.own.values())
+            self.problem, self.diagnosis, self.failed, self.trials = None, None, {}, {}
+            if self.search is not None and self.search.running:
+                self.search.cancel()
+                self.search_message = "the recordings were changed; search again"
+            self.session = None
+            self._work.clear()
+        if not fit:
+            return
+        session = Session(model, fit, verify, extra=own, seed=self.seed, cutoff=self.cutoff)
+        session.prepared  # noqa: B018 - outside the lock: the page goes on meanwhile
+        session.fitted()
+        with self._lock:
+            if not self._stale:
+                self.session = session
+
+    def _recordings(self, role: str) -> list[Any]:
+        """Return the recordings of a role, each under a name of its own."""
+        return [recording for one in self.given if one.role == role for recording in one.recordings]
+
+    def _fit(self, session: Session, names: Names) -> None:
+        try:
+            session.fitted(names)
+        except ExoidError as error:
+            self.failed[names] = error
+
+    def _rank(self, ranking: Ranking) -> None:
+        work = self._work.setdefault(id(ranking), ranking.work())
+        began = time.monotonic()
+        while next(work, None) is not None and time.monotonic() - began < TOLD_EVERY:
+            pass
+
+
+def _role(role: str) -> str:
+    if role not in (FIT, VERIFY):
+        raise RecordingError(f"a recording cannot be used as {role[:20]!r}", remedy=f"use {FIT} or {VERIFY}")
+    return role
+
+
+def spans_of(value: Any) -> Sequence[tuple[int, float, float]]:
+    """Return (recording, from s, to s) of every stretch in a message of the page; RecordingError where it is none."""
+    try:
+        return [(int(k), float(low), float(high)) for k, low, high in value]
+    except (TypeError, ValueError) as error:
+        raise RecordingError("this is no selection", remedy="drag over a plot") from error
