@@ -188,4 +188,3 @@ def _cost(candidate: Candidate) -> tuple[bool, bool, int]:
 def _shifted(columns: Columns, samples: int) -> Columns:
     """Return the columns shifted circularly in time."""
     return replace(columns, values=np.roll(columns.values, samples, axis=2))
-

@@ -63,12 +63,13 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
     every = [*given, *unseen]
     told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
     said = {name: value for name, value in told.items() if value}
-    kept, idle, others = (
+    kept, others = (
         read(values, every)
         for read, values in (
-            (conventions_of, args.convention), (passive_joints, args.passive), (joins_of, args.join),
+            (conventions_of, args.convention), (joins_of, args.join),
         )
     )  # fmt: skip
+    idle = passive_joints(args.passive, every, workspace.model.joint_names)
     for path in every:
         options = {**said, "convention": kept[path], "join": others[path]}
         workspace.add_file(

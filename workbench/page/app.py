@@ -94,9 +94,9 @@ def _preview(workspace: Workspace, request: Request) -> Response:
 
 
 def _columns(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.given import preview
+    from workbench.page.given import mapping_preview
 
-    return JSONResponse(preview(workspace.find(_number(request, "file"))))
+    return JSONResponse(mapping_preview(workspace.find(_number(request, "file")), workspace.model.joints))
 
 
 def _takeaway(workspace: Workspace, request: Request) -> Response:
@@ -181,10 +181,10 @@ def _close(workspace: Workspace, told: dict[str, Any]) -> None:
 
 
 def _map(workspace: Workspace, told: dict[str, Any]) -> None:
-    from measurement.reading.mapping import Told
+    from measurement.reading.mapping import StatedMapping
 
     columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
-    said = Told(columns, units, str(told.get("leg", "")))
+    said = StatedMapping(columns, units, str(told.get("leg", "")))
     workspace.map_file(int(told["file"]), said, str(told.get("convention", "")))
 
 
@@ -251,9 +251,7 @@ async def _events(workspace: Workspace, request: Request) -> Response:
 # -- how it is answered --------------------------------------------------------------------------------------------
 
 
-def _asked(
-    workspace: Workspace, ask: Callable[[Workspace, Request], Response]
-) -> Callable[[Request], Response]:
+def _asked(workspace: Workspace, ask: Callable[[Workspace, Request], Response]) -> Callable[[Request], Response]:
     def endpoint(request: Request) -> Response:
         try:
             return ask(workspace, request)
@@ -323,6 +321,4 @@ def _bytes(content: bytes) -> Response:
 
 
 def _download(text: str, name: str, kind: str) -> Response:
-    return PlainTextResponse(
-        text, media_type=kind, headers={"content-disposition": f'attachment; filename="{name}"'}
-    )
+    return PlainTextResponse(text, media_type=kind, headers={"content-disposition": f'attachment; filename="{name}"'})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,10 @@ from ground.errors import ExoidError, RecordingError
 from ground.text import printable
 
 if TYPE_CHECKING:
-    from measurement.reading.mapping import Told
+    from measurement.reading.mapping import StatedMapping
     from measurement.reading.raw import RawTable
     from measurement.recording import Recording
+    from symbolic.joints import Joint
 
 FIT, VERIFY = "fit", "verify"
 SHOWN = 8
@@ -33,7 +34,7 @@ class Given:
     name: str
     path: Path
     role: str = FIT
-    told: Told | None = None
+    told: StatedMapping | None = None
     convention: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
     passive: tuple[str, ...] = ()
@@ -44,9 +45,9 @@ class Given:
     @property
     def columns(self) -> dict[str, Any]:
         """What `read_recordings` takes beside the path."""
-        from measurement.reading.mapping import Told
+        from measurement.reading.mapping import StatedMapping
 
-        told = self.told or Told()
+        told = self.told or StatedMapping()
         said = {"columns": told.columns, "units": told.units, "leg": told.leg or None}
         kept = {name: value for name, value in said.items() if value}
         return {**self.options, **kept, **({"convention": self.convention} if self.convention else {})}
@@ -64,10 +65,11 @@ def shown_name(name: str) -> str:
     return printable(re.split(r"[/\\]", name)[-1])[:120] or "recording"
 
 
-def read(given: Given, remembered: Path) -> Given:
+def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = None) -> Given:
     """Return the file with its recordings, or with the reason why it cannot be used.
 
-    What is known of files with the same columns is taken from the folder `remembered`, if nothing was said.
+    What is known of files with the same columns is taken from the folder `remembered`, if nothing was said. `joints`
+    are those of the machine; without them the columns say which there are.
     """
     from measurement.reading.mapping import remembered as mapping_for
     from measurement.reading.read import open_table, read_recordings
@@ -76,7 +78,7 @@ def read(given: Given, remembered: Path) -> Given:
         if given.told is None and not given.options.get("columns"):
             told = mapping_for(remembered, open_table(given.path).names)
             given = replace(given, told=told) if told else given
-        recordings = read_recordings([given.path], **given.columns)
+        recordings = read_recordings([given.path], joints=joints, **given.columns)
     except ExoidError as error:
         return replace(given, recordings=(), error=_without_path(error, given), read=True)
     recordings = tuple(one.with_passive(*given.passive) for one in recordings)
@@ -86,9 +88,9 @@ def read(given: Given, remembered: Path) -> Given:
     return replace(given, recordings=recordings, error=None, read=True)
 
 
-def preview(given: Given) -> dict[str, Any]:
+def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import SI, assign, canonical, legs, numbered, required
+    from measurement.reading.columns import SI, assign, canonical_columns, legs, numbered, required
     from measurement.reading.conventions import CONVENTIONS
     from measurement.reading.read import open_table
 
@@ -98,7 +100,7 @@ def preview(given: Given) -> dict[str, Any]:
     units = {} if told is None else dict(told.units)
     leg = "" if told is None else told.leg
     try:
-        found = assign(table, columns, units, where=given.name, leg=leg or None, partial=True)
+        found = assign(table, columns, units, where=given.name, leg=leg or None, joints=joints, partial=True)
         guess = {name: {"column": one.column.name, "unit": one.unit} for name, one in found.items()}
     except ExoidError:
         guess = {}
@@ -108,11 +110,12 @@ def preview(given: Given) -> dict[str, Any]:
         "name": given.name,
         "columns": [{"name": n, **_column(c)} for n, c in zip(names, table.columns, strict=True)],
         "wanted": [
-            {"name": name, "required": name in required(), "si": SI[name.rstrip("0123456789")]} for name in canonical()
+            {"name": name, "required": name in required(joints), "si": SI[name.rstrip("0123456789")]}
+            for name in canonical_columns(joints)
         ],
         "guess": guess,
         "told": {"columns": columns, "units": units, "leg": leg},
-        "legs": list(legs(table)),
+        "legs": list(legs(table, joints)),
         "convention": given.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in CONVENTIONS.values()],
         "error": None if given.error is None else error_json(given.error),
@@ -120,7 +123,7 @@ def preview(given: Given) -> dict[str, Any]:
     }
 
 
-def remember(folder: Path, table: RawTable, told: Told) -> None:
+def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None:
     """Keep a mapping for the next file with these columns."""
     from measurement.reading.mapping import remember as keep
 

@@ -75,8 +75,13 @@ def preview_of(workspace: Workspace, session: Session, name: str, index: int) ->
     return packed({"recording": index, "effect": name, "rms": trial.judged_rms.tolist()}, arrays)
 
 
-def explained(workspace: Workspace, session: Session, spans: Sequence[tuple[int, float, float]], joint: int | None,
-              box: Mapping[str, Any] | None) -> dict[str, float]:
+def explained(
+    workspace: Workspace,
+    session: Session,
+    spans: Sequence[tuple[int, float, float]],
+    joint: int | None,
+    box: Mapping[str, Any] | None,
+) -> dict[str, float]:
     """Return which share of the error in a selection each suspect would take away: stretches of time, or a box in the
     plane of a variable and the error of a joint.
     """

@@ -18,12 +18,10 @@ if TYPE_CHECKING:
     from diagnosis.session.session import Session
 
 
-class Search:
+class BackgroundSearch:
     """A search that runs. `then(diagnosis, error)` is called once, from another thread, unless it is cancelled."""
 
-    def __init__(
-        self, session: Session, names: tuple[str, ...], then: Callable[[Diagnosis | None, str], None]
-    ) -> None:
+    def __init__(self, session: Session, names: tuple[str, ...], then: Callable[[Diagnosis | None, str], None]) -> None:
         self.names = names
         self.fraction, self.text = 0.0, "starting"
         self.steps: list[dict[str, Any]] = []

@@ -50,7 +50,7 @@ def report(workspace: Workspace) -> str:
     """Return today's report of the present model as one page; RecordingError where nothing is open."""
     from diagnosis.extend import Waterfall
     from workbench.report.material import Material, Steps, pictures_of
-    from workbench.report.page import render
+    from workbench.report.page import render_report
 
     session = workspace.session
     if session is None:
@@ -68,7 +68,7 @@ def report(workspace: Workspace) -> str:
     )
     kind = "motion the fit has not seen" if session.prepared.verify else "the fitted motion"
     shown = diagnosis or fall
-    return render(Material(
+    return render_report(Material(
         title="exoid open",
         answer=f"The model with {', '.join(names) or 'no further effect'} leaves {rms} (RMS) on {kind}.",
         recordings=session.recordings,
@@ -150,7 +150,7 @@ def save(workspace: Workspace, folder: Path) -> Path:
 def reopen(workspace: Workspace, folder: Path) -> None:
     """Open a session that was saved; RecordingError where the folder holds none that can be understood."""
     from diagnosis.session.history import History
-    from measurement.reading.mapping import Told
+    from measurement.reading.mapping import StatedMapping
 
     try:
         content = json.loads((folder / SESSION).read_text(encoding="utf-8"))
@@ -161,7 +161,7 @@ def reopen(workspace: Workspace, folder: Path) -> None:
         for entry in content["own_effects"]:
             workspace.add_effect(dict(entry))
         for entry in content["recordings"]:
-            told = Told(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]))
+            told = StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]))
             workspace.add_file(
                 _inside(folder, entry["file"]), str(entry["name"]), VERIFY if entry["role"] == VERIFY else FIT,
                 told=told if told else None, convention=str(entry["convention"]),
@@ -243,9 +243,7 @@ def _python(workspace: Workspace) -> str:
             for key, value in (("columns", dict(told.columns)), ("units", dict(told.units)), ("leg", told.leg))
             if value
         )
-    model = (
-        "exoid.Model.standard()" if workspace.model_path is None else f"exoid.read_model({workspace.model_name!r})"
-    )
+    model = "exoid.Model.standard()" if workspace.model_path is None else f"exoid.read_model({workspace.model_name!r})"
     lines = [
         "import exoid",
         "",
@@ -256,5 +254,5 @@ def _python(workspace: Workspace) -> str:
         "session.compare(names)",
     ]
     if workspace.own_texts:
-        lines.insert(1, "# the effects of your own stand in the model file: exoid.read_model(\"model.toml\")")
+        lines.insert(1, '# the effects of your own stand in the model file: exoid.read_model("model.toml")')
     return "\n".join(lines) + "\n"

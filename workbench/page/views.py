@@ -162,16 +162,18 @@ def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
     for layer in workspace.history.now.layers:
         effect = _effect(workspace, layer.name)
         mine = [e for name, e in estimates.items() if name.startswith(f"{layer.name}.")]
-        out.append({
-            "name": layer.name,
-            "on": layer.on,
-            "title": _title(effect, layer.name),
-            "explains": effect.explains,
-            "numbers": [
-                {"name": e.name.rpartition(".")[2], "value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-                for e in mine
-            ],
-        })
+        out.append(
+            {
+                "name": layer.name,
+                "on": layer.on,
+                "title": _title(effect, layer.name),
+                "explains": effect.explains,
+                "numbers": [
+                    {"name": e.name.rpartition(".")[2], "value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+                    for e in mine
+                ],
+            }
+        )
     return out
 
 

@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from diagnosis.session.ranking import Ranking, Trial
     from diagnosis.session.session import Session
     from symbolic.effect import Effect
+    from symbolic.joints import Joint
     from symbolic.model import Model
-    from workbench.page.search import Search
+    from workbench.page.search import BackgroundSearch
 
 Names = tuple[str, ...]
 TOLD_EVERY = 0.3
@@ -52,7 +53,7 @@ class Workspace:
         self.trials: dict[Names, Trial] = {}
         self.failed: dict[Names, ExoidError] = {}
         self.diagnosis: tuple[Names, Diagnosis] | None = None
-        self.search: Search | None = None
+        self.search: BackgroundSearch | None = None
         self.search_message = ""
         self.problem: ExoidError | None = None
         self.saved: Path | None = None
@@ -147,10 +148,10 @@ class Workspace:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
         from measurement.reading.read import open_table
 
-        one = files.read(replace(self.find(id), told=told, convention=convention), self.remembered)
+        one = files.read_given(replace(self.find(id), told=told, convention=convention), self.remembered, self.joints)
         if one.error is not None:
             raise one.error
-        files.remember(self.remembered, open_table(one.path), told)
+        files.remember_mapping(self.remembered, open_table(one.path), told)
         with self._change:
             self.given[self.given.index(self.find(id))] = one
             self._stale = True
@@ -182,6 +183,11 @@ class Workspace:
             self._model = Model.standard()
         return self._model
 
+    @property
+    def joints(self) -> Sequence[Joint] | None:
+        """The joints that recordings must have; None where no model says so."""
+        return None if self.model_path is None else self.model.joints
+
     def use_model(self, path: Path, name: str) -> None:
         """Start from the model in a file; its own errors where it is none."""
         from symbolic.model_file import read_model
@@ -189,6 +195,7 @@ class Workspace:
         model = read_model(path)
         with self._change:
             self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
+            self.given = [replace(one, read=False, recordings=(), error=None) for one in self.given]
             self._stale = True
         self._touch()
 
@@ -253,7 +260,7 @@ class Workspace:
 
     def discover(self) -> None:
         """Start the whole search beside the present effects, in a process of its own."""
-        from workbench.page.search import Search
+        from workbench.page.search import BackgroundSearch
 
         with self._change:
             session, names = self._open(), self.names
@@ -261,7 +268,9 @@ class Workspace:
                 return
             session.prepared  # noqa: B018 - what is prepared need not be prepared again over there
             self.search_message = ""
-            self.search = Search(session, names, lambda found, error: self._found(session, names, found, error))
+            self.search = BackgroundSearch(
+                session, names, lambda found, error: self._found(session, names, found, error)
+            )
         self._touch()
         threading.Thread(target=self._follow, args=(self.search,), daemon=True).start()
 
@@ -273,7 +282,7 @@ class Workspace:
                 self.search_message = "cancelled; nothing was changed"
         self._touch()
 
-    def _follow(self, search: Search) -> None:
+    def _follow(self, search: BackgroundSearch) -> None:
         while search.running and not self._closed:
             if search.look():
                 self._touch()
@@ -344,7 +353,7 @@ class Workspace:
         return None
 
     def _read(self, one: Given) -> None:
-        found = files.read(one, self.remembered)
+        found = files.read_given(one, self.remembered, self.joints)
         with self._lock:
             if one in self.given:
                 self.given[self.given.index(one)] = found
