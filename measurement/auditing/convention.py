@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from measurement.auditing.channels import place
+from measurement.auditing.non_negative import non_negative
 from measurement.auditing.rough import Smooth, columns, smooth
 from measurement.finding import Finding
 from measurement.reading.conventions import Convention, Map, combined_map, conventions, gear
@@ -42,6 +43,8 @@ AS_GOOD = 1.5
 """Among readings that leave at most so many times what the best leaves, the one with the fewest names is named."""
 FEW, MOST, WRONG = 2, 4, 0.4
 """Readings of few names are tried first; those of more only where the recordings as they stand leave so much."""
+ROUNDING = 1e-13
+"""Power of a column, relative to the largest, below which it is rounding."""
 STOP = (0.1, 0.9)
 """Quantiles of an angle beyond which something may push back."""
 TURNING = 2.5
@@ -374,8 +377,6 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
 
     What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
     """
-    from scipy.optimize import nnls
-
     power = np.sum([s.power for s in groups], axis=0)
     least = np.where(power < PASSIVE**2 * power.max(), 1.0, QUIET**2) * power.max()
     weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
@@ -386,14 +387,18 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
     for s in groups:
         gram = np.tensordot(squares, s.gram, 3)
         slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
-        size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
+        square = np.diagonal(gram, axis1=1, axis2=2)
+        # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
+        size = np.sqrt(np.where(square > ROUNDING * square.max(axis=1, keepdims=True), square, np.inf))
         scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
         lower = _factor(scaled)
         side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
         total = float(weight @ s.power)
-        ready.append((total, lower, side))
+        ready.append((scaled, slope / size, lower, side))
         bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
     for m in np.flatnonzero(bound <= most):
         # |lowerᵀx - side|² falls short of the loss by what no x explains.
-        bound[m] += sum(nnls(lower[m].T, side[m])[1] ** 2 for _, lower, side in ready)
+        for gram, slope, lower, side in ready:
+            short = lower[m].T @ non_negative(gram[m], slope[m]) - side[m]
+            bound[m] += float(short @ short)
     return bound

@@ -10,10 +10,15 @@ of the torque need be known, and a leg turned upside down does not fit (non-nega
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
+from measurement.auditing.non_negative import non_negative
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import both_ways, low_pass_filter
@@ -36,10 +41,28 @@ class Smooth:
     step: float
     keep: slice
 
+    @cached_property
+    def sums(self) -> tuple[Float, Float, NDArray[np.int_]]:
+        """The columns (J, K, P) around their means, without offsets, their Gram matrices (J, P, P), the rows (K,)."""
+        rows = np.arange(len(self.q))[self.keep]
+        parts = columns(self.q[rows], self.dq[rows], self.ddq[rows])[:, :, :OFFSETS]
+        parts = parts - parts.mean(axis=1, keepdims=True)
+        return parts, np.swapaxes(parts, 1, 2) @ parts, rows
+
+
+_SMOOTH: WeakKeyDictionary[Recording, Smooth | None] = WeakKeyDictionary()
+"""Of recordings that are still in use: several checks ask for the same one."""
+
 
 def smooth(recording: Recording) -> Smooth | None:
     """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
     short."""
+    if recording not in _SMOOTH:
+        _SMOOTH[recording] = _smoothed(recording)
+    return _SMOOTH[recording]
+
+
+def _smoothed(recording: Recording) -> Smooth | None:
     if not len(recording):
         return None
     valid = recording.valid & (recording.t <= recording.t[0] + MOST_SECONDS)
@@ -60,24 +83,27 @@ def smooth(recording: Recording) -> Smooth | None:
     return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin))
 
 
-def unexplained(motion: Smooth, delay: float = 0.0) -> Float:
-    """Return the share (J,) of the torque's power that the pendulum leaves when the torque is late by `delay`
-    s."""
-    from scipy.optimize import nnls
+def unexplained(motion: Smooth, delays: Sequence[float] = (0.0,), factors: Sequence[float] = (1.0, 1.0)) -> Float:
+    """Return the share (D, J) of the torque's power that the pendulum leaves when the torque is late by each of
+    `delays` (s) and multiplied by `factors` (J,).
+    """
+    parts, grams, rows = motion.sums
+    clock = np.arange(len(motion.tau))
+    out, x = [], np.zeros(OFFSETS)
+    for delay in delays:
+        tau = np.stack([np.interp(rows + delay / motion.step, clock, column) for column in motion.tau.T])
+        # Each joint counts alike, whatever its torque; constant offsets are nobody's sign, so they may have both.
+        tau = tau - tau.mean(axis=1, keepdims=True)
+        scale = np.maximum(tau.std(axis=1), 1e-12)
+        tau, weight = tau / scale[:, None], np.array(factors) * scale
+        slope = np.sum(tau[:, None] @ parts / weight[:, None, None], axis=(0, 1))
+        x = non_negative(np.tensordot(1.0 / weight**2, grams, 1), slope, x > 0.0)
+        out.append(np.mean((tau - parts @ x / weight[:, None]) ** 2, axis=1))
+    return np.array(out)
 
-    rows = np.arange(motion.q.shape[0])[motion.keep]
-    q, dq, ddq = motion.q[rows], motion.dq[rows], motion.ddq[rows]
-    late = rows + delay / motion.step
-    tau = np.column_stack([np.interp(late, np.arange(motion.tau.shape[0]), motion.tau[:, j]) for j in (0, 1)])
-    parts = columns(q, dq, ddq)
-    scale = np.maximum(tau.std(axis=0), 1e-12)
-    # Each joint counts alike, whatever its torque; constant offsets are nobody's sign, so they may have both.
-    matrix = np.vstack([parts[joint] / scale[joint] for joint in (0, 1)])
-    target = np.concatenate([tau[:, joint] / scale[joint] for joint in (0, 1)])
-    size = np.linalg.norm(matrix, axis=0)
-    matrix = matrix / np.where(size > 0, size, 1.0)
-    left = target - matrix @ nnls(matrix, target)[0]
-    return left.reshape(2, -1).var(axis=1)
+
+OFFSETS = 9
+"""Of the columns the first that is an offset."""
 
 
 def columns(q: Float, dq: Float, ddq: Float) -> Float:

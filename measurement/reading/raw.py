@@ -55,6 +55,8 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
 
     A column of dates, clock times or durations becomes seconds since its first stamp.
     """
+    if isinstance(cells, np.ndarray) and cells.dtype == np.float64:
+        return RawColumn(name, cells, unit)
     import pandas as pd
 
     if not isinstance(cells, pd.Series):

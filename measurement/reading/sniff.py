@@ -135,6 +135,8 @@ def sniff(text: str, *, where: str) -> Layout:
         ("|", "."),
         (",", ","),
     ):
+        if delimiter.strip() and delimiter not in text:
+            continue
         widths = [
             len(cells)
             for cells in (split_line(entry[2], delimiter) for entry in table)

@@ -27,9 +27,9 @@ def check(recording: Recording) -> list[Finding]:
     now = float(unexplained(motion).sum())
     if now > FITS or now == 0.0:
         return []
-    left = [float(unexplained(motion, delay=delay).sum()) for delay in TRIED]
+    left = unexplained(motion, TRIED.tolist()).sum(axis=1)
     best = int(np.argmin(left))
-    delay, gain = float(TRIED[best]), 1.0 - left[best] / now
+    delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if abs(delay) < LEAST or gain < GAIN or best in (0, TRIED.size - 1):
         return []
     what = f"the torques fit better when read {abs(delay) * 1e3:.0f} ms {'earlier' if delay > 0 else 'later'}"

@@ -6,8 +6,6 @@ one of them is multiplied, its factor is wrong. The size of both is free for a l
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from measurement.auditing.channels import place
@@ -60,7 +58,7 @@ def check(recording: Recording) -> list[Finding]:
 
 def _left(motion: Smooth, factor: float) -> float:
     """Return the share of the torques' power that is left when the knee torque is multiplied by `factor`."""
-    return float(unexplained(replace(motion, tau=motion.tau * np.array([1.0, factor]))).sum())
+    return float(unexplained(motion, factors=(1.0, factor)).sum())
 
 
 def _finding(recording: Recording, what: str, value: float, limit: float, remedy: str) -> Finding:

@@ -1,0 +1,42 @@
+"""Non-negative least squares of a dozen numbers: smaller than what SciPy's takes to be imported."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbolic.motion import Float
+
+ROUNDING = 1e-10
+"""Relative slope up to which a number stays at zero."""
+
+
+def non_negative(gram: Float, slope: Float, positive: NDArray[np.bool_] | None = None) -> Float:
+    """Return x (P,) ≥ 0 that minimises x·gram·x - 2 x·slope (Lawson, Hanson: Solving least squares problems, 1974).
+
+    `positive` (P,) is a guess which numbers are.
+    """
+    size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
+    gram, slope = gram / np.outer(size, size), slope / size
+    x = np.zeros(slope.size)
+    free = np.zeros(slope.size, dtype=bool) if positive is None else positive.copy()
+    least = ROUNDING * float(np.abs(slope).max(initial=0.0))
+    for _ in range(3 * slope.size):
+        while free.any():
+            wanted = np.zeros(x.size)
+            wanted[free] = np.linalg.lstsq(gram[np.ix_(free, free)], slope[free], rcond=1e-12)[0]
+            below = free & (wanted <= 0.0)
+            if not below.any():
+                x = wanted
+                break
+            # As far as the first number that would become negative, which then stays at zero.
+            way = float(np.min(x[below] / np.maximum(x[below] - wanted[below], 1e-300)))
+            x = np.maximum(x + way * (wanted - x), 0.0)
+            free &= x > 1e-14 * float(x.max(initial=0.0))
+            x = np.where(free, x, 0.0)
+        rise = np.where(free, -np.inf, slope - gram @ x)
+        best = int(np.argmax(rise))
+        if rise[best] <= least:
+            break
+        free[best] = True
+    return np.asarray(x / size)
