@@ -55,6 +55,8 @@ LOADED = 3.0
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
+RESTS = 0.3
+"""Share of a recording from which on a joint that sticks rests for much of the time."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -174,7 +176,7 @@ def prepare_one(
     sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload)
-    known = tau * 0.0 if beta is None else base.torque(motion, beta)
+    known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
     bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
     bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
     tau = np.where(bad, known + middle, tau)
@@ -201,6 +203,14 @@ def prepare_one(
         full_rate=even.rate,
         reach=reach_of,
     )
+
+
+def _at_rest(motion: Motion, stuck: Bool) -> Motion:
+    """Return `motion` without a direction where a joint sticks that does so for much of the time: the sign of noise
+    would make outliers of a constant torque.
+    """
+    rests = stuck & (stuck.mean(axis=0) > RESTS)
+    return replace(motion, sign=np.where(rests, 0.0, motion.sign)) if rests.any() else motion
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
