@@ -50,6 +50,10 @@ TABLE_1: Mapping[str, Limits] = MappingProxyType(
     {"hip": Limits((-0.13, 1.26), 1.92, 5.16), "knee": Limits((-1.62, -0.23), 1.64, 5.16)}
 )
 """Table 1 of the paper."""
+USUAL: Mapping[bool, Limits] = MappingProxyType(
+    {True: Limits((-1.0, 1.0), 2.0, 6.0), False: Limits((-0.15, 0.15), 0.3, 1.0)}
+)
+"""Limits of motions that are drawn for a joint whose model has none: where it turns, and where it slides (m)."""
 
 
 @takes_methods
@@ -199,6 +203,11 @@ class Model:
 
         return changed(machine(self.chain), self.derived)[0] if self.chain else rigid(self.derived).mechanism
 
+    @property
+    def motion_limits(self) -> Mapping[str, Limits]:
+        """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
+        return {joint.name: _filled(self.limits.get(joint.name), joint) for joint in self.joints}
+
     if TYPE_CHECKING:
         # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
         @property
@@ -219,6 +228,15 @@ class Model:
         terms = "".join(f" + {term.name}" for term in self.terms)
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
+
+
+def _filled(limits: Limits | None, joint: Joint) -> Limits:
+    usual = USUAL[joint.turns]
+    if limits is None:
+        return usual
+    angle = limits.angle if all(map(math.isfinite, limits.angle)) else usual.angle
+    velocity = limits.velocity if math.isfinite(limits.velocity) else usual.velocity
+    return Limits(angle, velocity, limits.acceleration if math.isfinite(limits.acceleration) else usual.acceleration)
 
 
 def require_leg(model: Model, what: str, where: str = "") -> None:

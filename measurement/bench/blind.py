@@ -13,13 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from measurement.bench.hidden import Hidden, true_model
-from measurement.bench.leg import Leg, standard_leg
+from measurement.bench.leg import Leg
+from measurement.bench.machine import Machine
 from measurement.bench.seal import write_seal
-from measurement.bench.simulation import BenchRun
+from measurement.bench.simulation import BenchRun, bench_machine
 from measurement.recording import write_recording
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.effect import Effect, Shape
 from symbolic.model import Model
+from symbolic.term import places_of
 
 SEAL = "truth.seal"
 """File name of the seal beside blind recordings."""
@@ -41,49 +43,52 @@ def draw(
     rng: np.random.Generator,
     effects: Iterable[Effect],
     *,
-    leg: Leg | None = None,
+    leg: Leg | Machine | None = None,
+    model: Model | None = None,
     share: tuple[float, float] = SHARE,
     nothing: float = NOTHING_HIDDEN,
 ) -> tuple[Hidden, ...]:
     """Return one effect of `effects` at a random joint, of a size that fits `leg`; () with probability
     `nothing`.
 
-    Shapes are drawn from the inner part of their range, again until the effect acts on a usual motion. Then
-    the coefficients are scaled so that its torque is between `share[0]` and `share[1]` of the leg's own (both
-    as standard deviations). An effect without coefficients keeps the size its shape gives it.
+    `model` (the standard leg's) has the joints. Shapes are drawn from the inner part of their range, again until the
+    effect acts on a usual motion. Then the coefficients are scaled so that its torque is between `share[0]` and
+    `share[1]` of the leg's own (both as standard deviations). An effect without coefficients keeps the size its shape
+    gives it.
     """
+    model = Model.standard() if model is None else model
     pool = [
         (effect, joint)
         for effect in effects
-        for joint in ((None,) if effect.on_both else effect.joints)
+        for joint in places_of(effect, model.joints)
         if joint not in effect.absorbed_on
     ]
     if not pool or rng.random() < nothing:
         return ()
-    leg = standard_leg() if leg is None else leg
+    leg = bench_machine(model) if leg is None else leg
     effect, joint = pool[int(rng.integers(len(pool)))]
     wanted = math.exp(float(rng.uniform(math.log(share[0]), math.log(share[1]))))
     for _ in range(TRIALS):
         hidden = Hidden(effect, joint, _values(rng, effect))
-        usual = relative_size(hidden, leg)
+        usual = relative_size(hidden, leg, model)
         if usual > 1e-4:
             break
     scale = wanted / usual if usual > 1e-4 else 1.0
     values = {key: value * (scale if key in effect.coefficients else 1.0) for key, value in hidden.values.items()}
     if joint is not None and _replaces_coulomb(hidden):
         # Presliding takes the place of dry friction, so there cannot be more of it than the joint has.
-        dry = leg.base[4 if joint == "hip" else 6]
+        dry = leg.base[len(model.inertial) + 2 * model.joint_names.index(joint)]
         values = {key: min(value, dry) if key in effect.coefficients else value for key, value in values.items()}
     return (Hidden(effect, joint, values),)
 
 
-def relative_size(hidden: Hidden, leg: Leg, model: Model | None = None) -> float:
+def relative_size(hidden: Hidden, leg: Leg | Machine, model: Model | None = None) -> float:
     """Return the standard deviation of the effect's torque over that of the leg's own, on a usual motion.
 
     Where the effect acts on both joints, the larger of the two ratios.
     """
     model = Model.standard() if model is None else model
-    motion = random_trajectory(np.random.default_rng(0), model.limits).at(np.arange(0.0, 20.0, 0.02))
+    motion = random_trajectory(np.random.default_rng(0), model.motion_limits).at(np.arange(0.0, 20.0, 0.02))
     own = true_model(model, leg.base, ()).torque(motion)
     added = true_model(model, leg.base, (hidden,)).torque(motion) - own
     spread = np.maximum(added.std(axis=0), np.abs(added.mean(axis=0)))

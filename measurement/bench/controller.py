@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import ExoidError
-
-from .leg import Leg
+from measurement.bench.leg import Leg
+from measurement.bench.machine import Machine
 
 
 @dataclass(frozen=True)
 class Controller:
-    """How stiffly the leg follows: `bandwidth` in Hz and `damping` (ratio) per joint, `differentiator`
-    cut-off in Hz.
+    """How stiffly the machine follows: `bandwidth` in Hz per joint (the last for all further ones), `damping` (ratio),
+    `differentiator` cut-off in Hz.
     """
 
-    bandwidth: tuple[float, float] = (3.0, 4.5)
+    bandwidth: tuple[float, ...] = (3.0, 4.5)
     damping: float = 0.8
     differentiator: float = 15.0
 
@@ -37,10 +37,11 @@ class Controller:
                 remedy="give Hz, for example Controller(bandwidth=(3, 3), differentiator=15)",
             )
 
-    def gains(self, leg: Leg, knee: float = -0.925) -> NDArray[np.float64]:
-        """Return [[kp hip, kp knee], [kd hip, kd knee]] in N·m/rad and N·m·s/rad for this leg's inertia."""
-        inertia = np.diag(leg.mass_matrix(knee))
-        omega = 2.0 * math.pi * np.array(self.bandwidth)
+    def gains(self, machine: Leg | Machine) -> NDArray[np.float64]:
+        """Return the gains (2, J) on angle and velocity in N·m/rad and N·m·s/rad for this machine's inertia."""
+        inertia = np.array(machine.inertia)
+        more = len(inertia) - len(self.bandwidth)
+        omega = 2.0 * math.pi * np.array([*self.bandwidth, *(self.bandwidth[-1:] * more)][: len(inertia)])
         return np.array([inertia * omega**2, 2.0 * self.damping * inertia * omega])
 
     def smoothing(self, step: float) -> float:

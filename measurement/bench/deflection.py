@@ -19,7 +19,6 @@ from symbolic.language.lower import to_numpy
 from symbolic.language.operators import slow
 from symbolic.language.parser import parse
 from symbolic.motion import Motion
-from symbolic.quantity import JOINTS
 
 Array = NDArray[np.float64]
 
@@ -37,10 +36,10 @@ def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
     numbers = true.numbers()
     # The inertia of a rotor keeps the deflection from following the chatter of the controller.
     torque = rigid_torque(mechanical, link)
-    smooth = np.column_stack([slow(link.t, torque[:, j], SLOW) for j in range(len(JOINTS))])
+    smooth = np.column_stack([slow(link.t, torque[:, j], SLOW) for j in range(torque.shape[1])])
     turned = np.zeros_like(link.q)
     for term in terms:
-        joint = JOINTS.index(str(term.joint))
+        joint = term.first
         words: dict[str, Any] = {
             "t": t,
             "theta": states[0][:, joint],

@@ -105,11 +105,11 @@ def _build(model: Model, dt: float) -> Stepper:
         [sym.t, sym.q, sym.dq, sym.ddq, sym.linear, sym.shape],
         [ca.vertcat(arguments, values)],
     )
-    return Stepper(step_function(equation, dt), first)
+    return Stepper(step_function(equation, dt, [joint.reach for joint in model.joints]), first)
 
 
 def equation_of(model: Model) -> Equation:
-    """Return the torque (2,) of `model`, all its terms included, with an entry of memory per `play` or
+    """Return the torque (J,) of `model`, all its terms included, with an entry of memory per `play` or
     `dahl`.
     """
     form = model_expressions(model)

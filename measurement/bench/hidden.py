@@ -99,7 +99,7 @@ def true_model(model: Model, base: Iterable[float], effects: Iterable[Hidden]) -
     if missing:
         raise EffectError(
             f"the bench could not place {', '.join(missing)}",
-            remedy="name the joint: ID:hip or ID:knee; an effect on both joints takes none",
+            remedy="name the joint, as in ID:knee; an effect on both joints takes none",
         )
     numbers: dict[str, float] = {}
     for name, term in by_name.items():

@@ -16,6 +16,9 @@ import numpy as np
 from ground.errors import ExoidError
 from symbolic.mechanics.payload import Payload
 
+KNEE = -0.925
+"""rad: the knee in the middle of its range."""
+
 
 class LegError(ExoidError):
     """A leg that cannot exist: a mass, length, inertia or friction that is negative or not finite."""
@@ -100,6 +103,16 @@ class Leg:
         """
         rigid = np.add(self.base[:4], Payload(mass, along, link).numbers(self.thigh_length))
         return replace(self, base=(*rigid.tolist(), *self.base[4:]), thigh=None, shank=None)
+
+    @property
+    def inertia(self) -> tuple[float, ...]:
+        """What each drive feels, kg·m² (J,), with the knee in the middle of its range."""
+        return tuple(np.diag(self.mass_matrix(KNEE)).tolist())
+
+    @property
+    def sensor_scale(self) -> tuple[float, ...]:
+        """Noise of each torque sensor over that of a strong drive's (J,)."""
+        return 1.0, 1.0
 
     def mass_matrix(self, knee: float) -> np.ndarray:
         """Return M (2, 2) in kg·m² at knee angle `knee` in rad, of the leg without any effect."""

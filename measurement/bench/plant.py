@@ -16,7 +16,7 @@ Source: Moreau, "Numerical aspects of the sweeping process", Comput. Methods App
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,10 +31,13 @@ it.
 
 TINY = 1e-12
 
+EXACT, SWEEPS = 3, 30
+"""Joints up to which the friction of a step is found exactly, and sweeps of the approximation beyond."""
+
 
 @dataclass(frozen=True)
 class Symbols:
-    """What the equation of motion is written in (CasADi SX): scalars `t`, pairs `q`, `dq`, `ddq`, `sign`.
+    """What the equation of motion is written in (CasADi SX): scalar `t`, `q`, `dq`, `ddq`, `sign` (J,).
 
     `linear` (P,) and `shape` (S,) are the model's numbers, `memory` (K,) what its operators with memory give.
     """
@@ -66,7 +69,7 @@ class StatefulOperator:
 
 @dataclass(frozen=True)
 class Equation:
-    """The torque (2,) the drives must supply, in terms of `symbols`, and the operators that feed
+    """The torque (J,) the drives must supply, in terms of `symbols`, and the operators that feed
     `symbols.memory`.
     """
 
@@ -76,12 +79,49 @@ class Equation:
 
 
 def friction_impulse(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
-    """Return the friction torques λ (2,) with |λ_j| <= bound_j that oppose the velocity free - weight λ at
-    both joints.
+    """Return the friction torques λ (J,) with |λ_j| <= bound_j that oppose the velocity free - weight λ at
+    every joint.
 
-    The minimum of ½ λ'Wλ - free'λ over a box of two dimensions is inside, or on one of four edges: all five
-    are tried.
+    The minimum of ½ λ'Wλ - free'λ over a box is inside or on one of its faces, where it is that of a box of one
+    dimension less. With more than `EXACT` joints it is approached joint by joint (Gauss-Seidel).
     """
+    count = free.numel()
+    if count == 1:
+        return ca.fmin(ca.fmax(free / weight, -bound), bound)
+    if count == 2:
+        return _on_a_square(ca, weight, free, bound)
+    if count > EXACT:
+        return _joint_by_joint(ca, weight, free, bound)
+    inside = ca.mtimes(ca.inv(weight), free)
+    out = ca.logic_not(ca.mmin(bound - ca.fabs(inside)) >= 0.0)
+    best, cost = inside, ca.if_else(out, ca.inf, _energy(ca, weight, free, inside))
+    for j in range(count):
+        others = [k for k in range(count) if k != j]
+        for side in (1, -1):
+            fixed = side * bound[j]
+            rest = friction_impulse(
+                ca, weight[others, others], free[others] - weight[others, j] * fixed, bound[others]
+            )
+            trial = ca.vertcat(rest[:j], fixed, rest[j:])
+            height = _energy(ca, weight, free, trial)
+            better = height < cost
+            best, cost = ca.if_else(better, trial, best), ca.if_else(better, height, cost)
+    return best
+
+
+def _joint_by_joint(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
+    """Return the friction torques (J,) by sweeps over the joints, each of which moves one to its best."""
+    count = free.numel()
+    impulse = [ca.SX(0)] * count
+    for _ in range(SWEEPS):
+        for j in range(count):
+            pushed = sum((weight[j, k] * impulse[k] for k in range(count) if k != j), ca.SX(0))
+            impulse[j] = ca.fmin(ca.fmax((free[j] - pushed) / weight[j, j], -bound[j]), bound[j])
+    return ca.vertcat(*impulse)
+
+
+def _on_a_square(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
+    """Return the friction torques (2,): inside, or on one of four edges; all five are tried."""
     det = weight[0, 0] * weight[1, 1] - weight[0, 1] * weight[0, 1]
     inside = ca.vertcat(
         (weight[1, 1] * free[0] - weight[0, 1] * free[1]) / det,
@@ -111,8 +151,9 @@ class _Midpoint:
     def __init__(self, ca: Any, equation: Equation, dt: float) -> None:
         sym = equation.symbols
         count = len(equation.memories)
-        a, s = ca.SX.sym("a", 2), ca.SX.sym("s", 2)
-        q, v, t = ca.SX.sym("q", 2), ca.SX.sym("v", 2), ca.SX.sym("t")
+        joints = sym.q.numel()
+        a, s = ca.SX.sym("a", joints), ca.SX.sym("s", joints)
+        q, v, t = ca.SX.sym("q", joints), ca.SX.sym("v", joints), ca.SX.sym("t")
         last, value = ca.SX.sym("last", count), ca.SX.sym("value", count)
         linear, shape = ca.SX.sym("linear", sym.linear.numel()), ca.SX.sym("shape", sym.shape.numel())
         q_m, v_m = q + 0.5 * dt * v + 0.125 * dt**2 * a, v + 0.5 * dt * a
@@ -139,36 +180,40 @@ class _Midpoint:
         )
 
 
-def step_function(equation: Equation, dt: float) -> Any:
+def step_function(equation: Equation, dt: float, reach: Sequence[float] | None = None) -> Any:
     """Return the CasADi function (state, input, numbers) -> (state, record) of one step of `dt` s.
 
-    state  (12 + 2K): q, v, a, s at the start of the step, last encoder reading, filtered velocity, and the
+    state  (6J + 2K): q, v, a, s at the start of the step, last encoder reading, filtered velocity, and the
     operators'
            arguments and values;
-    input  (9): t, θ_d (2), θ_d' (2), encoder noise (2), external torque (2) N·m;
-    numbers: see `numbers`;  record (12): q_m, v_m, a, s, τ motor, residual of the equation.
+    input  (1 + 4J): t, θ_d, θ_d', encoder noise, external torque N·m;
+    numbers (3J + 2 + P + S): gains on angle and on velocity, torque limits, smoothing of the differentiator, encoder
+           step in rad, then the model's; record (6J): q_m, v_m, a, s, τ motor, residual of the equation.
+    `reach` (J,) is what of its own unit each joint moves where a turning one moves 1 rad.
     """
     import casadi as ca
 
     count = len(equation.memories)
     sym = equation.symbols
-    state, given = ca.SX.sym("state", 12 + 2 * count), ca.SX.sym("given", 9)
-    numbers = ca.SX.sym("numbers", 8 + sym.linear.numel() + sym.shape.numel())
-    q, v, a, s, reading, speed = (state[2 * k : 2 * k + 2] for k in range(6))
-    last, value = state[12 : 12 + count], state[12 + count :]
-    kp, kd, limit, smoothing, resolution = (
-        numbers[0:2], numbers[2:4], numbers[4:6], numbers[6], numbers[7],
-    )  # fmt: skip
-    linear = numbers[8 : 8 + sym.linear.numel()]
-    shape = numbers[8 + sym.linear.numel() :]
+    joints = sym.q.numel()
+    fixed = 3 * joints + 2
+    state, given = ca.SX.sym("state", 6 * joints + 2 * count), ca.SX.sym("given", 1 + 4 * joints)
+    numbers = ca.SX.sym("numbers", fixed + sym.linear.numel() + sym.shape.numel())
+    q, v, a, s, reading, speed = (state[joints * k : joints * (k + 1)] for k in range(6))
+    wanted, wanted_speed, noise, external = (given[1 + joints * k : 1 + joints * (k + 1)] for k in range(4))
+    last, value = state[6 * joints : 6 * joints + count], state[6 * joints + count :]
+    kp, kd, limit = (numbers[joints * k : joints * (k + 1)] for k in range(3))
+    smoothing, resolution = numbers[fixed - 2], numbers[fixed - 1] * ca.DM(reach or [1.0] * joints)
+    linear = numbers[fixed : fixed + sym.linear.numel()]
+    shape = numbers[fixed + sym.linear.numel() :]
 
-    encoder = q + given[5:7]
+    encoder = q + noise
     coarse = ca.fmax(resolution, 1e-30)
     encoder = ca.if_else(resolution > 0, ca.floor(encoder / coarse + 0.5) * coarse, encoder)
     speed = speed + smoothing * ((encoder - reading) / dt - speed)
-    motor = kp * (given[1:3] - encoder) + kd * (given[3:5] - speed)
+    motor = kp * (wanted - encoder) + kd * (wanted_speed - speed)
     motor = ca.fmin(ca.fmax(motor, -limit), limit)
-    supplied = motor + given[7:9]
+    supplied = motor + external
 
     midpoint = _Midpoint(ca, equation, dt)
     for _ in range(NEWTON_STEPS):

@@ -62,17 +62,21 @@ class Sensors:
         """One encoder step in rad, 0 for an ideal encoder."""
         return 2.0 * math.pi / 2**self.encoder_bits if self.encoder_bits else 0.0
 
-    def angle(self, q: Array, rng: np.random.Generator) -> Array:
-        """Return the encoder's reading of angles `q` (N, J) in rad: noise first, then whole steps."""
-        noisy = q + self.encoder_noise * rng.standard_normal(q.shape)
-        return np.round(noisy / self.resolution) * self.resolution if self.resolution else noisy
+    def angle(self, q: Array, rng: np.random.Generator, reach: Array | float = 1.0) -> Array:
+        """Return the encoder's reading of angles `q` (N, J) in rad: noise first, then whole steps.
 
-    def torque(self, tau: Array, rate: float, rng: np.random.Generator) -> Array:
-        """Return the torque sensors' reading of `tau` (N, J) in N·m sampled at `rate` Hz."""
-        out = tau + self.torque_noise * rng.standard_normal(tau.shape)
+        `reach` (J,) is what of its own unit each joint moves where a turning one moves 1 rad.
+        """
+        noisy = q + self.encoder_noise * reach * rng.standard_normal(q.shape)
+        step = self.resolution * reach
+        return np.round(noisy / step) * step if self.resolution else noisy
+
+    def torque(self, tau: Array, rate: float, rng: np.random.Generator, scale: Array | float = 1.0) -> Array:
+        """Return the torque sensors' reading of `tau` (N, J) in N·m sampled at `rate` Hz, faults times `scale` (J,)."""
+        out = tau + scale * (self.torque_noise * rng.standard_normal(tau.shape))
         spoilt = rng.random(tau.shape) < self.outlier_share
-        out = out + np.where(spoilt, self.outlier_size * rng.standard_normal(tau.shape), 0.0)
-        return out + self._bursts(tau.shape, rate, rng)
+        out = out + scale * np.where(spoilt, self.outlier_size * rng.standard_normal(tau.shape), 0.0)
+        return out + scale * self._bursts(tau.shape, rate, rng)
 
     def logged(self, values: Array, fewer: int = 0) -> Array:
         """Return `values` as the logger writes them, with `decimals` - `fewer` decimals."""

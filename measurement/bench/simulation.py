@@ -25,12 +25,13 @@ from measurement.bench.deflection import at_encoders, rigid_torque
 from measurement.bench.equation import split_channel, stepper
 from measurement.bench.hidden import Hidden, TrueModel, true_model
 from measurement.bench.leg import Leg, standard_leg
+from measurement.bench.machine import Machine, standard_machine
 from measurement.bench.seal import HiddenTruth, Truth
 from measurement.bench.sensors import Sensors
 from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.model import Model, require_leg
+from symbolic.model import Model
 from symbolic.motion import Motion
 
 Array = NDArray[np.float64]
@@ -105,7 +106,7 @@ class Bench:
 
 def simulate(
     model: Model | None = None,
-    leg: Leg | None = None,
+    leg: Leg | Machine | None = None,
     *,
     effects: Iterable[Hidden] = (),
     seed: int = 0,
@@ -128,7 +129,7 @@ def simulate(
 def simulate_runs(
     count: int,
     model: Model | None = None,
-    leg: Leg | None = None,
+    leg: Leg | Machine | None = None,
     *,
     effects: Iterable[Hidden] = (),
     seed: int = 0,
@@ -151,7 +152,7 @@ def simulate_runs(
 
 def run_bench(
     model: Model | None = None,
-    leg: Leg | None = None,
+    leg: Leg | Machine | None = None,
     *,
     effects: Iterable[Hidden] = (),
     seed: int = 0,
@@ -162,14 +163,14 @@ def run_bench(
 ) -> BenchRun:
     """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`."""
     model = Model.standard() if model is None else model
-    require_leg(model, "the virtual bench")
-    leg = standard_leg() if leg is None else leg
+    leg = bench_machine(model) if leg is None else leg
     bench = Bench() if bench is None else bench
+    _check_fits(model, leg, bench.wearer is not None)
     hidden = tuple(effects)
     # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
     # as it is.
     motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
-    path = random_trajectory(motion_rng, model.limits) if excitation is None else excitation
+    path = random_trajectory(motion_rng, model.motion_limits) if excitation is None else excitation
     true = true_model(model, leg.base, hidden)
     mechanical, heard = split_channel(true)
     trace = _drive(mechanical, true, leg, path, bench, control_rng)
@@ -180,13 +181,33 @@ def run_bench(
         sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (motion, link))
         torque = torque + next(sides) - next(sides)
     return BenchRun(
-        recording=_measure(motion, torque, trace.force, bench, sensor_rng, name),
+        recording=_measure(motion, torque, trace.force, bench, sensor_rng, name, leg, model),
         motion=motion,
         torque=torque,
         true=true,
         truth=_truth(true, leg, hidden, seed),
         saturated=trace.saturated,
     )
+
+
+def bench_machine(model: Model) -> Leg | Machine:
+    """Return what the bench moves for `model`: the standard leg, or a machine of its joints."""
+    return standard_machine(model) if model.chain else standard_leg()
+
+
+def _check_fits(model: Model, leg: Leg | Machine, wearer: bool) -> None:
+    """Refuse a leg for another machine, a base that moves, and a wearer of anything but a leg."""
+    if len(leg.base) != model.base_count:
+        raise BenchError(
+            f"{leg.name} has {len(leg.base)} base parameters, the model {model.base_count}",
+            where=model.name,
+            remedy="leave it out: the bench makes a machine for every model",
+        )
+    if model.moving_base:
+        remedy = 'leave [base] motion = "measured" out of the model'
+        raise BenchError("the base of the virtual bench stands still", where=model.name, remedy=remedy)
+    if wearer and model.chain:
+        raise BenchError("only the leg has cuffs that a wearer pushes at", where=model.name, remedy="leave wearer out")
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +229,7 @@ def _settings(bench: Bench | None, duration: float | None, rate: float | None) -
 
 
 def _drive(
-    mechanical: TrueModel, true: TrueModel, leg: Leg, path: Fourier, bench: Bench, rng: np.random.Generator
+    mechanical: TrueModel, true: TrueModel, leg: Leg | Machine, path: Fourier, bench: Bench, rng: np.random.Generator
 ) -> _Trace:
     """Integrate the closed loop through lead-in and recording."""
     per_sample = bench.steps_per_sample
@@ -218,9 +239,11 @@ def _drive(
     t = (np.arange(count) - before) * dt
     # The controller acts at the start of a step, half a step before the time stamp the step is centred on.
     wanted = path.at(t - 0.5 * dt)
-    noise = bench.sensors.encoder_noise * rng.standard_normal((count, 2))
-    pushed = np.zeros((count, 2))
-    if bench.wearer is not None:
+    joints = mechanical.model.joints
+    reach = np.array([joint.reach for joint in joints])
+    noise = bench.sensors.encoder_noise * reach * rng.standard_normal((count, len(joints)))
+    pushed = np.zeros((count, len(joints)))
+    if bench.wearer is not None and isinstance(leg, Leg):
         force = bench.wearer.force(t, rng)
         pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
     given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed]).T
@@ -228,29 +251,33 @@ def _drive(
     plant = stepper(mechanical.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
     record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape), given, numbers)
-    _check_sane(record, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
+    states = record.reshape(6, len(joints), -1)
+    _check_sane(states, reach, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
     kept = slice(before, None, per_sample)
-    at_limit = np.abs(record[8:10, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
-    whole = Motion(np.asarray(t, dtype=float), *(record[2 * k : 2 * k + 2].T for k in range(4)))
+    at_limit = np.abs(states[4][:, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
+    whole = Motion(np.asarray(t, dtype=float), *(states[k].T for k in range(4)))
     seen = at_encoders(true, mechanical, whole)
     link = _sampled(whole, kept)
     felt: Array | None = None
-    if bench.wearer is not None:
+    if bench.wearer is not None and isinstance(leg, Leg):
         # The push was planned along the wanted path; the sensors feel the force that makes it on the true
         # one.
         felt = cuff_force(pushed[kept], link.q, bench.wearer.reach, leg.thigh_length)
     read = link if seen is whole else _sampled(seen, kept)
-    return _Trace(link, read, record[8:10, kept].T, felt, float(at_limit.any(axis=0).mean()))
+    return _Trace(link, read, states[4][:, kept].T, felt, float(at_limit.any(axis=0).mean()))
 
 
 def _sampled(motion: Motion, kept: slice) -> Motion:
     return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept])
 
 
-def _check_sane(record: Array, where: str) -> None:
-    """Raise BenchError when the leg ran away, or when too many steps do not satisfy the equation of motion."""
-    wild = not np.isfinite(record).all() or np.abs(record[2:4]).max() > 100.0
-    if wild or np.mean(np.abs(record[10:12]) > 0.1) > 0.01:
+def _check_sane(states: Array, reach: Array, where: str) -> None:
+    """Raise BenchError when the machine ran away, or when too many steps do not satisfy the equation of motion.
+
+    `states` (6, J, N) are those of `plant.step_function`.
+    """
+    wild = not np.isfinite(states).all() or np.abs(states[1] / reach[:, None]).max() > 100.0
+    if wild or np.mean(np.abs(states[5]) > 0.1) > 0.01:
         raise BenchError(
             "the leg ran away: it moved faster than 100 rad/s, or its equation of motion has no sensible solution",
             where=where,
@@ -259,7 +286,7 @@ def _check_sane(record: Array, where: str) -> None:
 
 
 def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
-    """Run `step` (see `plant.step_function`) from `state` along `given` (9, N); return records (12, N)."""
+    """Run `step` (see `plant.step_function`) from `state` along `given` (1 + 4J, N); return records (6J, N)."""
     count = given.shape[1]
     blocks = -(-count // BLOCK)
     # Every block has the same length, so that one compiled map serves; the tail repeats the last input.
@@ -273,7 +300,7 @@ def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
     return np.concatenate(records, axis=1)[:, :count]
 
 
-def _numbers(true: TrueModel, leg: Leg, bench: Bench, dt: float) -> Array:
+def _numbers(true: TrueModel, leg: Leg | Machine, bench: Bench, dt: float) -> Array:
     """Return the vector `numbers` of `plant.step_function`."""
     fixed = [bench.controller.smoothing(dt), bench.sensors.resolution]
     gains = bench.controller.gains(leg).ravel()
@@ -281,18 +308,27 @@ def _numbers(true: TrueModel, leg: Leg, bench: Bench, dt: float) -> Array:
 
 
 def _measure(
-    motion: Motion, torque: Array, force: Array | None, bench: Bench, rng: np.random.Generator, name: str
+    motion: Motion,
+    torque: Array,
+    force: Array | None,
+    bench: Bench,
+    rng: np.random.Generator,
+    name: str,
+    leg: Leg | Machine,
+    model: Model,
 ) -> Recording:
     """Return what the instruments and the logger make of the truth."""
     sensors = bench.sensors
-    t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng)
-    tau = sensors.torque(torque, bench.rate, rng)
+    reach = np.array([joint.reach for joint in model.joints])
+    t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng, reach)
+    tau = sensors.torque(torque, bench.rate, rng, np.array(leg.sensor_scale))
     if force is not None:
         force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
-    return Recording(name, sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2), force=force)
+    logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
+    return Recording(name, *logged, force=force, joints=model.joints)
 
 
-def _truth(true: TrueModel, leg: Leg, hidden: tuple[Hidden, ...], seed: int) -> Truth:
+def _truth(true: TrueModel, leg: Leg | Machine, hidden: tuple[Hidden, ...], seed: int) -> Truth:
     numbers = true.numbers()
     names = {entry.name for entry in hidden}
     effects = tuple(

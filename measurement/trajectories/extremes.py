@@ -26,7 +26,6 @@ import numpy as np
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.model import TABLE_1, Limits
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 FINE = 8192
 """Points per period on which a finished motion is evaluated: with five harmonics the bound is then within 2e-6."""
@@ -78,8 +77,7 @@ def uses(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1, grid: int 
     stretch = 1.0 / margin(trajectory.sine.shape[1], grid)
     motion = trajectory.at(np.arange(grid) * (trajectory.period / grid))
     found = []
-    for j, joint in enumerate(JOINTS):
-        limit = limits[joint]
+    for j, (joint, limit) in enumerate(limits.items()):
         for quantity, values, (low, high) in (
             ("angle", motion.q[:, j], limit.angle),
             ("velocity", motion.dq[:, j], (-limit.velocity, limit.velocity)),
@@ -111,8 +109,7 @@ def shortest_period(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1)
 def bounds(limits: Mapping[str, Limits], share: float = 1.0) -> Float:
     """Return (J, 4): low and high angle, speed and acceleration, each range shrunk about its middle to `share`."""
     rows = []
-    for joint in JOINTS:
-        limit = limits[joint]
+    for limit in limits.values():
         middle, half = 0.5 * sum(limit.angle), 0.5 * (limit.angle[1] - limit.angle[0]) * share
         rows.append((middle - half, middle + half, limit.velocity * share, limit.acceleration * share))
     return np.array(rows)

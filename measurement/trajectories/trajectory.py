@@ -58,10 +58,11 @@ class Fourier:
     def __post_init__(self) -> None:
         for name in ("offset", "sine", "cosine"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
-        if self.offset.shape != (2,) or self.sine.shape != self.cosine.shape or self.sine.shape[:1] != (2,):
+        joints = self.offset.shape
+        if len(joints) != 1 or not joints[0] or self.sine.shape != self.cosine.shape or self.sine.shape[:1] != joints:
             raise TrajectoryError(
                 f"offset {self.offset.shape}, sine {self.sine.shape}, cosine {self.cosine.shape} do not fit",
-                remedy="give offset (2,), and sine and cosine of the same shape (2, harmonics)",
+                remedy="give offset (J,), and sine and cosine of the same shape (J, harmonics)",
             )
         if not SHORTEST_PERIOD <= self.period <= LONGEST_PERIOD:
             raise TrajectoryError(
@@ -87,8 +88,9 @@ class Fourier:
 
     def _repr_html_(self) -> str:
         head = ("joint", "centre [rad]", *(f"{w} {k + 1}" for k in range(self.sine.shape[1]) for w in ("sin", "cos")))
-        pairs = np.stack([self.sine, self.cosine], axis=2).reshape(2, -1)
-        rows = [(joint, *map(float, (self.offset[j], *pairs[j]))) for j, joint in enumerate(JOINTS)]
+        pairs = np.stack([self.sine, self.cosine], axis=2).reshape(len(self.offset), -1)
+        joints = JOINTS if len(self.offset) == 2 else [f"joint {j + 1}" for j in range(len(self.offset))]
+        rows = [(joint, *map(float, (self.offset[j], *pairs[j]))) for j, joint in enumerate(joints)]
         return table(head, rows, f"periodic motion, {self.period:g} s; coefficients in rad")
 
     def scaled(self, factor: NDArray[np.float64]) -> Fourier:
@@ -104,9 +106,9 @@ def largest_scale(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1) -
     """
     t = np.linspace(0.0, trajectory.period, GRID + 1)
     motion = trajectory.at(t)
-    factor = np.empty(2)
-    for j, joint in enumerate(JOINTS):
-        limit, centre = limits[joint], float(trajectory.offset[j])
+    factor = np.empty(len(limits))
+    for j, (joint, limit) in enumerate(limits.items()):
+        centre = float(trajectory.offset[j])
         low, high = limit.angle
         if not low < centre < high:
             raise TrajectoryError(
@@ -144,10 +146,10 @@ def random_trajectory(
     single limit (acceleration, for equal weights) throttles the range of angles.
     """
     k = np.arange(1, harmonics + 1)
-    weight = rng.uniform(0.3, 1.0, (2, harmonics)) / k**0.4
-    phase = rng.uniform(0.0, 2.0 * np.pi, (2, harmonics))
-    low, high = np.array([limits[joint].angle for joint in JOINTS]).T
-    offset = 0.5 * (low + high) + rng.uniform(-0.04, 0.04, 2) * (high - low)
+    weight = rng.uniform(0.3, 1.0, (len(limits), harmonics)) / k**0.4
+    phase = rng.uniform(0.0, 2.0 * np.pi, (len(limits), harmonics))
+    low, high = np.array([limit.angle for limit in limits.values()]).T
+    offset = 0.5 * (low + high) + rng.uniform(-0.04, 0.04, len(limits)) * (high - low)
     return within(Fourier(offset, weight * np.cos(phase), weight * np.sin(phase), period), limits, use)
 
 

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="seal the truth in a separate file and do not show it; without --effect it is drawn at random",
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
-    parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the shank, M below the knee (2@0.35)")
+    parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the last link, M along it (2@0.35)")
     parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
     parser.add_argument("--duration", metavar="S", type=positive_number, default=30.0, help="length of each in s (30)")
     parser.add_argument("--rate", metavar="HZ", type=positive_number, default=100.0, help="sampling rate in Hz (100)")
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Simulate and write; never overwrites a recording."""
     from measurement.bench.hidden import parse_hidden, true_model
-    from measurement.bench.leg import standard_leg
+    from measurement.bench.simulation import bench_machine
     from workbench.command_line.inputs import load_model
     from workbench.command_line.parser import UsageError
     from workbench.terminal.showing import truth_sentence
@@ -56,15 +56,15 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--trajectory and --blind exclude each other", remedy="blind runs draw motions of their own")
     if args.payload and args.blind:
         raise UsageError("--payload and --blind exclude each other", remedy="simulate the loaded runs without --blind")
-    model = load_model(args.model)
-    leg = _loaded(standard_leg(), args.payload)
+    model = load_model(args.model, any_machine=True)
+    leg = _loaded(bench_machine(model), args.payload, model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
-    true_model(model, standard_leg().base, hidden)  # a wrong name is told before anything is written
+    true_model(model, leg.base, hidden)  # a wrong name is told before anything is written
     folder = Path(args.out or DEFAULT_FOLDER)
     make_folder(folder)
     _refuse_overwriting(folder, args.runs)
     if args.blind and not hidden:
-        hidden = _draw(args.seed)
+        hidden = _draw(args.seed, model)
     with progress("simulating", quiet=args.quiet):
         files, seal, truth = _simulate(args, folder, model, leg, hidden)
     screen = Screen.of(args)
@@ -83,12 +83,14 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _loaded(leg: Any, text: str | None) -> Any:
-    """Return `leg` with the payload that --payload names."""
+def _loaded(leg: Any, text: str | None, model: Any) -> Any:
+    """Return `leg`, or machine of `model`, with the payload that --payload names."""
     from workbench.command_line.inputs import payload_of
 
     load = payload_of(text) if text else None
-    return leg if load is None else leg.with_payload(load.mass, load.along, load.link)
+    if load is None:
+        return leg
+    return leg.with_payload(load, model) if model.chain else leg.with_payload(load.mass, load.along, load.link)
 
 
 def _simulate(args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any) -> tuple[Any, Path, Any]:
@@ -103,7 +105,7 @@ def _simulate(args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidd
     return *write_runs(folder, runs), runs[0].truth
 
 
-def _draw(seed: int) -> Any:
+def _draw(seed: int, model: Any) -> Any:
     """Return something to hide, drawn at random from the catalogue."""
     import numpy as np
 
@@ -111,7 +113,7 @@ def _draw(seed: int) -> Any:
     from symbolic.catalogue import catalogue
 
     # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
-    return draw(np.random.default_rng([seed, 99]), catalogue().values())
+    return draw(np.random.default_rng([seed, 99]), catalogue().values(), model=model)
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:

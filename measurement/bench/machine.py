@@ -1,0 +1,91 @@
+"""Machines for the virtual bench that are not the leg: links of plausible mass, dry and viscous friction, drives.
+
+A link carries two thirds of the mass of the one before it, its centre of mass a little before its middle. What a
+recording can show of masses, first moments and inertias are the base parameters of the machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from symbolic.columns import model_torque
+from symbolic.joints import ancestors
+from symbolic.mechanics.base_parameters import base_parameters
+from symbolic.mechanics.payload import Payload
+from symbolic.model import Model
+from symbolic.motion import Motion
+
+MASS, LIGHTER, LENGTH = 4.0, 0.65, 0.30
+"""kg of the first link, the share of it that the next one has, and m of a link that carries nothing."""
+FRICTION = {True: (4.0, 2.0), False: (15.0, 40.0)}
+"""Coulomb and viscous friction of the first joint, where it turns (N·m, N·m·s/rad) and where it slides (N, N·s/m)."""
+RESERVE = 5.0
+"""Largest torque of a drive over what the machine needs on a usual motion."""
+STRONG = 100.0
+"""N·m or N of a drive from which on its torque sensor has all of the bench's noise; of weaker ones it is finer."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the bench's machine is made of: `base` are the parameters of the model without terms, in its order.
+
+    `torque_limit` (J,) N·m or N is where the drives saturate, `inertia` (J,) kg·m² or kg what each of them feels.
+    """
+
+    name: str
+    base: tuple[float, ...]
+    torque_limit: tuple[float, ...]
+    inertia: tuple[float, ...]
+
+    def with_payload(self, payload: Payload, model: Model) -> Machine:
+        """Return the machine of `model` with a known mass; PayloadError where there is no such link."""
+        added = payload.added(model)
+        base = np.add(self.base, [*added, *(0.0 for _ in self.base[len(added) :])])
+        return replace(self, base=tuple(base.tolist()))
+
+    @property
+    def sensor_scale(self) -> tuple[float, ...]:
+        """Noise of each torque sensor over that of a strong drive's (J,)."""
+        return tuple(min(1.0, limit / STRONG) for limit in self.torque_limit)
+
+
+def standard_machine(model: Model) -> Machine:
+    """Return a machine with the joints, lengths and gravity of `model`, without its terms."""
+    return _machine(model.base())
+
+
+@lru_cache(maxsize=16)
+def _machine(model: Model) -> Machine:
+    joints = model.joints
+    depth = [len(ancestors(joints, j)) - 1 for j in range(len(joints))]
+    own: dict[tuple[int, str], float] = {}
+    for j, joint in enumerate(joints):
+        mass, along = MASS * LIGHTER ** depth[j], 0.45 * (joint.length or LENGTH)
+        about = mass * (along**2 + 0.1 * (joint.length or LENGTH) ** 2)
+        own |= {(j, "m"): mass, (j, "X"): mass * along, (j, "J"): about}
+    found = base_parameters(joints, model.gravity, model.moving_base)
+    inertial = [own[p.link, p.kind] + sum(factor * own[link, kind] for link, kind, factor in p.parts) for p in found]
+    friction = [part * LIGHTER ** depth[j] for j, joint in enumerate(joints) for part in FRICTION[joint.turns]]
+    base = np.array([*inertial, *friction])
+    motion = _usual(model)
+    still = np.zeros_like(motion.q)
+    rest = model_torque(model, Motion(motion.t, motion.q, still, still), base)
+    eye = np.eye(len(joints))
+    pushed = (model_torque(model, Motion(motion.t, motion.q, still, still + row), base) - rest for row in eye)
+    inertia = [float(np.median(torque[:, j])) for j, torque in enumerate(pushed)]
+    need = np.abs(model_torque(model, motion, base)).max(axis=0)
+    return Machine(model.name, tuple(base.tolist()), tuple((RESERVE * need).tolist()), tuple(inertia))
+
+
+def _usual(model: Model) -> Motion:
+    """Return 200 states all over the limits of `model`."""
+    rng = np.random.default_rng(0)
+    limits = [model.motion_limits[name] for name in model.joint_names]
+    low, high = np.array([limit.angle for limit in limits]).T
+    size = np.array([(limit.velocity, limit.acceleration) for limit in limits]).T
+    q = low + (high - low) * rng.random((200, len(limits)))
+    dq, ddq = (bound * rng.uniform(-1.0, 1.0, q.shape) for bound in size)
+    return Motion(0.01 * np.arange(200.0), q, dq, ddq)
