@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from diagnosis.evidence.channels import channel_findings
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders, split_variable, variables
 from diagnosis.plots import against, over_time
@@ -187,7 +188,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         where=_where(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
-        audit=(*prepared.findings, *(() if length is None else (length.finding(),))),
+        audit=(*prepared.findings, *channel_findings(now), *(() if length is None else (length.finding(),))),
         thigh_length=length,
         now=now,
         curves=tuple(curves),

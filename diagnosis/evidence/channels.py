@@ -14,6 +14,7 @@ import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.rules import RULES, Rules
+from measurement.finding import Finding
 from measurement.signals.butterworth import lag_filter
 from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import wanted_thigh_length
@@ -51,6 +52,21 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
         or _impossible_base(base, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
+
+
+def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding, ...]:
+    """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
+    if fitted.prepared.misread:
+        return ()
+    doubt = doubts_before(fitted, rules) or _another_machine(fitted, rules)
+    share = left_share(fitted)
+    if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
+        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+        text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
+        doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` tells which of both")
+    if doubt is None:
+        return ()
+    return (Finding("channels", "warning", doubt.sentence.rstrip("."), "all recordings", remedy=doubt.remedy),)
 
 
 def left_share(fitted: FittedModel) -> Float:

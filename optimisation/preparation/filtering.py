@@ -154,7 +154,7 @@ def prepare_one(
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
     tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
     rate = even.rate / factor
-    driven = ~(even.passive | _reads_nothing(even.tau, tau, rate, cutoff))
+    driven = ~(even.passive | _reads_nothing(even, cutoff))
     inner = min(INNER * cutoff, 0.4 * even.rate)
     smoothed = METHODS[derivative]
     noise = noise_density(even)
@@ -228,11 +228,11 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
     return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
 
 
-def _reads_nothing(logged: Float, tau: Float, rate: float, cutoff: float) -> Bool:
+def _reads_nothing(even: EvenSignals, cutoff: float) -> Bool:
     """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
-    zero = (np.ptp(logged, axis=0) == 0.0) & (logged[0] == 0.0)
-    span = np.ptp(np.quantile(logged, (0.1, 0.9), axis=0), axis=0)
-    return np.asarray(zero | (span < NOTHING * span.max()) & ~_bears_load(tau, rate, cutoff))
+    zero = (np.ptp(even.tau, axis=0) == 0.0) & (even.tau[0] == 0.0)
+    span = np.ptp(np.quantile(even.tau, (0.1, 0.9), axis=0), axis=0)
+    return np.asarray(zero | (span < NOTHING * span.max()) & ~_bears_load(even.despiked, even.rate, cutoff))
 
 
 def bridged(x: Float, stuck: Bool, rate: float) -> Float:

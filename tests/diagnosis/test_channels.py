@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from diagnosis.compare import compare
 from diagnosis.discover import discover
-from diagnosis.evidence.channels import Doubt, doubts_after, doubts_before, left_share
+from diagnosis.evidence.channels import Doubt, channel_findings, doubts_after, doubts_before, left_share
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import model_error
 from diagnosis.evidence.repeats import repeats
@@ -99,6 +100,17 @@ def test_held_out_recordings_of_another_leg(good):
     other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
     found = doubt(good[:2], [recording(9, beta=other)])
     assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
+
+
+def test_a_fit_without_a_search_tells_its_doubts_too(good):
+    assert not channel_findings(base(good))
+    rng = np.random.default_rng(3)
+    noise = [replace(one, tau=10.0 * rng.standard_normal(one.tau.shape)) for one in good]
+    (finding,) = channel_findings(base(noise))
+    assert finding.severity == "warning" and finding.check == "channels"
+    assert "channels are wrong, or something large is missing" in finding.what and "--map" in finding.remedy
+    found = compare(MODEL, noise, cutoff=5.0)
+    assert finding.what in [one.what for one in found.audit]
 
 
 def test_nothing_is_accepted_and_the_verdict_says_what_to_check(good):

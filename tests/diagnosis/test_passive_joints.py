@@ -26,7 +26,8 @@ KNEE = (False, True)
 def quiet(seed: int):
     """Return a recording whose knee torque reads next to nothing, as of a drive that is commanded zero."""
     one = recording(seed)
-    noise = 0.006 * np.random.default_rng(seed).normal(size=len(one))
+    rng = np.random.default_rng(seed)
+    noise = 0.006 * rng.normal(size=len(one)) * np.where(rng.uniform(size=len(one)) < 0.05, 8.0, 1.0)
     return replace(one, tau=np.column_stack([one.tau[:, 0], noise]))
 
 

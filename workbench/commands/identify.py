@@ -58,6 +58,8 @@ def run(args: argparse.Namespace) -> int:
         from dataclasses import replace
 
         from diagnosis.compare import verification
+        from diagnosis.evidence.channels import channel_findings
+        from diagnosis.evidence.fitted import fitted_model
         from optimisation.fitting.neighbours import neighbours
         from optimisation.fitting.thigh_length import wanted_thigh_length
         from workbench.terminal.showing import of_the_set
@@ -66,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
         report(0.97, "neighbouring cut-offs")
         near = neighbours(fit, given.model, prepared, given.recordings)
         length = wanted_thigh_length(fit, prepared)
-        found = () if length is None else (length.finding(),)
+        found = (*channel_findings(fitted_model(fit, prepared)), *(() if length is None else (length.finding(),)))
         together = (*prepared.misread, *of_the_set((*prepared.findings, *found)))
         fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
     from optimisation.fitting.by_recording import by_recording

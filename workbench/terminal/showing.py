@@ -55,7 +55,7 @@ def show_by_recording(screen: Screen, found: Any) -> None:
 
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
     """Return what an audit says of recordings together, which reading one by one could not tell."""
-    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length")]
+    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels")]
     return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
 
 
