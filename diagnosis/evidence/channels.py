@@ -61,7 +61,7 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
     doubt = doubts_before(fitted, rules) or _another_machine(fitted, rules)
     share = left_share(fitted)
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
-        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share))
+        parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))
         text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
         doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` tells which of both")
     if doubt is None:
