@@ -13,15 +13,17 @@ if TYPE_CHECKING:
     from diagnosis.extend import add
     from diagnosis.separation.design import separate
     from diagnosis.session.session import Session
+    from diagnosis.watching.differences import compare_against
     from diagnosis.watching.watch import follow, watch
 
-__all__ = ["Session", "add", "compare", "diagnose", "discover", "follow", "separate", "watch"]
+__all__ = ["Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "separate", "watch"]
 
 lend(
     __name__,
     {
         "Session": "diagnosis.session.session",
         "add": "diagnosis.extend",
+        "compare_against": "diagnosis.watching.differences",
         "compare": "diagnosis.compare",
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
+    from measurement.bench.control import track
     from measurement.bench.hidden import Hidden
     from measurement.bench.leg import paper_leg, standard_leg
     from measurement.bench.seal import open_seal
@@ -34,6 +35,7 @@ __all__ = [
     "simulate",
     "simulate_runs",
     "standard_leg",
+    "track",
     "write_recording",
     "write_trajectory",
 ]
@@ -55,6 +57,7 @@ lend(
         "simulate": "measurement.bench.simulation",
         "simulate_runs": "measurement.bench.simulation",
         "standard_leg": "measurement.bench.leg",
+        "track": "measurement.bench.control",
         "write_recording": "measurement.recording",
         "write_trajectory": "measurement.trajectories.trajectory_file",
     },

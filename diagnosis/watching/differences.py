@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from diagnosis.discover import own_effects
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
@@ -25,9 +26,12 @@ from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
 from diagnosis.watching.questions import Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
+from measurement.recording import Recording
+from measurement.signals.derivatives import BUTTERWORTH
+from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
 from optimisation.linear.uncertainty import covariance
-from optimisation.preparation.prepare import Prepared
+from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -67,6 +71,27 @@ def before_against_after(
     began = time.perf_counter()
     now = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
     return BeforeAfter(now, seed, tuple(extra), rules, most).run(began)
+
+
+def compare_against(
+    model: Model | Fit,
+    before: Sequence[Recording],
+    after: Sequence[Recording],
+    *,
+    seed: int = 0,
+    cutoff: float | None = None,
+    derivative: str = BUTTERWORTH,
+    extra: Sequence[Effect] = (),
+) -> Differences:
+    """Return what differs between recordings made `before` and `after` (maintenance, on two devices, of two wearers).
+
+    `extra` are effects beyond the catalogue and the model's own. Refuses recordings that are too short or, before, do
+    not determine the model.
+    """
+    machine = model.model if isinstance(model, Fit) else model
+    assert isinstance(machine, Model)
+    question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
+    return before_against_after(machine, question, seed=seed, extra=own_effects(machine, tuple(extra)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,6 +254,9 @@ class BeforeAfter:
             before, start = np.eye(count)[count - 2 * width : count - width], np.zeros(width)
             names, units = _numbers(one.asked)
 
+        if one.asked.change:  # a whole change at its value: the coefficient is a share of that
+            before, change = (rows * one.score.shape[-1, 0] for rows in (before, change))
+
         def said(rows: Float, offset: Float) -> tuple[Estimate, ...]:
             middle = rows @ step + offset
             half = critical * np.sqrt(np.maximum(np.einsum("kp,pq,kq->k", rows, spread, rows), 0.0))
@@ -282,7 +310,7 @@ def _numbers(asked: Asked) -> tuple[list[str], list[str]]:
 
 
 def _shape(one: _Granted) -> dict[str, float]:
-    if one.asked.tangent:
+    if not one.asked.term.effect.coefficients:
         return {}
     return {key: float(v) for key, v in zip(one.asked.term.effect.shape, one.score.shape[-1], strict=True)}
 

@@ -276,7 +276,8 @@ class Watcher:
         # Those just before show whether it came slowly; the one at the seam may hold both.
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
         question = prepared([*self.kept[: self.settings.learn], *recent], after)
-        fit = fitted_model(now.fit, question)
+        shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
+        fit = fitted_model(replace(now.fit, shapes=shapes), question)
         rules = replace(self.rules, placebos=self.settings.draws)
         return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, MOST).run(0.0)
 

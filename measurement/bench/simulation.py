@@ -12,7 +12,7 @@ torque, and what gives way between link and encoder to the measured angle.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -44,6 +44,10 @@ LEAD_IN = 1.0
 
 BLOCK = 500
 """Inner steps that one call of the compiled step runs through."""
+
+
+FeedForward = Callable[[Motion], Array]
+"""From a wanted motion to torques (N, J) in N·m."""
 
 
 class BenchError(ExoidError):
@@ -160,8 +164,12 @@ def run_bench(
     excitation: Fourier | None = None,
     bench: Bench | None = None,
     name: str = "run",
+    feed_forward: FeedForward | None = None,
 ) -> BenchRun:
-    """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`."""
+    """Return what `simulate` does together with the truth; `index` numbers the runs that share one `seed`.
+
+    `feed_forward` gives the torque (N, J) in N·m that the drives add to the controller's along the wanted motion.
+    """
     model = Model.standard() if model is None else model
     leg = bench_machine(model) if leg is None else leg
     bench = Bench() if bench is None else bench
@@ -173,7 +181,7 @@ def run_bench(
     path = random_trajectory(motion_rng, model.motion_limits) if excitation is None else excitation
     true = true_model(model, leg.base, hidden)
     mechanical, heard = split_channel(true)
-    trace = _drive(mechanical, true, leg, path, bench, control_rng)
+    trace = _drive(mechanical, true, leg, path, bench, control_rng, feed_forward)
     link, motion, torque = trace.link, trace.read, trace.motor
     if heard is not mechanical:
         torque = torque + heard.torque(link) - mechanical.torque(link)
@@ -229,7 +237,13 @@ def _settings(bench: Bench | None, duration: float | None, rate: float | None) -
 
 
 def _drive(
-    mechanical: TrueModel, true: TrueModel, leg: Leg | Machine, path: Fourier, bench: Bench, rng: np.random.Generator
+    mechanical: TrueModel,
+    true: TrueModel,
+    leg: Leg | Machine,
+    path: Fourier,
+    bench: Bench,
+    rng: np.random.Generator,
+    feed_forward: FeedForward | None = None,
 ) -> _Trace:
     """Integrate the closed loop through lead-in and recording."""
     per_sample = bench.steps_per_sample
@@ -246,7 +260,8 @@ def _drive(
     if bench.wearer is not None and isinstance(leg, Leg):
         force = bench.wearer.force(t, rng)
         pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
-    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed]).T
+    added = np.zeros_like(pushed) if feed_forward is None else np.asarray(feed_forward(wanted), dtype=float)
+    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed + added]).T
     numbers = _numbers(mechanical, leg, bench, dt)
     plant = stepper(mechanical.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
@@ -264,7 +279,7 @@ def _drive(
         # one.
         felt = cuff_force(pushed[kept], link.q, bench.wearer.reach, leg.thigh_length)
     read = link if seen is whole else _sampled(seen, kept)
-    return _Trace(link, read, states[4][:, kept].T, felt, float(at_limit.any(axis=0).mean()))
+    return _Trace(link, read, states[4][:, kept].T + added[kept], felt, float(at_limit.any(axis=0).mean()))
 
 
 def _sampled(motion: Motion, kept: slice) -> Motion:

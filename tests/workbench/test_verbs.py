@@ -142,6 +142,8 @@ def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     stand_in("discover", "discover", FakeDiagnosis())
     stand_in("compare", "compare", FakeComparison())
+    control = SimpleNamespace(sentence="It follows better.", to_json=dict, figures=list)
+    monkeypatch.setattr("workbench.commands.demo._control", lambda *_: control)
     assert main(["demo"]) == 0
     out = capsys.readouterr().out
     assert "load_friction:knee" in out

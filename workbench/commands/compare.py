@@ -12,12 +12,17 @@ from workbench.terminal.screen import Screen
 
 HELP = """how large the error of the model is, and where it sits
 
-exoid compare run1.csv run2.csv --verify run3.csv --out report"""
+exoid compare run1.csv run2.csv --verify run3.csv --out report
+exoid compare before*.csv --against after*.csv     what differs, named, with intervals"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser)
+    parser.add_argument(
+        "--against", metavar="REC", nargs="+", action="extend", default=[],
+        help="recordings made after maintenance, on another device, of another wearer: what differs from REC is named",
+    )  # fmt: skip
     add_derivative(parser)
     add_model(parser)
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
@@ -29,6 +34,8 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load
 
     check_places(args)
+    if args.against:
+        return _against(args)
     given = load(args)
     with progress("comparing", quiet=args.quiet):
         from diagnosis.compare import compare
@@ -50,6 +57,36 @@ def run(args: argparse.Namespace) -> int:
         pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),
     ))  # fmt: skip
     return 1 if over else 0
+
+
+def _against(args: argparse.Namespace) -> int:
+    """Say what differs between two sets of recordings; that nothing does is an answer too."""
+    from workbench.command_line.inputs import load
+    from workbench.command_line.parser import UsageError
+    from workbench.report.material import Material, command_of, pictures_of, settings_of
+    from workbench.terminal.showing import show_differences
+
+    if args.verify:
+        raise UsageError("--against and --verify exclude each other", remedy="what is held out is chosen by exoid here")
+    if args.limit is not None:
+        raise UsageError("--against and --limit exclude each other", remedy="leave one of them out")
+    args.verify = args.against
+    given = load(args)
+    with progress("comparing before and after", quiet=args.quiet):
+        from diagnosis.watching.differences import compare_against
+
+        found = compare_against(
+            given.model, given.recordings, given.verify, seed=args.seed, extra=given.model.custom, **given.filter
+        )
+    screen = Screen.of(args)
+    show_differences(screen, found)
+    payload = {"schema": "exoid.differences/1", **found.to_json()}
+    deliver_results(args, screen, payload, lambda: Material(
+        title="Before against after", answer=" ".join([found.sentence, *(f"{d.sentence}." for d in found.found)]),
+        recordings=given.recordings, verify=given.verify, model=given.model, pictures=pictures_of(found),
+        command=command_of(args), settings=settings_of(args),
+    ))  # fmt: skip
+    return 0
 
 
 def _sentence(rms: Iterable[float], joints: Sequence[str], unseen: bool) -> str:

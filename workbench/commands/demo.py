@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
+
+if TYPE_CHECKING:
+    from diagnosis.results import Diagnosis
+    from measurement.bench.control import Tracking
+    from optimisation.fitting.fit import Fit
+    from symbolic.model import Model
 
 HELP = """the whole loop on shipped recordings with a hidden effect, and a report to read"""
 
@@ -34,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.asking import answer, material_of
     from workbench.command_line.deliver import deliver_results
     from workbench.command_line.inputs import Inputs, load_model, read
-    from workbench.report.material import Steps
+    from workbench.report.material import Material, Steps, pictures_of
     from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
@@ -46,10 +54,28 @@ def run(args: argparse.Namespace) -> int:
     show_steps(screen, Steps.of(found))
     truth = _truth()
     screen.say(truth)
-    payload = {**found.to_json(), "seconds": time.perf_counter() - began}
-    deliver_results(args, screen, payload, lambda: material_of(args, "exoid demo", given, found, comparison, truth))
+    control = _control(given.model, comparison.fit, found, args.seed)
+    screen.say(control.sentence)
+    payload = {**found.to_json(), "control": control.to_json(), "seconds": time.perf_counter() - began}
+
+    def material() -> Material:
+        made = material_of(args, "exoid demo", given, found, comparison, truth)
+        return replace(made, pictures=(*made.pictures, *pictures_of(control)))
+
+    deliver_results(args, screen, payload, material)
     screen.say("next: your own recordings with exoid diagnose run1.csv run2.csv --verify run3.csv")
     return 0
+
+
+def _control(model: Model, before: Fit, found: Diagnosis, seed: int) -> Tracking:
+    """Let the leg of the demo follow a motion, fed forward by the model before and after."""
+    from measurement.bench.control import track
+    from measurement.bench.demo import HIDDEN
+
+    models = {"the base model": (model, before.linear, before.shape)}
+    if found.accepted:
+        models["what was found"] = (found.model, found.fit.linear, found.fit.shape)
+    return track(models, effects=[HIDDEN], seed=seed)
 
 
 def _truth() -> str:

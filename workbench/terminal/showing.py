@@ -92,6 +92,29 @@ def show_comparison(screen: Screen, found: Any) -> None:
     screen.table("Where it sits", ("joint", "depends on", "share", "what that means", "caution"), places)
 
 
+def show_differences(screen: Screen, found: Any) -> None:
+    """Show what differs between before and after, with intervals and what looks like it."""
+    screen.say(found.sentence, "bad" if found.differs else "good")
+    rows = [
+        (d.name, a.name, f"{number(a.value)} [{number(a.low)}, {number(a.high)}]",
+         f"{number(b.value)} [{number(b.low)}, {number(b.high)}]", "" if b.unit == "1" else b.unit,
+         ", ".join(d.look_alikes))
+        for d in found.found
+        for a, b in zip(d.before, d.after, strict=True)
+    ]  # fmt: skip
+    if rows:
+        head = ("what differs", "number", "before [95 %]", "after [95 %]", "unit", "look-alikes in these data")
+        screen.table("Before and after", head, rows)
+    for name in found.old:
+        screen.say(f"no change, but missing in the model before and after: {name}", "warn")
+    errors = zip(found.joints, found.rms_before, found.rms_after, found.rms_named, strict=True)
+    for joint, *values in errors:
+        before, after, named = map(number, values)
+        screen.say(f"error of the {joint}: {before} N·m before, {after} after, {named} with what is named")
+    for finding in of_the_set(found.audit):
+        screen.say(f"careful: {finding}", "warn")
+
+
 def show_diagnosis(screen: Screen, found: Any) -> None:
     """Show verdict, reason, what was accepted, the suspects and what to measure next."""
     result = found.to_json()

@@ -1,0 +1,177 @@
+"""Why a missing effect matters: the leg on the bench follows a motion, fed forward by models that know more or less.
+
+    τ = τ_model(θ_d, θ_d', θ_d'') + kp (θ_d - θ) + kd (θ_d' - θ̂')
+
+The better the model, the less is left to the feedback and the smaller the tracking error (Siciliano and others,
+Robotics: Modelling, Planning and Control, 2009, section 8.5). Beside whole models, gravity alone is fed forward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ground.figures import figure_style, new_figure
+from ground.html import lines, table
+from ground.plain import plain_dict
+from measurement.bench.hidden import Hidden, TrueModel, true_model
+from measurement.bench.leg import Leg
+from measurement.bench.simulation import Bench, Machine, bench_machine, run_bench
+from measurement.trajectories.trajectory import Fourier, random_trajectory
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NOTHING, GRAVITY, TRUTH = "no model", "gravity of ", "the truth"
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """How well a controller with one feed-forward follows: `error` (J,) rad RMS of the angles, `feedback` (J,) N·m RMS
+    of what is left to the feedback, `effort` (J,) N·m RMS of the whole torque; `t` (N,) s and `course` (N, J) rad.
+    """
+
+    name: str
+    error: Float
+    feedback: Float
+    effort: Float
+    t: Float
+    course: Float
+
+
+@dataclass(frozen=True, eq=False)
+class Tracking:
+    """The same motion followed with each feed-forward in turn, the poorest first."""
+
+    joints: tuple[str, ...]
+    runs: tuple[Followed, ...]
+
+    def find(self, name: str) -> Followed:
+        """Return the run with the feed-forward of that name."""
+        return next(one for one in self.runs if one.name == name)
+
+    @property
+    def sentence(self) -> str:
+        """What the better model gains, in words."""
+        parts = []
+        for j, joint in enumerate(self.joints):
+            values = ", ".join(f"{1e3 * one.error[j]:.2g} mrad with {one.name}" for one in self.runs)
+            parts.append(f"{joint}: {values}")
+        return "Tracking error (RMS) on the bench. " + "; ".join(parts) + "."
+
+    def __repr__(self) -> str:
+        return self.sentence
+
+    def _rows(self) -> list[tuple[Any, ...]]:
+        return [
+            (one.name, joint, 1e3 * float(one.error[j]), float(one.feedback[j]), float(one.effort[j]))
+            for one in self.runs
+            for j, joint in enumerate(self.joints)
+        ]
+
+    def _repr_html_(self) -> str:
+        return lines(self.sentence) + table(_HEAD, self._rows())
+
+    def to_frame(self) -> Any:
+        """Return one row per feed-forward and joint."""
+        import pandas as pd
+
+        return pd.DataFrame(self._rows(), columns=list(_HEAD))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything but the courses in plain types."""
+        return plain_dict(
+            {
+                one.name: {"tracking_rms": one.error, "feedback_rms": one.feedback, "torque_rms": one.effort}
+                for one in self.runs
+            }
+        )
+
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure)."""
+        return [("It pays in control: the tracking error falls with the model's", self.sentence, self.plot())]
+
+    def plot(self) -> Figure:
+        """Draw the tracking error over time and, as bars, tracking error and feedback torque (RMS)."""
+        with figure_style():
+            figure = new_figure(7.0, 5.5)
+            axes = figure.subplots(2, len(self.joints), squeeze=False)
+            for j, joint in enumerate(self.joints):
+                for k, one in enumerate(self.runs):
+                    axes[0, j].plot(one.t, 1e3 * one.course[:, j], color=f"C{k}", label=one.name, linewidth=1.0)
+                place = np.arange(len(self.runs))
+                axes[1, j].bar(place - 0.2, [1e3 * one.error[j] for one in self.runs], 0.4, label="error [mrad]")
+                axes[1, j].bar(place + 0.2, [one.feedback[j] for one in self.runs], 0.4, label="feedback [N·m]")
+                axes[1, j].set_xticks(place, [one.name for one in self.runs], rotation=25, ha="right")
+                axes[0, j].set(title=joint, xlabel="time [s]", ylabel="tracking error [mrad]")
+                axes[1, j].set(ylabel="RMS")
+            axes[0, 0].legend(fontsize="small")
+            axes[1, 0].legend(fontsize="small")
+        return figure
+
+
+_HEAD = ("feed-forward", "joint", "tracking error [mrad]", "feedback torque [N·m]", "torque [N·m]")
+
+
+def track(
+    models: Mapping[str, tuple[Model, Float, Float]],
+    *,
+    leg: Leg | Machine | None = None,
+    effects: Iterable[Hidden] = (),
+    excitation: Fourier | None = None,
+    bench: Bench | None = None,
+    seed: int = 0,
+) -> Tracking:
+    """Let the leg with hidden `effects` follow a motion, fed forward by nothing, by the gravity of the first of
+    `models`, by each of them, and by the truth.
+
+    `models` are {name: (model, linear parameters (P,), shapes (S,))}, the poorest first; `excitation` None draws a
+    motion from `seed`. BenchError where the leg runs away.
+    """
+    bench = Bench(duration=20.0) if bench is None else bench
+    hidden = tuple(effects)
+    first = next(iter(models.values()))[0]
+    leg = bench_machine(first.base()) if leg is None else leg
+    path = random_trajectory(np.random.default_rng([seed, 7]), first.motion_limits) if excitation is None else excitation
+    known: dict[str, TrueModel | None] = {NOTHING: None}
+    for name, (model, linear, shape) in models.items():
+        known[name] = TrueModel(model, np.asarray(linear), np.asarray(shape))
+    base = first.base()
+    known[TRUTH] = true_model(base, leg.base, hidden)
+    runs = []
+    for name, one in known.items():
+        runs.append(_followed(name, one, base, leg, hidden, path, bench, seed, still=False))
+        if name == NOTHING:
+            poorest = next(iter(models))
+            runs.append(_followed(GRAVITY + poorest, known[poorest], base, leg, hidden, path, bench, seed, still=True))
+    return Tracking(first.joint_names, tuple(runs))
+
+
+def _followed(
+    name: str, known: TrueModel | None, base: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], path: Fourier, bench: Bench, seed: int,
+    *, still: bool,
+) -> Followed:  # fmt: skip
+    def feed_forward(wanted: Motion) -> Float:
+        assert known is not None
+        if still:
+            rest = np.zeros_like(wanted.q)
+            wanted = replace(wanted, dq=rest, ddq=rest, sign=rest)
+        return np.asarray(known.torque(wanted))
+
+    made = run_bench(
+        base, leg, effects=hidden, seed=seed, excitation=path, bench=bench,
+        feed_forward=None if known is None else feed_forward,
+    )  # fmt: skip
+    wanted = path.at(made.motion.t)
+    course = wanted.q - made.motion.q
+    fed = np.zeros_like(course) if known is None else feed_forward(wanted)
+    return Followed(name, _rms(course), _rms(made.torque - fed), _rms(made.torque), made.motion.t, course)
+
+
+def _rms(x: Float) -> Float:
+    return np.asarray(np.sqrt(np.mean(x**2, axis=0)))
