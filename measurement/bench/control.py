@@ -19,7 +19,8 @@ from ground.html import lines, table
 from ground.plain import plain_dict
 from measurement.bench.hidden import Hidden, TrueModel, true_model
 from measurement.bench.leg import Leg
-from measurement.bench.simulation import Bench, Machine, bench_machine, run_bench
+from measurement.bench.machine import Machine
+from measurement.bench.simulation import Bench, bench_machine, run_bench
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -153,7 +154,8 @@ def track(
 
 
 def _followed(
-    name: str, known: TrueModel | None, base: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], path: Fourier, bench: Bench, seed: int,
+    name: str, known: TrueModel | None, base: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], path: Fourier,
+    bench: Bench, seed: int,
     *, still: bool,
 ) -> Followed:  # fmt: skip
     def feed_forward(wanted: Motion) -> Float:
