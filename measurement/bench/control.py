@@ -138,7 +138,8 @@ def track(
     hidden = tuple(effects)
     first = next(iter(models.values()))[0]
     leg = bench_machine(first.base()) if leg is None else leg
-    path = random_trajectory(np.random.default_rng([seed, 7]), first.motion_limits) if excitation is None else excitation
+    rng = np.random.default_rng([seed, 7])
+    path = random_trajectory(rng, first.motion_limits) if excitation is None else excitation
     known: dict[str, TrueModel | None] = {NOTHING: None}
     for name, (model, linear, shape) in models.items():
         known[name] = TrueModel(model, np.asarray(linear), np.asarray(shape))
