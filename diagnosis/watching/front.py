@@ -154,6 +154,7 @@ class FrontEnd:
     raw: Float = field(default_factory=lambda: np.zeros((0, 0)))
     state: Float | None = None
     before: Float = field(default_factory=lambda: np.zeros((0, 0)))
+    seen: int = 0
     restarts: int = 0
 
     def push(self, samples: Float) -> Samples:
@@ -197,13 +198,20 @@ class FrontEnd:
     def _begin(self, first: Float) -> Samples:
         rows = first[np.concatenate([[True], np.diff(first[:, 0]) > 0.0])]
         steps = np.diff(rows[:FIRST, 0])
-        self.filters = Filters(1.0 / float(np.median(steps[steps > 0.0])) if steps.size else 100.0, self.cutoff)
+        rate = 1.0 / float(np.median(steps[steps > 0.0])) if steps.size else 100.0
         self.waiting, self.last = [], None
-        self.begin, self.count = float(first[0, 0]), 0
+        self.begin_at(Filters(rate, self.cutoff), float(first[0, 0]))
+        return self._on_clock(first)
+
+    def begin_at(self, filters: Filters, t: float) -> None:
+        """Begin with a known rate, at `t` s."""
+        self.filters, self.begin, self.count, self.seen = filters, t, 0, 0
         self.raw, self.state = np.zeros((0, 2 + 2 * self.joints)), None
         self.before = np.zeros((0, 1 + 3 * self.joints))
-        self.seen = 0
-        return self._on_clock(first)
+
+    def even_samples(self, samples: Float) -> Samples:
+        """Return the working samples that samples (N, 1 + 2 J) of an even clock complete, none of which is missing."""
+        return self._filter(np.column_stack([samples, np.zeros(len(samples))]))
 
     def _on_clock(self, samples: Float) -> Samples:
         """Put samples on the even clock; those that do not come after the ones before are passed over."""

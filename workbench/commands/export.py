@@ -13,7 +13,8 @@ from workbench.terminal.screen import Screen, warn
 HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF
 
 exoid identify run1.csv run2.csv --write leg_identified.toml
-exoid export leg_identified.toml --out controller --sample-time 0.001"""
+exoid export leg_identified.toml --out controller --sample-time 0.001
+exoid export leg_identified.toml --updater --sample-time 0.001     and what follows its numbers, in C"""
 
 DEFAULT_FOLDER = "exported"
 
@@ -35,6 +36,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sign-width", type=float, default=0.0, metavar="W",
         help="let sgn of a velocity fade below W rad/s, so that friction does not chatter at rest (default: a step)",
     )  # fmt: skip
+    parser.add_argument(
+        "--updater", action="store_true",
+        help="write as well, in C, what follows the model's numbers while the controller runs; needs --sample-time",
+    )  # fmt: skip
     add_common(parser, out=f"write into DIR (default: {DEFAULT_FOLDER})")
 
 
@@ -54,6 +59,16 @@ def run(args: argparse.Namespace) -> int:
             if args.format:  # asked for by name: not to be passed over
                 raise
             refused[name] = str(error)
+    if args.updater:
+        from diagnosis.watching.front import CUTOFF
+        from symbolic.model_file import read_numbers
+        from workbench.updater import write_updater
+
+        numbers = read_numbers(args.model)
+        assert numbers is not None  # read_ready has refused a model without
+        written["updater"] = write_updater(
+            ready.model, numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
+        )
     folder = make_folder(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
     for name, files in written.items():

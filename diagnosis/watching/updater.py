@@ -1,0 +1,58 @@
+"""The recursive estimator as a controller runs it: one sample per period of its loop, nothing else.
+
+`exoid export --updater` writes the same in C; both give the same numbers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from diagnosis.watching.estimator import Estimator, Pace
+from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
+from diagnosis.watching.window import LEAST_WEIGHT
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+
+SPREAD, LEAST = 0.3, 0.05
+"""A number is known to this part of itself at first, and to no less than this in its unit."""
+
+
+def first_estimator(model: Model, linear: Float, unit: Float, rate: float, pace: Pace | None = None) -> Estimator:
+    """Return an estimator that begins at identified numbers (P,); `unit` (J,) N·m is the scale of the residual."""
+    spread = SPREAD * np.abs(linear) + LEAST
+    names = [p.name for p in model.parameters]
+    units = [p.unit for p in model.parameters]
+    return Estimator.start(names, units, linear, spread, unit, rate, len(model.inertial), pace)
+
+
+class Updater:
+    """Follows the numbers of `model` from identified ones on, at the sampling `rate` in Hz of the loop."""
+
+    def __init__(self, model: Model, linear: Float, shape: Float, unit: Float, rate: float, cutoff: float) -> None:
+        joints = len(model.joints)
+        self.model, self.linear, self.shape = model, np.asarray(linear, dtype=float), shape
+        self.filters = Filters(rate, cutoff)
+        self.front = FrontEnd(joints, cutoff)
+        self.front.begin_at(self.filters, 0.0)
+        self.estimator = first_estimator(model, self.linear, unit, self.filters.working / self.filters.stride)
+        width = len(model.parameters) + 2
+        self.state = np.zeros((COMMON_ORDER, joints, width))
+        self.count = 0
+
+    def push(self, samples: Float) -> None:
+        """Take samples (N, 1 + 2 J: t, q, tau), one per period, in any portions."""
+        made = self.front.even_samples(np.atleast_2d(samples))
+        if not len(made):
+            return
+        motion = Motion(made.t, made.q, made.dq, made.ddq, np.tanh(made.dq / SIGN_WIDTH))
+        reference = self.linear if self.model.needs_reference else None
+        columns = np.moveaxis(self.model.columns(motion, self.shape, reference), 1, 2)  # (J, P, N)
+        weight = made.good.T[:, None, :]
+        whole = np.concatenate([weight, weight * made.tau.T[:, None, :], weight * columns], axis=1)
+        done, self.state = poles(whole, self.filters.common, self.state)
+        first = -self.count % self.filters.stride
+        self.count += len(made)
+        for k in range(first, len(made), self.filters.stride):
+            total = np.maximum(done[:, 0, k], 1e-6)
+            use = done[:, 0, k] > LEAST_WEIGHT
+            self.estimator.step(done[:, 2:, k] / total[:, None], done[:, 1, k] / total, use)

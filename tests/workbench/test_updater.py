@@ -1,0 +1,70 @@
+"""The estimator in C gives what the one in Python gives, and needs nothing but math.h."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from diagnosis.watching.front import CUTOFF
+from diagnosis.watching.updater import Updater
+from ground.errors import ExoidError
+from measurement.bench.simulation import Bench, simulate
+from symbolic.model import Model
+from symbolic.model_file import Numbers
+from workbench.updater import scale_of, write_updater
+
+COMPILER = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
+NUMBERS = Numbers(
+    {"Phi1": 1.6, "Phi2": 0.5, "Phi3": 0.4, "Phi4": 0.3, "coulomb:hip": 3.0, "viscous:hip": 1.0, "coulomb:knee": 2.0,
+     "viscous:knee": 2.0},
+    {}, None,
+)  # fmt: skip
+
+
+@pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+@pytest.mark.parametrize("rate", [100.0, 500.0])
+def test_c_and_python_agree_to_1e_9(tmp_path, rate):
+    model, run = Model.standard(), simulate(bench=Bench(duration=8.0, rate=rate), seed=3)
+    files = write_updater(model, NUMBERS, name="leg", sample_time=1.0 / rate, cutoff=CUTOFF)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    source = files["leg_updater.c"]
+    assert "malloc" not in source
+    assert source.count("#include") == 2
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-shared", "-fPIC"]
+    made = subprocess.run(
+        [str(COMPILER), *flags, "leg_updater.c", "-o", "leg.so", "-lm"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert made.returncode == 0, made.stderr
+    c = ctypes.CDLL(str(tmp_path / "leg.so"))
+    state = (ctypes.c_double * 20000)()
+    pair = ctypes.c_double * 2
+    c.leg_updater_init(state)
+    python = Updater(model, np.array([*NUMBERS.linear.values()]), np.zeros(0), scale_of(model, NUMBERS), rate, CUTOFF)
+    updates = 0
+    t = np.arange(len(run)) / rate
+    for now, q, tau in zip(t, run.q, run.tau, strict=True):
+        updates += c.leg_updater_step(state, ctypes.c_double(now), pair(*q), pair(*tau))
+    python.push(np.column_stack([t, run.q, run.tau]))
+    assert updates > 100
+    scale = np.abs(python.estimator.linear) + 1.0
+    np.testing.assert_allclose(np.array(state[:8]) / scale, python.estimator.linear / scale, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(state[8:16], python.estimator.variance, rtol=1e-8)
+    spread = (ctypes.c_double * 8)()
+    c.leg_updater_spread(state, spread)
+    expected = np.sqrt(np.diag(python.estimator.covariance())) if python.estimator.blocks >= 4.0 else np.zeros(8)
+    np.testing.assert_allclose(spread[:], expected, rtol=1e-7)
+    # It moves from wrong numbers towards the truth.
+    assert abs(python.estimator.estimates()[6].value - 3.0) < 0.3
+
+
+def test_what_cannot_be_followed_is_refused():
+    with pytest.raises(ExoidError, match="period"):
+        write_updater(Model.standard(), NUMBERS, name="leg", sample_time=None, cutoff=CUTOFF)
+    model = Model.standard().with_effect("hysteresis", "knee")
+    with pytest.raises(ExoidError, match="memory"):
+        write_updater(model, NUMBERS, name="leg", sample_time=0.01, cutoff=CUTOFF)

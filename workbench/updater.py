@@ -1,0 +1,387 @@
+"""The recursive estimator in C99: a struct, no allocation, no dependency but math.h; the numbers of
+`diagnosis.watching.updater.Updater` step by step.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from diagnosis.watching.estimator import CREDIT, ROBUST
+from diagnosis.watching.front import COMMON_ORDER, HALF, ORDER, SIGN_WIDTH, SPIKE, Filters
+from diagnosis.watching.updater import first_estimator
+from diagnosis.watching.window import LEAST_WEIGHT
+from ground.text import in_comment
+from optimisation.preparation.filtering import STICK
+from symbolic.codegen.instructions import PLAIN, scalar_c
+from symbolic.model import Model
+from symbolic.model_file import Numbers
+from workbench.identified import ExportError
+
+USUAL_SCALE = 0.5
+"""N·m; the scale of the residual at first, where the model file does not say its Huber thresholds."""
+
+
+def write_updater(
+    model: Model, numbers: Numbers, *, name: str, sample_time: float | None, cutoff: float
+) -> dict[str, str]:
+    """Return {file name: text} of the estimator for a loop of period `sample_time` s; ExportError where that is not
+    given, or the model has an effect with memory.
+    """
+    if sample_time is None:
+        raise ExportError("the updater needs the period of the control loop", remedy="add --sample-time SECONDS")
+    function = _columns(model, numbers)
+    linear = np.array([numbers.linear[p.name] for p in model.parameters])
+    filters = Filters(1.0 / sample_time, cutoff)
+    unit = scale_of(model, numbers)
+    start = first_estimator(model, linear, unit, filters.working / filters.stride)
+    joints, count = len(model.joints), len(model.parameters)
+    values = {
+        "name": name, "guard": f"{name}_updater_h".upper(), "J": joints, "P": count, "W": count + 2,
+        "MODEL": in_comment(model.name),
+        "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),
+        "JOINTS": ", ".join(model.joint_names), "TS": repr(sample_time), "RATE": repr(filters.rate),
+        "HALF": HALF, "RING": 2 * HALF + 1, "SPIKE": repr(SPIKE), "ORDER": ORDER, "COMMON": COMMON_ORDER,
+        "KEEP": repr(filters.keep), "SECOND": repr(filters.common), "FACTOR": filters.factor,
+        "STRIDE": filters.stride, "STICK": repr(STICK), "REACH": repr(filters.reach), "SIGN": repr(SIGN_WIDTH),
+        "LEAST": repr(LEAST_WEIGHT), "ROBUST": repr(ROBUST), "CREDIT": repr(CREDIT), "BLOCK": start.block,
+        "FOLLOW": repr(start.follow), "DELAY": f"{filters.delay:.3g}",
+        "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.forget),
+        "UNIT": _list(unit), "BODY": _body(function, joints),
+        "OPERATIONS": _operations(function, joints, count, filters),
+    }  # fmt: skip
+    return {f"{name}_updater.h": _fill(_HEADER, values), f"{name}_updater.c": _fill(_SOURCE, values)}
+
+
+def scale_of(model: Model, numbers: Numbers) -> np.ndarray:
+    """Return the scale (J,) of the residual at first, N·m."""
+    if numbers.delta is None:
+        return np.full(len(model.joints), USUAL_SCALE)
+    return np.maximum(np.array(numbers.delta) / ROBUST, 1e-3)
+
+
+def _columns(model: Model, numbers: Numbers) -> Any:
+    """Return the CasADi function of all columns (J · P,), row by row, at the identified numbers."""
+    import casadi as ca
+
+    from symbolic.codegen.equation import model_expressions
+
+    x = model_expressions(model)
+    if x.memories:
+        raise ExportError(
+            "the model has an effect with memory, whose columns the updater cannot follow",
+            remedy="leave that effect out of the model, or estimate in Python with exoid watch",
+        )
+    joints, count = len(model.joints), len(model.parameters)
+    cells = [ca.SX(0)] * (joints * count)
+    for j, p, expression in x.columns:
+        cells[j * count + p] = cells[j * count + p] + expression
+    linear = ca.SX(ca.DM([numbers.linear[p.name] for p in model.parameters]))
+    shape = ca.SX(ca.DM([numbers.shape[s.name] for s in model.shapes]))
+    put = ca.substitute([ca.densify(ca.vertcat(*cells))], [x.linear, x.shape], [linear, shape])[0]
+    given = [x.t, x.q, x.dq, x.ddq, x.sign]
+    return ca.Function("columns", given, [put], ["t", "q", "dq", "ddq", "sign"], ["columns"], {"cse": True})
+
+
+def _body(function: Any, joints: int) -> str:
+    names = [("t",), *(tuple(f"{word}[{j}]" for j in range(joints)) for word in ("q", "dq", "ddq", "sign"))]
+    return scalar_c(function, names, "columns[{k}] = {value};", PLAIN)
+
+
+def _operations(function: Any, joints: int, count: int, filters: Filters) -> str:
+    """Return how much a period takes, in words; counted, not measured."""
+    always = 2 * joints * ORDER * 3 + joints * (2 * HALF + 1) ** 2
+    working = function.n_instructions() + joints * (count + 2) * COMMON_ORDER * 3
+    kept = joints * 6 * count**2 + count**3 // 3 + 8 * count**2
+    return (
+        f"about {always} operations in every period, {working} more in every {_nth(filters.factor)}, and {kept} more "
+        f"in every {_nth(filters.factor * filters.stride)}"
+    )
+
+
+def _nth(number: int) -> str:
+    return f"{number}th" if number > 1 else "one"
+
+
+def _list(values: np.ndarray) -> str:
+    return ", ".join(repr(float(v)) for v in values)
+
+
+def _fill(text: str, values: dict[str, Any]) -> str:
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", str(value))
+    return text
+
+
+_HEADER = """/* @MODEL@:
+ * its numbers, followed while it runs. Written by exoid; do not edit.
+ *
+ * A square-root information filter with a forgetting factor per parameter, which rests without excitation. Nothing is
+ * allocated; all it remembers is in the struct. The answer is @DELAY@ s late.
+ * Takes @OPERATIONS@.
+ * Joints: @JOINTS@. Period of the loop: @TS@ s; call the step once per period.
+ * Parameters: @NAMES@.
+ */
+#ifndef @guard@
+#define @guard@
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct @name@_updater {
+  double linear[@P@];   /* the numbers as they are now */
+  double variance[@P@]; /* as white noise of the first scale would have it; intervals: *_spread below */
+  double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@];
+  double scale[@J@], blocks;
+  double angle[@RING@][@J@], torque[@RING@][@J@];
+  double first[@ORDER@][2 * @J@], smooth[3][2 * @J@];
+  double second[@COMMON@][@J@][@W@];
+  long samples, filtered;
+  int next, working, kept, inside;
+} @name@_updater;
+
+/* Begins at the identified numbers. */
+void @name@_updater_init(@name@_updater *u);
+
+/* One sample: t [s], angles q [rad], torques tau [N.m]. Returns 1 where the numbers were updated. A sample that is not
+   finite is passed over: the filters go on with the one before. */
+int @name@_updater_step(@name@_updater *u, double t, const double q[@J@], const double tau[@J@]);
+
+/* Standard deviations of the numbers, valid although residuals resemble their neighbours; 0 where the blocks remembered
+   (u->blocks) are fewer than four. */
+void @name@_updater_spread(const @name@_updater *u, double spread[@P@]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
+"""
+
+_SOURCE = """/* Written by exoid; do not edit. See @name@_updater.h. */
+#include "@name@_updater.h"
+
+#include <math.h>
+
+enum { J = @J@, P = @P@, W = @W@, RING = @RING@ };
+
+static const double forget[P] = {@FORGET@};
+static const double unit[J] = {@UNIT@};
+
+static void regressor(double t, const double q[J], const double dq[J], const double ddq[J], const double sign[J],
+                      double columns[J * P]) {
+  (void)t;
+  (void)q;
+  (void)dq;
+  (void)ddq;
+  (void)sign;
+@BODY@
+}
+
+void @name@_updater_init(@name@_updater *u) {
+  static const double linear[P] = {@LINEAR@};
+  static const double spread[P] = {@SPREAD@};
+  static const @name@_updater empty; /* all zero */
+  int k;
+  *u = empty;
+  for (k = 0; k < P; ++k) {
+    u->linear[k] = linear[k];
+    u->variance[k] = spread[k] * spread[k];
+    u->root[k][k] = 1.0 / spread[k];
+    u->right[k] = linear[k] / spread[k];
+  }
+  for (k = 0; k < J; ++k) u->scale[k] = unit[k];
+}
+
+static double median(const double values[RING]) {
+  double sorted[RING];
+  int i, k;
+  for (i = 0; i < RING; ++i) {
+    const double value = values[i];
+    for (k = i; k > 0 && sorted[k - 1] > value; --k) sorted[k] = sorted[k - 1];
+    sorted[k] = value;
+  }
+  return sorted[RING / 2];
+}
+
+static double weight_of(const @name@_updater *u, int j, double left) {
+  const double size = fabs(left) > 1e-300 ? fabs(left) : 1e-300, inside = @ROBUST@ * u->scale[j] / size;
+  return (inside < 1.0 ? inside : 1.0) / (unit[j] * unit[j]);
+}
+
+static void rotate(@name@_updater *u, const double given[P], double value, double weight) {
+  double row[P];
+  int k, m;
+  for (k = 0; k < P; ++k) row[k] = given[k] * weight;
+  value *= weight;
+  for (k = 0; k < P; ++k) {
+    double size, c, s, old;
+    if (row[k] == 0.0) continue;
+    size = hypot(u->root[k][k], row[k]);
+    c = u->root[k][k] / size;
+    s = row[k] / size;
+    for (m = k; m < P; ++m) {
+      old = u->root[k][m];
+      u->root[k][m] = c * old + s * row[m];
+      row[m] = c * row[m] - s * old;
+    }
+    old = u->right[k];
+    u->right[k] = c * old + s * value;
+    value = c * value - s * old;
+  }
+}
+
+static void invert(const double root[P][P], double inverse[P][P]) {
+  int i, k, m;
+  for (k = 0; k < P; ++k) {
+    for (i = 0; i < P; ++i) inverse[i][k] = 0.0;
+    inverse[k][k] = 1.0 / root[k][k];
+    for (i = k - 1; i >= 0; --i) {
+      double sum = 0.0;
+      for (m = i + 1; m <= k; ++m) sum += root[i][m] * inverse[m][k];
+      inverse[i][k] = -sum / root[i][i];
+    }
+  }
+}
+
+static int estimate(@name@_updater *u, double columns[J][P], const double tau[J], const int use[J]) {
+  double inverse[P][P], kept[P], mean = 0.0;
+  int j, k, m, any = 0;
+  for (j = 0; j < J; ++j) {
+    double left = tau[j], most, square;
+    if (!use[j]) continue;
+    any = 1;
+    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
+    rotate(u, columns[j], tau[j], sqrt(weight_of(u, j, left)));
+    square = u->scale[j] * u->scale[j];
+    most = left * left < 9.0 * square ? left * left : 9.0 * square;
+    u->scale[j] = sqrt(square + @FOLLOW@ * (most - square));
+  }
+  if (!any) return 0;
+  invert((const double(*)[P])u->root, inverse);
+  for (k = 0; k < P; ++k) {
+    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * forget[k], lost;
+    for (m = k; m < P; ++m) {
+      value += inverse[k][m] * u->right[m];
+      variance += inverse[k][m] * inverse[k][m];
+    }
+    u->linear[k] = value;
+    gain = 1.0 - variance / u->variance[k];
+    gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
+    u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
+    lost = forget[k] < u->credit[k] ? forget[k] : u->credit[k];
+    u->credit[k] -= lost;
+    kept[k] = 1.0 - lost;
+    mean += kept[k] / P;
+    u->variance[k] = variance / kept[k];
+  }
+  for (k = 0; k < P; ++k) {
+    u->right[k] = 0.0;
+    for (m = k; m < P; ++m) {
+      u->root[k][m] *= sqrt(kept[m]);
+      u->right[k] += u->root[k][m] * u->linear[m];
+    }
+    for (m = 0; m < P; ++m) u->meat[k][m] *= kept[k] * kept[m];
+  }
+  for (j = 0; j < J; ++j) {
+    double left = tau[j];
+    if (!use[j]) continue;
+    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
+    left *= weight_of(u, j, left);
+    for (k = 0; k < P; ++k) u->score[k] += left * columns[j][k];
+  }
+  u->blocks *= mean * mean;
+  if (++u->inside == @BLOCK@) {
+    for (k = 0; k < P; ++k)
+      for (m = 0; m < P; ++m) u->meat[k][m] += u->score[k] * u->score[m];
+    for (k = 0; k < P; ++k) u->score[k] = 0.0;
+    u->inside = 0;
+    u->blocks += 1.0;
+  }
+  return 1;
+}
+
+int @name@_updater_step(@name@_updater *u, double t, const double q[J], const double tau[J]) {
+  double x[2 * J], pose[J], speed[J], rise[J], sign[J], flat[J * P], columns[J][P], torque[J];
+  int use[J], j, k, p, place, before;
+  before = u->samples ? (u->next + RING - 1) % RING : -1;
+  for (j = 0; j < J; ++j) {
+    const int whole = isfinite(q[j]) && isfinite(tau[j]);
+    if (!whole && before < 0) return 0;
+    u->angle[u->next][j] = whole ? q[j] : u->angle[before][j];
+    u->torque[u->next][j] = whole ? tau[j] : u->torque[before][j];
+  }
+  u->next = (u->next + 1) % RING;
+  if (++u->samples < RING) return 0;
+  u->samples = RING;
+  place = (u->next + @HALF@) % RING;
+  for (j = 0; j < J; ++j) {
+    double values[RING], middle, scale;
+    for (k = 0; k < RING; ++k) values[k] = u->torque[k][j];
+    middle = median(values);
+    for (k = 0; k < RING; ++k) values[k] = fabs(u->torque[k][j] - middle);
+    scale = median(values) / 0.6745;
+    x[j] = u->angle[place][j];
+    x[J + j] = fabs(u->torque[place][j] - middle) > @SPIKE@ * scale ? middle : u->torque[place][j];
+  }
+  for (j = 0; j < 2 * J; ++j) {
+    for (k = 0; k < @ORDER@; ++k) {
+      if (!u->filtered) u->first[k][j] = x[j];
+      u->first[k][j] = (1.0 - @KEEP@) * x[j] + @KEEP@ * u->first[k][j];
+      x[j] = u->first[k][j];
+    }
+    u->smooth[0][j] = u->smooth[1][j];
+    u->smooth[1][j] = u->smooth[2][j];
+    u->smooth[2][j] = x[j];
+  }
+  if (++u->filtered < 3) return 0;
+  u->filtered = 3;
+  p = u->working;
+  u->working = (u->working + 1) % @FACTOR@;
+  if (p) return 0;
+  for (j = 0; j < J; ++j) {
+    pose[j] = u->smooth[1][j];
+    speed[j] = 0.5 * @RATE@ * (u->smooth[2][j] - u->smooth[0][j]);
+    rise[j] = @RATE@ * @RATE@ * (u->smooth[2][j] - 2.0 * u->smooth[1][j] + u->smooth[0][j]);
+    sign[j] = tanh(speed[j] / @SIGN@);
+  }
+  regressor(t - (@HALF@ + 1) * @TS@, pose, speed, rise, sign, flat);
+  for (j = 0; j < J; ++j) {
+    const double weight = fabs(speed[j]) > @STICK@ + @REACH@ * fabs(rise[j]) ? 1.0 : 0.0;
+    double total;
+    for (p = 0; p < W; ++p) {
+      double value = p == 0 ? weight : p == 1 ? weight * u->smooth[1][J + j] : weight * flat[j * P + p - 2];
+      for (k = 0; k < @COMMON@; ++k) {
+        u->second[k][j][p] = (1.0 - @SECOND@) * value + @SECOND@ * u->second[k][j][p];
+        value = u->second[k][j][p];
+      }
+    }
+    total = u->second[@COMMON@ - 1][j][0];
+    use[j] = total > @LEAST@;
+    if (total < 1e-6) total = 1e-6;
+    torque[j] = u->second[@COMMON@ - 1][j][1] / total;
+    for (p = 0; p < P; ++p) columns[j][p] = u->second[@COMMON@ - 1][j][p + 2] / total;
+  }
+  p = u->kept;
+  u->kept = (u->kept + 1) % @STRIDE@;
+  return p ? 0 : estimate(u, columns, torque, use);
+}
+
+void @name@_updater_spread(const @name@_updater *u, double spread[P]) {
+  double inverse[P][P], bread[P][P];
+  int k, m, n;
+  invert((const double(*)[P])u->root, inverse);
+  for (k = 0; k < P; ++k)
+    for (m = 0; m < P; ++m) {
+      bread[k][m] = 0.0;
+      for (n = 0; n < P; ++n) bread[k][m] += inverse[k][n] * inverse[m][n];
+    }
+  for (k = 0; k < P; ++k) {
+    double square = 0.0;
+    for (m = 0; m < P; ++m)
+      for (n = 0; n < P; ++n) square += bread[k][m] * u->meat[m][n] * bread[n][k];
+    spread[k] = u->blocks < 4.0 || square < 0.0 ? 0.0 : sqrt(square);
+  }
+}
+"""
