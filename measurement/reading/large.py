@@ -72,7 +72,9 @@ def in_stretches(
         try:
             recording = finish(table)
         except RecordingError as error:
-            refused.append(error)
+            # Its traceback would keep the piece in memory.
+            error.__cause__ = error.__context__ = None
+            refused.append(error.with_traceback(None))
             continue
         tally.add(recording.findings)
         start = float(recording.t[0])
@@ -123,11 +125,12 @@ def _liveliest(recording: Recording) -> Recording:
 
 
 def _between(one: Recording, start: float, stop: float) -> Recording:
+    """Return the rows from `start` to `stop` s, as copies: a view would keep the whole piece in memory."""
     first, last = np.searchsorted(one.t, [start, stop])
     cut: dict[str, object] = {}
     for key in ("t", "q", "tau", "valid", "dq", "ddq", "force", "row"):
         value = getattr(one, key)
-        cut[key] = None if value is None else value[first:last]
+        cut[key] = None if value is None else value[first:last].copy()
     return replace(one, **cut)  # type: ignore[arg-type]
 
 

@@ -150,6 +150,8 @@ def _recorded_jobs(
 ) -> tuple[tuple[Job, ...], tuple[str, ...], tuple[str, ...]]:
     pattern = top.text_of("files")
     names = tuple(dict.fromkeys(FIELD.findall(pattern)))
+    if re.search(r"\}\*?\{|\}\*|\*\{|[^/]\*\*|\*\*[^/]", pattern):
+        raise top.error("files", "two fields or * touch each other", "put a character or a folder between them")
     found = find(base, pattern)
     if not found:
         raise top.error("files", "no recording matches this pattern", f"it is looked for below {base.resolve()}")

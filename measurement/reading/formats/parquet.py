@@ -83,7 +83,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
                     where=str(path),
                     remedy="write it with row_group_size=1000000",
                 )
-            rows = max(1000, size // (8 * max(1, len(fields))))
+            rows = max(1000, size // (16 * max(1, len(fields))))  # as many as of a text of this size
             done = 0
             for batch in file.iter_batches(batch_size=rows, columns=[one.name for one in fields]):
                 table = pyarrow.Table.from_batches([batch])
@@ -98,6 +98,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
                 row = np.arange(done + 1, done + table.num_rows + 1)
                 done += table.num_rows
                 yield done / file.metadata.num_rows, RawTable(columns, row)
+                pyarrow.default_memory_pool().release_unused()  # else what is unpacked piles up
     except (pyarrow.ArrowException, OSError, KeyError, TypeError) as error:
         raise RecordingError(
             f"the Parquet file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
