@@ -7,7 +7,7 @@ beyond one curve, near which values and at reversals, is measured on the residua
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +15,11 @@ import numpy as np
 
 from diagnosis.evidence.channels import channel_findings
 from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.remainder import Remainder, remainders, split_variable, variables
+from diagnosis.evidence.remainder import Remainder, remainders, variables
 from diagnosis.plots import against, over_time
+from diagnosis.where import Where, samples_of, where_it_sits
 from ground.html import table
-from ground.plain import AsJson, plain_dict
+from ground.plain import plain_dict
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
@@ -33,23 +34,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-LEAST_SHARE = 0.01
-"""Smallest share worth a line."""
-SLOW = 0.1
-"""Velocity in rad/s below which a joint counts as slow."""
-AT_LIMIT = 0.05
-"""Share of the joint's range at either end that counts as near the end."""
-
-
-@dataclass(frozen=True)
-class Where(AsJson):
-    """One place the error sits at: `share` of the joint's squared error, said in `sentence`; `caution` if any."""
-
-    joint: str
-    variable: str
-    share: float
-    sentence: str
-    caution: str = ""
+MOST_FIGURES = 4
+"""Places of the error that are drawn, the largest first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,24 +95,51 @@ class Comparison:
 
     def plot(self) -> Figure:
         """Draw measured and modelled torque over time, with what is left."""
+        return self._over_time({"model": self.now})
+
+    def before_and_after(self, after: Fit) -> tuple[str, str, Figure]:
+        """Return (title, alternative text, figure): the measured torque, this model and the one of `after`.
+
+        On the first recording that is held out, or the first of all.
+        """
+        other = fitted_model(after, self.now.prepared)
+        held_out = self.verify_rms is not None
+        pairs = zip(self.joints, self._shown(self.now), self._shown(other), strict=True)
+        text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} N·m after" for joint, b, a in pairs)
+        kind = "unseen motion" if held_out else "the fitted motion"
+        figure = self._over_time({"before": self.now, "after": other})
+        return f"Measured, before and after, on {kind}", text, figure
+
+    @staticmethod
+    def _shown(model: FittedModel) -> Float:
+        return model.train_rms if model.verify_rms is None else model.verify_rms
+
+    def _over_time(self, models: Mapping[str, FittedModel]) -> Figure:
         index = len(self.now.prepared.train) if self.now.prepared.verify else 0
         one = self.now.prepared.all[index]
-        model = self.now.torque(index).T
-        left = np.where(one.use, self.now.residuals[index].T, np.nan)
-        return over_time(one.name, one.t, one.tau, model, left, self.joints)
+        drawn = {
+            name: (model.torque(index).T, np.where(one.use, model.residuals[index].T, np.nan))
+            for name, model in models.items()
+        }
+        return over_time(one.name, one.t, one.tau, drawn, self.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
         alt = f"Torque of {' and '.join(self.joints)} over time, measured and modelled, with the difference below each."
         out = [("Measured and modelled torque", alt, self.plot())]
-        sentences: dict[tuple[str, str], str] = {}
+        drawn: dict[tuple[str, str], Where] = {}
         for one in self.where:
-            if one.variable != "load":
-                sentences.setdefault((one.joint, one.variable), one.sentence)
-        for (joint, variable), sentence in list(sentences.items())[:4]:
-            words = variables(self.now.model.joints)[variable]
-            drawn = against(joint, words, *_samples(self.now, self.joints.index(joint), variable))
-            out.append((f"{joint}: error against {words[0]}", sentence, drawn))
+            drawn.setdefault((one.joint, one.variable), one)
+        for one in list(drawn.values())[:MOST_FIGURES]:
+            words = variables(self.now.model.joints)[one.variable]
+            at = samples_of(self.now, one.joint, one.variable)
+            names = [recording.name for recording in self.now.prepared.all]
+            groups = {
+                "direction": {"moving up": at.speed > 0.0, "moving down": at.speed < 0.0},
+                "recording": {name: at.recording == k for k, name in enumerate(names)},
+            }.get(one.split, {})
+            picture = against(one.joint, words, at.x, at.y, at.block, groups)
+            out.append((f"{one.joint}: error against {words[0]}", one.sentence, picture))
         return out
 
     def __repr__(self) -> str:
@@ -174,7 +187,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     now = fitted_model(fit, prepared)
     unseen = verification(fit, prepared)
     length = wanted_thigh_length(fit, prepared)
-    curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0, each_joint=True)
+    curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
     shown = prepared.verify or prepared.train
     square = np.sum([np.sum(np.where(p.use, p.tau, 0.0) ** 2, axis=0) for p in shown], axis=0)
     count = np.maximum(np.sum([p.use.sum(axis=0) for p in shown], axis=0), 1)
@@ -185,7 +198,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         signal_rms=np.sqrt(square / count),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
-        where=_where(now, curves),
+        where=where_it_sits(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
         audit=(*prepared.findings, *channel_findings(now), *(() if length is None else (length.finding(),))),
@@ -215,66 +228,3 @@ def verification(fit: Fit, prepared: Prepared) -> Verification | None:
     first = replace(fit, linear=fit.sse.linear, shape=fit.sse.shape, shapes=shapes)
     pair = [fitted_model(one, prepared).verify_rms for one in (fit, first)]
     return Verification(np.asarray(pair[0]), np.asarray(pair[1]))
-
-
-def _where(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
-    """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
-    found = []
-    for joint in now.model.joint_names:
-        mine = [c for c in curves if c.joint == joint and c.share >= LEAST_SHARE]
-        seen: set[str] = set()
-        for one in mine:
-            if one.variable in seen:
-                continue
-            seen.add(one.variable)
-            words, _ = variables(now.model.joints)[one.variable]
-            direction = " and the direction of motion" if one.directed else ""
-            moved = ", at a place that differs between recordings" if one.own else ""
-            # A curve helps other joints a little too, through the parameters they share: never say above 100 %.
-            share = min(1.0, one.share)
-            text = f"{joint}: {100 * share:.0f} % of the squared error follows the {words}{direction}{moved}"
-            caution = "" if one.unseen > 0.0 else "not so on the verification recordings"
-            found.append(Where(joint, one.variable, share, text, caution))
-        found += _regions(now, joint)
-    return tuple(sorted(found, key=lambda w: -w.share))
-
-
-def _samples(now: FittedModel, j: int, variable: str) -> tuple[Float, Float, Float]:
-    """Return `variable` and the residual at joint `j` in every usable sample, and which block of 2 s it belongs to."""
-    xs, ys, blocks = [], [], []
-    for number, (one, residual) in enumerate(zip(now.prepared.all, now.residuals, strict=True)):
-        used, motion = one.use[:, j], one.motion
-        from_start = motion.t - motion.t[0]
-        stem, index = split_variable(variable)
-        signal = from_start if variable == "t" else getattr(motion, stem)[:, index]
-        xs.append(signal[one.kept][used])
-        ys.append(residual[j][used])
-        blocks.append((1000 * number + np.arange(len(one.t)) // max(1, int(2.0 * one.kept_rate)))[used])
-    return np.concatenate(xs), np.concatenate(ys), np.concatenate(blocks)
-
-
-def _regions(now: FittedModel, joint: str) -> list[Where]:
-    """Return the regions (slow motion, the ends of the range) that hold much more error than time."""
-    j = now.model.joint_names.index(joint)
-    train = now.prepared.train
-    used = [p.use[:, j] for p in train]
-    error = np.concatenate([r[j][u] ** 2 for r, u in zip(now.residuals[: len(train)], used, strict=True)])
-    q = np.concatenate([p.motion.q[p.kept, j][u] for p, u in zip(train, used, strict=True)])
-    dq = np.concatenate([p.motion.dq[p.kept, j][u] for p, u in zip(train, used, strict=True)])
-    if error.size == 0:
-        return []
-    span = float(np.ptp(q))
-    total = float(error.sum()) or 1.0
-    high, low = q.max() - AT_LIMIT * span, q.min() + AT_LIMIT * span
-    regions = (
-        (f"dq{j + 1}", np.abs(dq) < SLOW, f"within ±{SLOW:g} rad/s, where it creeps or reverses"),
-        (f"q{j + 1}", q > high, f"above {high:.2f} rad, at the upper end"),
-        (f"q{j + 1}", q < low, f"below {low:.2f} rad, at the lower end"),
-    )
-    out = []
-    for variable, mask, words in regions:
-        share, time = float(error[mask].sum()) / total, float(mask.mean())
-        if share > 2.0 * time and share > 0.15:
-            text = f"{joint}: {100 * share:.0f} % of the squared error sits {words}, in {100 * time:.0f} % of the time"
-            out.append(Where(joint, variable, share, text))
-    return out

@@ -371,5 +371,5 @@ def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Ext
 
 
 def _suspect(score: Score, alike: dict[str, tuple[str, ...]]) -> Suspect:
-    term = score.candidate.term
-    return Suspect(term.effect.id, term.joint, score.share, score.p_value, alike.get(term.name, ()), score.caution)
+    term, likes = score.candidate.term, alike.get(score.name, ())
+    return Suspect(term.effect.id, term.joint, score.joint_share, score.p_value, likes, score.caution)

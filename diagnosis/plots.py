@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ground.figures import (
     FAINT,
     INK,
     JOINT_MARKERS,
+    OKABE_ITO,
     PAPER,
     ROLE_COLOURS,
     figure_style,
@@ -28,6 +31,9 @@ SECONDS_SHOWN = 15.0
 BINS = 24
 LEAST_IN_BIN = 12
 
+LEFT_OVER = "left over"
+Groups = Mapping[str, NDArray[np.bool_]]
+"""Which samples belong together, by name."""
 Quantity = tuple[str, str]
 """What an axis shows, in words, and its unit."""
 Bar = tuple[str, str | None, float, bool]
@@ -72,45 +78,60 @@ def _numbers(axes: Any, place: Float, values: Float) -> None:
 
 
 def over_time(
-    name: str, t: Float, measured: Float, model: Float, residual: Float, joints: Sequence[str] = JOINTS
+    name: str, t: Float, measured: Float, models: Mapping[str, tuple[Float, Float]], joints: Sequence[str] = JOINTS
 ) -> Figure:
-    """Draw measured and modelled torque and the residual, (K, J) in N·m over `t` (K,) in s; NaN is not drawn."""
+    """Draw the measured torque, and of each of at most two `models`, by name, its torque and its residual.
+
+    All are (K, J) in N·m over `t` (K,) in s; NaN is not drawn.
+    """
     t = t - t[0]
     shown = t <= SECONDS_SHOWN
+    colours = [ROLE_COLOURS["model"]] if len(models) == 1 else [ROLE_COLOURS["residual"], ROLE_COLOURS["model"]]
     with figure_style():
         figure = new_figure(8.0, 2.6 * max(2, len(joints)))
         panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 1] * len(joints))
         for j, joint in enumerate(joints):
             upper, lower = panels[2 * j], panels[2 * j + 1]
             upper.plot(t[shown], measured[shown, j], color=ROLE_COLOURS["measured"], label="measured", linewidth=2.2)
-            upper.plot(t[shown], model[shown, j], color=ROLE_COLOURS["model"], label="model")
-            lower.plot(t[shown], residual[shown, j], color=ROLE_COLOURS["residual"], label="left over")
+            for colour, (model, (torque, residual)) in zip(colours, models.items(), strict=True):
+                upper.plot(t[shown], torque[shown, j], color=colour, label=model)
+                alone = len(models) == 1
+                lower.plot(t[shown], residual[shown, j], color=ROLE_COLOURS["residual"] if alone else colour,
+                           label=LEFT_OVER)  # fmt: skip
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
             upper.set(title=f"{joint}, {name}", ylabel=label("torque", "N·m"))
             lower.set(ylabel=label("error", "N·m"))
         panels[-1].set(xlabel=label("time", "s"))
-        handles = [*panels[0].get_legend_handles_labels()[0], *panels[1].get_legend_handles_labels()[0]]
-        figure.legend(handles, ["measured", "model", "left over"], loc="outside lower center", ncols=3)
+        handles, words = panels[0].get_legend_handles_labels()
+        if len(models) == 1:
+            handles, words = [*handles, panels[1].lines[0]], [*words, LEFT_OVER]
+        figure.legend(handles, words, loc="outside lower center", ncols=3)
     return figure
 
 
-def against(joint: str, variable: Quantity, x: Float, y: Float, block: Float) -> Figure:
+def against(
+    joint: str, variable: Quantity, x: Float, y: Float, block: NDArray[np.int64], groups: Groups | None = None
+) -> Figure:
     """Draw the residual `y` (K,) in N·m of `joint` against a variable `x` (K,), with binned means and their 95 % band.
 
     `block` (K,) says which stretch of time a sample belongs to: the band comes from the scatter of the stretches'
-    means, since neighbouring samples are no independent evidence.
+    means, since neighbouring samples are no independent evidence. `groups` (masks (K,) by name) are drawn apart.
     """
-    colour = joint_colours((joint,))[joint]
+    whole = joint_colours((joint,))[joint]
+    drawn = [("", np.ones(len(x), dtype=bool), whole, INK)]
+    if groups:
+        drawn = [(n, m, c, c) for (n, m), c in zip(groups.items(), itertools.cycle(OKABE_ITO.values()), strict=False)]
     with figure_style():
         figure = new_figure(5.6, 3.6)
         axes = figure.subplots()
         step = max(1, len(x) // 4000)
-        axes.plot(x[::step], y[::step], ".", color=colour, markersize=2, alpha=0.25, rasterized=True)
-        centre, mean, half = _binned(x, y, block)
-        axes.errorbar(
-            centre, mean, half, color=INK, marker=JOINT_MARKERS.get(joint, "D"), markersize=3.5, linewidth=1.2,
-            label="mean in a bin, 95 % over recordings' blocks",
-        )  # fmt: skip
+        for name, mask, points, line in drawn:
+            axes.plot(x[mask][::step], y[mask][::step], ".", color=points, markersize=2, alpha=0.25, rasterized=True)
+            centre, mean, half = _binned(x[mask], y[mask], block[mask])
+            axes.errorbar(
+                centre, mean, half, color=line, marker=JOINT_MARKERS.get(joint, "D"), markersize=3.5, linewidth=1.2,
+                label=name or "mean in a bin, 95 % over recordings' blocks",
+            )  # fmt: skip
         low, high = np.quantile(y, (0.002, 0.998))
         axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
         axes.set(title=f"{joint}: error against {variable[0]}", xlabel=label(*variable), ylabel=label("error", "N·m"))
@@ -118,8 +139,10 @@ def against(joint: str, variable: Quantity, x: Float, y: Float, block: Float) ->
     return figure
 
 
-def _binned(x: Float, y: Float, block: Float) -> tuple[Float, Float, Float]:
+def _binned(x: Float, y: Float, block: NDArray[np.int64]) -> tuple[Float, Float, Float]:
     """Return centres, means and half-widths of the bins that hold enough samples of enough blocks."""
+    if not len(x):
+        return np.empty(0), np.empty(0), np.empty(0)
     edges = np.unique(np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)))
     which = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     rows = []

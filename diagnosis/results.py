@@ -31,7 +31,10 @@ SCHEMA = "exoid.discovery/1"
 
 @dataclass(frozen=True)
 class Suspect:
-    """A catalogue entry with its evidence; `explained_share` of the weighted error on motion it was not fitted on."""
+    """A catalogue entry with its evidence.
+
+    `explained_share`: of the weighted error of the joints it acts on, on motion it was not fitted to.
+    """
 
     effect: str
     joint: str | None
@@ -260,7 +263,7 @@ class Diagnosis:
             "significant": True,
             "joint": one.joint,
             "variables": one.variables,
-            "share": one.share,
+            "share": one.joint_share,
             "p_value": one.p_value,
             "suggested_terms": [s.text for s in one.suggestions],
             "suggested_toml": [s.to_toml(one.joint, one.own) for s in one.suggestions[:1]],

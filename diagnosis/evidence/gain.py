@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -144,7 +145,12 @@ class Evidence:
         """Weighted loss (F,) of the present model on each held-out training unit, refitted on the others."""
         return np.array([s[5] for s in self._splits[: self.folds]])
 
-    @property
+    def portion(self, joints: Sequence[int]) -> float:
+        """Return how much of the weighted squared residual of the training recordings is that of `joints`."""
+        each = self.joint_losses
+        return float(each[list(joints)].sum() / each.sum()) if each.any() else 0.0
+
+    @cached_property
     def joint_losses(self) -> Float:
         """Weighted squared residual (J,) of the training recordings, joint by joint."""
         parts = [

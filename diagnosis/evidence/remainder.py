@@ -58,8 +58,9 @@ def split_variable(variable: str) -> tuple[str, int]:
 class Remainder:
     """A curve in one variable at one joint, times a `factor`: nothing, or "sign" or "speed" of the joint's motion.
 
-    `share` of the weighted unseen loss; `x` (M,), `y` (M,) N·m and `band` (M,) (95 %) are the learnt curve. `own`:
-    every recording has a curve of its own (that of the recording which shows it best is given).
+    `share` of the weighted unseen loss of all joints, `joint_share` of that of its own; `x` (M,), `y` (M,) N·m and
+    `band` (M,) (95 %) are the learnt curve. `own`: every recording has a curve of its own (that of the recording which
+    shows it best is given).
     """
 
     joint: str
@@ -74,6 +75,7 @@ class Remainder:
     own: bool = False
     suggestions: tuple[Suggestion, ...] = ()
     joints: tuple[Joint, ...] = LEG
+    joint_share: float = 0.0
 
     @property
     def index(self) -> int:
@@ -97,7 +99,7 @@ class Remainder:
         words, _ = variables(self.joints)[self.variable]
         turned = {"sign": ", with the sign of the motion", "speed": ", times its velocity"}.get(self.factor, "")
         moved = ", at a place that differs between recordings" if self.own else ""
-        return f"{self.joint}: {100 * self.share:.0f} % of what is left follows the {words}{turned}{moved}"
+        return f"{self.joint}: {100 * self.joint_share:.0f} % of what is left follows the {words}{turned}{moved}"
 
     def plot(self) -> Figure:
         """Draw the learnt curve with its band."""
@@ -145,14 +147,12 @@ def remainders(
     joints: Sequence[str] | None = None,
     *,
     placebos: int = 3,
-    each_joint: bool = False,
 ) -> list[Remainder]:
     """Return every remainder tried at `joints` (default: all), the most telling first, the best `placebos` of them with
     p-values.
 
     A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
     its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
-    `each_joint` gives shares of the joint's own error instead of the error of both.
     """
     common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
     owns = _own_judges(now, evidence)
@@ -165,7 +165,7 @@ def remainders(
             if splines is None:
                 continue
             for own, judges in _modes(variable, factor, common, owns):
-                one = replace(_weigh(judges, splines, joint, names.index(joint), variable, factor, own, each_joint),
+                one = replace(_weigh(judges, splines, joint, names.index(joint), variable, factor, own),
                               joints=now.model.joints)  # fmt: skip
                 found.append((judges, splines, one))
     # A curve of its own for each recording must earn that freedom.
@@ -256,14 +256,11 @@ def _weigh(
     variable: str,
     factor: str,
     own: bool,
-    each_joint: bool = False,
 ) -> Remainder:
     gains = [j.gain(splines.columns) for j in judges]
     fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
-    if each_joint:
-        both = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
-        loss *= float(both[index] / both.sum())
+    each = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
     if own:
         fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
         unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
@@ -274,8 +271,9 @@ def _weigh(
     share = fall / loss if loss else 0.0
     y, band = _curve(judges[best], splines)
     return Remainder(
-        joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own
-    )
+        joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own,
+        joint_share=min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
+    )  # fmt: skip
 
 
 def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float) -> float:
@@ -351,7 +349,7 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
     others = [k for k in range(1, len(now.model.joints) + 1) if k != own]
     out = []
     for word, variable in (*((f"theta{k}", f"q{k}") for k in (own, *others)), (f"dtheta{own}", f"dq{own}")):
-        paths = [_signal(p, now, variable, own - 1, "") for p in now.prepared.all]
+        paths = [signal_of(p, now, variable, own - 1) for p in now.prepared.all]
         low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
         if not high - low > 1e-9:
             continue
@@ -406,7 +404,8 @@ def significant(one: Remainder, rules: Rules = RULES) -> bool:
     return one.p_value is not None and one.p_value <= rules.curve_level and one.share >= rules.curve_share and fresh
 
 
-def _signal(one: PreparedRecording, now: FittedModel, variable: str, joint: int, factor: str) -> Float:
+def signal_of(one: PreparedRecording, now: FittedModel, variable: str, joint: int, factor: str = "") -> Float:
+    """Return a variable (N,) along the motion of a recording; its size where a curve in it turns with the motion."""
     motion = one.motion
     if variable == "t":
         return motion.t - motion.t[0]
@@ -426,7 +425,7 @@ def _splines(now: FittedModel, variable: str, joint: int, factor: str, knots: in
     prepared = now.prepared.all
     if variable in ("load", f"ddq{joint + 1}") and not any(p.driven[joint] for p in prepared):
         return None  # where no drive acts, both are made by whatever is missing: it would explain itself
-    signals = [_signal(p, now, variable, joint, factor) for p in prepared]
+    signals = [signal_of(p, now, variable, joint, factor) for p in prepared]
     train = np.concatenate(signals[: len(now.prepared.train)])
     low, high = np.quantile(train, (0.002, 0.998))
     if not high - low > 1e-9:

@@ -24,10 +24,10 @@ class Score:
     """What the evidence says about one candidate.
 
     `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
-    present model: `share` on held-out training units, `folds` (F,) on each, `unseen` on verification
-    recordings (None without). `helps`: it lowers the error where it was not fitted. `agreement`
-    is what splits of the recordings say, None where they were not asked, `steady` whether enough of them agree (where
-    they cannot tell, whether the held-out recordings do).
+    present model: `share` on held-out training units, `joint_share` that of the joints it acts on alone, `folds` (F,)
+    on each, `unseen` on verification recordings (None without). `helps`: it lowers the error where it was not fitted.
+    `agreement` is what splits of the recordings say, None where they were not asked, `steady` whether enough of them agree
+    (where they cannot tell, whether the held-out recordings do).
     `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
     """
 
@@ -44,6 +44,7 @@ class Score:
     p_value: float | None = None
     significant: bool = False
     caution: str = ""
+    joint_share: float = 0.0
 
     @property
     def name(self) -> str:
@@ -105,6 +106,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         helps,
         steady=steady,
         caution=text,
+        joint_share=min(1.0, share / portion) if (portion := evidence.portion(columns[0].joints)) else 0.0,
     )
 
 

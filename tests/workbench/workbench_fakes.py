@@ -106,6 +106,9 @@ class FakeComparison:
     def verify_rms(self) -> Any:
         return np.array([0.74, 0.58]) if self.unseen else None
 
+    def before_and_after(self, after: Any) -> tuple[str, str, Any]:
+        return "Before and after", "measured, before and after", figure()
+
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Residual over time", f"The residual of both joints. {HOSTILE}", figure())]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
+from workbench.report.material import Material, Picture, Steps, command_of, pictures_of, settings_of
 from workbench.terminal.progress import part, progress
 from workbench.terminal.screen import Screen
 from workbench.terminal.showing import show_diagnosis, show_steps
@@ -61,6 +61,11 @@ def material_of(
     args: argparse.Namespace, title: str, given: Inputs, found: Any, comparison: Any, truth: str = ""
 ) -> Material:
     """Return what the report of a Diagnosis or Discovery draws on."""
+    changed = comparison is not None and len(found.steps) > 1
+    falls: tuple[Picture, ...] = ()
+    if changed:
+        name, words, figure = comparison.before_and_after(found.fit)
+        falls = (Picture(name, words, figure, "verdict"),)
     return Material(
         title=title,
         recordings=given.recordings,
@@ -70,7 +75,7 @@ def material_of(
         comparison=comparison,
         diagnosis=found,
         steps=Steps.of(found),
-        pictures=pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
+        pictures=falls + pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
         truth=truth,
         command=command_of(args),
         settings=settings_of(args) | ({"filter": found.cutoff} if found.cutoff else {}),
