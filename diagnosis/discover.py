@@ -45,6 +45,7 @@ from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
+from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
 LINEARISED, ALL = "linearised", "all"
@@ -310,7 +311,7 @@ def _write_up(
         rule=conclusion.rule,
         sentence=conclusion.sentence,
         accepted=accepted,
-        suspects=tuple(_suspect(s, alike) for s in first if s.share > 0.0 or s.caution),
+        suspects=tuple(_suspect(s, alike, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
         steps=steps,
         noise_floor=prepared.noise_floor,
         unexplained=left,
@@ -370,6 +371,18 @@ def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Ext
     return tuple(out)
 
 
-def _suspect(score: Score, alike: dict[str, tuple[str, ...]]) -> Suspect:
+def _suspect(score: Score, alike: dict[str, tuple[str, ...]], steps: Sequence[Step], noise_floor: Float) -> Suspect:
+    """Return a suspect with its share of the error of its own joints, which noise bounds.
+
+    Of the one that was added first it is what the refit found, on the motion that the steps show.
+    """
     term, likes = score.candidate.term, alike.get(score.name, ())
-    return Suspect(term.effect.id, term.joint, score.joint_share, score.p_value, likes, score.caution)
+    names = [joint.name for joint in term.among]
+    at = slice(None) if term.joint is None else [names.index(term.joint)]
+    before, after = steps[0].judged_rms[at], noise_floor[at]
+    first = next(iter(alike), None) == score.name
+    if first:
+        after = steps[1].judged_rms[at]
+    most = max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
+    share = most if first else min(score.joint_share, most)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution)

@@ -48,7 +48,7 @@ class Where(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class ErrorSamples:
     """The residual `y` (K,) of a joint in every usable sample, over a variable `x` (K,).
 
     `speed` (K,) is the joint's velocity, `recording` (K,) and `block` (K,) number the recording and the stretch of time
@@ -62,7 +62,7 @@ class Samples:
     block: Int
 
 
-def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = False) -> Samples:
+def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = False) -> ErrorSamples:
     """Return the samples of all recordings, or of those that are fitted (`train`)."""
     j = now.model.joint_names.index(joint)
     parts = []
@@ -73,7 +73,7 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
         x, speed = signal_of(one, now, variable, j)[one.kept], one.motion.dq[one.kept, j]
         parts.append([column[used] for column in (x, residual[j], speed, np.full(len(block), number), block)])
     x, y, speed, index, block = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Samples(x, y, speed, index, block)
+    return ErrorSamples(x, y, speed, index, block)
 
 
 def where_it_sits(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
@@ -107,7 +107,7 @@ def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list
     return _with_regions(now, joint, found, left)
 
 
-def _followed(one: Remainder, at: Samples, y: Float) -> Float:
+def _followed(one: Remainder, at: ErrorSamples, y: Float) -> Float:
     """Return what of `y` (K,) follows the variable of a curve: its mean in bins, times the factor of the curve."""
     factor = {"sign": np.sign(at.speed), "speed": at.speed}.get(one.factor, np.ones(len(y)))
     x = np.abs(at.x) if one.directed and one.variable.startswith("dq") else at.x

@@ -26,8 +26,8 @@ class Score:
     `nodes` (R,) index of the shape node in each recording; shares are falls of the weighted loss relative to the
     present model: `share` on held-out training units, `joint_share` that of the joints it acts on alone, `folds` (F,)
     on each, `unseen` on verification recordings (None without). `helps`: it lowers the error where it was not fitted.
-    `agreement` is what splits of the recordings say, None where they were not asked, `steady` whether enough of them agree
-    (where they cannot tell, whether the held-out recordings do).
+    `agreement` is what splits of the recordings say, None where they were not asked, `steady` whether enough of them
+    agree (where they cannot tell, whether the held-out recordings do).
     `p_value` is None where no placebo was run. `caution` says in words what speaks against it.
     """
 

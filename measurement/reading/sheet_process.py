@@ -28,24 +28,24 @@ def main(path: str, most_bytes: int, most_rows: int) -> None:
 
     try:
         with python_calamine.CalamineWorkbook.from_path(path) as book:
-            tell(len(book.sheet_names))
+            write_line(len(book.sheet_names))
             for name in book.sheet_names:
-                tell(name)
+                write_line(name)
                 for row in book.get_sheet_by_name(name).to_python(skip_empty_area=True, nrows=most_rows):
-                    tell([plain(cell) for cell in row])
-                tell(None)
+                    write_line([plain_cell(cell) for cell in row])
+                write_line(None)
     except BrokenPipeError:
         sys.exit(0)  # the one who asks has what he wants
     except (python_calamine.CalamineError, OSError, ValueError, TypeError, OverflowError, MemoryError) as error:
         sys.exit(f"{error or 'it takes too much memory'}"[:200])
 
 
-def tell(line: Any) -> None:
+def write_line(line: Any) -> None:
     """Write one line."""
     sys.stdout.write(json.dumps(line) + "\n")
 
 
-def plain(cell: Any) -> Any:
+def plain_cell(cell: Any) -> Any:
     """Return a cell as JSON knows it."""
     if isinstance(cell, datetime.timedelta):
         return [cell.total_seconds()]
