@@ -19,7 +19,6 @@ from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
 from optimisation.excitation.criteria import Noise
 from symbolic.model import Model
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -126,7 +125,7 @@ class Separation:
             "present_seconds": self.present_seconds,
             "at_random": _rows(self.usual),
             "never": self.same,
-            "trajectory": None if self.trajectory is None else trajectory_content(self.trajectory),
+            "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
             "limits": self.uses,
             "noise": {
                 "sd": self.noise.sd,
@@ -152,7 +151,7 @@ class Separation:
             ENOUGH,
             f"apart after {self.duration:g} s",
             None if path is None else path.at(np.linspace(0.0, path.period, 400)),
-            [self.model.limits[joint].angle for joint in JOINTS],
+            [limit.angle for limit in self.model.motion_limits.values()],
         )
 
 

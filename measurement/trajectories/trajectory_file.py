@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import io
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,13 +30,12 @@ LARGEST_FILE = 100_000
 """Bytes; a motion has a few hundred."""
 MOST_HARMONICS = 20
 MOST_SAMPLES = 10_000_000
-COLUMNS = ("t", "q1", "q2", "dq1", "dq2", "ddq1", "ddq2")
 
 
-def trajectory_content(trajectory: Fourier) -> dict[str, Any]:
+def trajectory_content(trajectory: Fourier, joints: Sequence[str] = JOINTS) -> dict[str, Any]:
     """Return a motion as plain data."""
     content: dict[str, Any] = {"period": float(trajectory.period)}
-    for j, joint in enumerate(JOINTS):
+    for j, joint in enumerate(joints):
         content[joint] = {
             "offset": float(trajectory.offset[j]),
             "sine": trajectory.sine[j].tolist(),
@@ -44,16 +44,16 @@ def trajectory_content(trajectory: Fourier) -> dict[str, Any]:
     return content
 
 
-def write_trajectory(trajectory: Fourier, path: str | Path) -> Path:
+def write_trajectory(trajectory: Fourier, path: str | Path, joints: Sequence[str] = JOINTS) -> Path:
     """Write the coefficients of a motion as TOML, whole or not at all; return the path."""
     import tomli_w
 
     head = "# period in s; offset and coefficients in rad, harmonics 1, 2, ...\n"
-    return write_whole(path, head + tomli_w.dumps(trajectory_content(trajectory)))
+    return write_whole(path, head + tomli_w.dumps(trajectory_content(trajectory, joints)))
 
 
-def read_trajectory(path: str | Path) -> Fourier:
-    """Read a motion; TrajectoryError says what is wrong, where, and what to do."""
+def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier:
+    """Read a motion of `joints`; TrajectoryError says what is wrong, where, and what to do."""
     where = str(path)
     try:
         with open_input(path) as stream:
@@ -69,17 +69,17 @@ def read_trajectory(path: str | Path) -> Fourier:
             f"is not a TOML file: {error}", where=where, remedy="give the file that exoid design wrote"
         ) from error
     try:
-        return _trajectory(top)
+        return _trajectory(top, joints)
     except TrajectoryError:
         raise
     except ExoidError as error:
         raise TrajectoryError(error.what, where=error.where, remedy=error.remedy) from error
 
 
-def _trajectory(top: Table) -> Fourier:
-    top.only("period", *JOINTS)
+def _trajectory(top: Table, joints: Sequence[str]) -> Fourier:
+    top.only("period", *joints)
     offset, sine, cosine = [], [], []
-    for joint in JOINTS:
+    for joint in joints:
         _needed(top, joint)
         own = top.table(joint)
         own.only("offset", "sine", "cosine")
@@ -90,9 +90,10 @@ def _trajectory(top: Table) -> Fourier:
         offset.append(own.number("offset"))
         sine.append(own.numbers("sine", count))
         cosine.append(own.numbers("cosine", count))
-    if len(sine[0]) != len(sine[1]):
+    if len({len(one) for one in sine}) > 1:
+        counts = (f"the {joint} has {len(one)}" for joint, one in zip(joints, sine, strict=True))
         raise TrajectoryError(
-            f"the hip has {len(sine[0])} harmonics and the knee {len(sine[1])}",
+            f"harmonics differ: {', '.join(counts)}",
             where=top.where,
             remedy="fill the shorter lists with zeros",
         )
@@ -120,7 +121,7 @@ def samples_per_period(period: float, rate: float) -> int:
 
 
 def sample_table(trajectory: Fourier, rate: float, periods: int = 1) -> str:
-    """Return the samples of whole periods at `rate` Hz as CSV: t, q1, q2, dq1, dq2, ddq1, ddq2 in SI units.
+    """Return the samples of whole periods at `rate` Hz as CSV: t, q1, ..., dq1, ..., ddq1, ... in SI units.
 
     The last sample is one step before the motion repeats, so that a controller can play the table in a loop.
     TrajectoryError where the period is no whole number of samples, or there would be too many.
@@ -128,6 +129,7 @@ def sample_table(trajectory: Fourier, rate: float, periods: int = 1) -> str:
     t = np.arange(samples_per_period(trajectory.period, rate) * periods) / rate
     motion = trajectory.at(t)
     stream = io.StringIO()
-    stream.write(",".join(COLUMNS) + "\n")
+    columns = [f"{key}{j + 1}" for key in ("q", "dq", "ddq") for j in range(len(trajectory.offset))]
+    stream.write(",".join(["t", *columns]) + "\n")
     np.savetxt(stream, np.column_stack([t, motion.q, motion.dq, motion.ddq]), fmt="%.9g", delimiter=",")
     return stream.getvalue()

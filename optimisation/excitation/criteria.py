@@ -12,7 +12,7 @@ All are minimised. The first depends on the units of the parameters (it is the p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -40,10 +40,20 @@ class Noise:
     sd: Float
     per_second: Float
     source: str
+    joints: tuple[str, ...] = JOINTS
 
     @classmethod
-    def white(cls, sd: tuple[float, float] | float | None = None, rate: float = 100.0) -> Noise:
-        """Return white noise on samples at `rate` Hz; default the torque sensors of the virtual bench, 0.5 N·m."""
+    def white(
+        cls, sd: Sequence[float] | float | None = None, rate: float = 100.0, joints: Sequence[str] = JOINTS
+    ) -> Noise:
+        """Return white noise on samples of `joints` at `rate` Hz; default the virtual bench's torque sensors, 0.5 N·m.
+
+        `sd` is one standard deviation for all joints or one each.
+        """
+        if np.size(sd if sd is not None else 1.0) not in (1, len(joints)):
+            raise TrajectoryError(
+                f"{np.size(sd)} numbers of noise for {len(joints)} joints", remedy="give one, or one per joint"
+            )
         source = "as given"
         given = np.ravel(np.asarray(1.0 if sd is None else sd, dtype=float))
         if not (np.all((given >= LEAST_NOISE) & (given <= MOST_NOISE)) and 1e-3 <= rate <= 1e7):
@@ -53,7 +63,8 @@ class Noise:
             )
         if sd is None:
             sd, source = Sensors().torque_noise, "the torque sensors of the virtual bench"
-        return cls(np.broadcast_to(np.asarray(sd, dtype=float), (2,)), np.full(2, float(rate)), source)
+        each = np.broadcast_to(np.ravel(np.asarray(sd, dtype=float)), (len(joints),))
+        return cls(each, np.full(len(joints), float(rate)), source, tuple(joints))
 
     @property
     def weight(self) -> Float:
@@ -63,7 +74,7 @@ class Noise:
     def __str__(self) -> str:
         parts = ", ".join(
             f"{joint} {sd:.3g} N·m on {count:.3g} independent samples/s"
-            for joint, sd, count in zip(JOINTS, self.sd, self.per_second, strict=True)
+            for joint, sd, count in zip(self.joints, self.sd, self.per_second, strict=True)
         )
         return f"{parts} ({self.source})"
 

@@ -9,6 +9,7 @@ short searches, gives the best motion known; that is no proof of an optimum, sin
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,6 @@ from symbolic.memory import memory_operations
 from symbolic.model import Limits, Model
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 __all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper"]
 
@@ -76,12 +76,13 @@ def design(
         raise DesignError(f"there is no criterion {criterion!r}", remedy=f"one of: {', '.join(CRITERIA)}")
     if not 0.0 < use <= 1.0:
         raise DesignError(f"{use:g} of the limits", remedy="give a share above 0 and at most 1")
-    room = bounds(model.limits, use)
+    room = bounds(model.motion_limits, use)
     space = motion_space(
-        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
-    )
+        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, rest=rest, joints=model.joint_names,
+        offsets="middle" if offsets == "paper" and model.chain else offsets,
+    )  # fmt: skip
     at = nominal(model, numbers)
-    aim = Aim(sizes(model, at), noise or Noise.white(), duration)
+    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joint_names), duration)
     info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
     search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
     found = search.run()
@@ -113,8 +114,8 @@ def evaluate(
     began = time.perf_counter()
     model = Model.standard() if model is None else model
     at = nominal(model, numbers)
-    aim = Aim(sizes(model, at), noise or Noise.white(), duration)
-    room = bounds(model.limits, use)
+    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joint_names), duration)
+    room = bounds(model.motion_limits, use)
     info = information(
         model, at.linear, at.shape, room,
         period=trajectory.period, harmonics=trajectory.sine.shape[1], grid=GRID,
@@ -192,7 +193,8 @@ def _evaluated(
     )
     creeping, moving = _without_creep(info, motion)
     if max(creeping) > MOST_CREEP:
-        shares = " and ".join(f"{joint} {100 * part:.0f} %" for joint, part in zip(JOINTS, creeping, strict=True))
+        parts = zip(model.joint_names, creeping, strict=True)
+        shares = " and ".join(f"{joint} {100 * part:.0f} %" for joint, part in parts)
         cautions = (
             *cautions,
             f"slower than {STICK:g} rad/s for {shares} of the time, where a real joint may stick and a fit leaves "
@@ -210,7 +212,7 @@ def _evaluated(
         log_det=float(log_det(known)[0]),
         candidates=candidates,
         chosen=best.name,
-        uses=uses(motion, _limits(room)),
+        uses=uses(motion, _limits(room, model.joint_names)),
         precision=precision,
         noise=aim.noise,
         duration=aim.duration,
@@ -226,18 +228,17 @@ def _evaluated(
     )
 
 
-def _without_creep(info: Information, motion: Fourier) -> tuple[tuple[float, float], float]:
+def _without_creep(info: Information, motion: Fourier) -> tuple[tuple[float, ...], float]:
     """Return the share of time each joint may stick, and cond(Ȳ) of the other samples."""
     along = motion.at(info.times)
-    slow = np.abs(along.dq) < STICK
+    slow = np.abs(along.dq) < STICK * np.array([joint.reach for joint in info.model.joints])
     rows = info.sensitivities(along)
-    kept = np.concatenate([rows[j][~slow[:, j]] for j in range(len(JOINTS))])
+    kept = np.concatenate([rows[j][~slow[:, j]] for j in range(len(rows))])
     size = np.linalg.svd(kept, compute_uv=False)
     share = slow.mean(axis=0)
-    return (float(share[0]), float(share[1])), float(size[0] / size[-1]) if size.size and size[-1] > 0.0 else float(
-        "inf"
-    )
+    moving = float(size[0] / size[-1]) if size.size and size[-1] > 0.0 else float("inf")
+    return tuple(map(float, share)), moving
 
 
-def _limits(room: Float) -> Any:
-    return {j: Limits((r[0], r[1]), r[2], r[3]) for j, r in zip(JOINTS, room.tolist(), strict=True)}
+def _limits(room: Float, joints: Sequence[str]) -> Any:
+    return {j: Limits((r[0], r[1]), r[2], r[3]) for j, r in zip(joints, room.tolist(), strict=True)}

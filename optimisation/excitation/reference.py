@@ -56,7 +56,7 @@ def solve_motions(info: Information, space: MotionSpace, aim: Aim, criterion: st
     found, words, counts = [], [], []
     for y, scale in zip(starts, factor, strict=True):
         x = y.copy()
-        x[: 2 * width] *= SHRINK * np.repeat(scale, width)
+        x[: len(scale) * width] *= SHRINK * np.repeat(scale, width)
         count, status = 0, ""
         for solve, low, high in stages:
             result = solve(x0=x, lbg=low, ubg=high, p=_scales(info, space, x), lbx=-10.0, ubx=10.0)
@@ -88,13 +88,14 @@ def _solver(
     gram = _gram(ca, info, space.period, signals)
     size = len(info.names)
     if criterion == "condition":
-        total = gram[0] + gram[1]
+        total = sum(gram[1:], gram[0])
         inverse = ca.solve(total, ca.DM.eye(size))
         goal = _power_mean(ca, total / scales[0], squarings) + _power_mean(ca, inverse * scales[1], squarings)
     else:
         weight = aim.noise.weight * aim.duration
         unit = ca.DM(np.where(aim.size > 0.0, aim.size, 1.0))
-        known = (gram[0] * weight[0] + gram[1] * weight[1]) * (unit @ unit.T)
+        weighed = [one * float(w) for one, w in zip(gram, weight, strict=True)]
+        known = sum(weighed[1:], weighed[0]) * (unit @ unit.T)
         if criterion == "d_optimal":
             goal = -ca.log(ca.det(known))
         else:
@@ -102,10 +103,10 @@ def _solver(
             variances = ca.diag(ca.solve(known, ca.DM.eye(size)))[sized]
             most = ca.mmax(variances)
             goal = ca.log(most) + ca.log(ca.sum1((variances / most) ** (2**squarings))) / 2**squarings
-    limits = np.repeat(space.limits, GRID, axis=0).reshape(2, GRID, 4)
+    limits = np.repeat(space.limits, GRID, axis=0).reshape(-1, GRID, 4)
     lows = [np.concatenate([one[:, 0], -one[:, 2], -one[:, 3]]) for one in limits]
     highs = [np.concatenate([one[:, 1], one[:, 2], one[:, 3]]) for one in limits]
-    constraints = ca.vertcat(*(signals[kind][joint] for joint in range(2) for kind in range(3)))
+    constraints = ca.vertcat(*(signals[kind][joint] for joint in range(len(space.limits)) for kind in range(3)))
     problem = {"x": x, "f": goal, "g": constraints, "p": scales}
     return ca.nlpsol("design", "ipopt", problem, OPTIONS), np.concatenate(lows), np.concatenate(highs)
 
@@ -120,19 +121,19 @@ def _signals(ca: Any, space: MotionSpace, x: Any) -> list[list[Any]]:
         np.hstack([cosine * w, -sine * w]),
         np.hstack([-sine * w**2, -cosine * w**2]),
     )
-    width = space.basis.shape[2]
+    joints, width = len(space.limits), space.basis.shape[2]
     if space.centre is not None:
         offsets = [ca.MX(float(value)) for value in space.centre]
     else:
         zero = np.zeros((1, space.size))
         low = space.split(zero)[1][0]
         unit = zero.copy()
-        unit[0, 2 * width :] = 1.0
+        unit[0, joints * width :] = 1.0
         slope = space.split(unit)[1][0] - low
-        offsets = [float(low[j]) + float(slope[j]) * x[2 * width + j] for j in range(2)]
+        offsets = [float(low[j]) + float(slope[j]) * x[joints * width + j] for j in range(joints)]
     out = []
     for kind, table in enumerate(tables):
-        swings = [ca.DM(table @ space.basis[j]) @ x[j * width : (j + 1) * width] for j in range(2)]
+        swings = [ca.DM(table @ space.basis[j]) @ x[j * width : (j + 1) * width] for j in range(joints)]
         out.append([swing + offsets[j] if kind == 0 else swing for j, swing in enumerate(swings)])
     return out
 
@@ -140,21 +141,23 @@ def _signals(ca: Any, space: MotionSpace, x: Any) -> list[list[Any]]:
 def _gram(ca: Any, info: Information, period: float, signals: list[list[Any]]) -> list[Any]:
     """Return G_j (M, M) per joint as expressions."""
     entries, terms = products(info.model)
-    state = ca.SX.sym("state", 7)
+    joints = len(signals[0])
+    state = ca.SX.sym("state", 1 + 3 * joints)
     half = 0.5 * period / GRID
 
     def mean_sign(speed: Any, pull: Any) -> Any:
         # As symbolic.gram.mean_sign, without its corners.
         return speed / ca.sqrt(speed**2 + (0.6 * half * pull) ** 2 + 1e-8)
 
-    signs = ca.vertcat(mean_sign(state[3], state[5]), mean_sign(state[4], state[6]))
+    speeds, pulls = state[1 + joints : 1 + 2 * joints], state[1 + 2 * joints :]
+    signs = ca.vertcat(*(mean_sign(speeds[j], pulls[j]) for j in range(joints)))
     numbers = ca.DM(np.concatenate([info.linear, info.shape]))
     one = ca.Function("sample", [state], [terms(ca.vertcat(state, signs), numbers)], {"cse": True})
     t = ca.DM(np.arange(GRID) * (period / GRID))
-    states = ca.horzcat(t, *(signals[kind][joint] for kind in range(3) for joint in range(2))).T
+    states = ca.horzcat(t, *(signals[kind][joint] for kind in range(3) for joint in range(joints))).T
     sums = ca.sum2(one.map(GRID)(states)) / GRID
     size = len(info.names)
-    out = [ca.MX.zeros(size, size), ca.MX.zeros(size, size)]
+    out = [ca.MX.zeros(size, size) for _ in range(joints)]
     for k, (joint, p, r) in enumerate(entries):
         out[joint][p, r] = out[joint][r, p] = sums[k]
     return out

@@ -147,7 +147,7 @@ class Excitation:
             "chosen": self.chosen,
             "best_known": True,
             "feasible": self.feasible,
-            "trajectory": trajectory_content(self.trajectory),
+            "trajectory": trajectory_content(self.trajectory, self.model.joint_names),
             "candidates": self.candidates,
             "limits": self.uses,
             "precision": {p.name: p for p in self.precision},

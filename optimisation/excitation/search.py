@@ -243,7 +243,7 @@ class MotionSearch:
         factor = self.info.sums(swings, offsets, rescale=False).factor
         width = self.space.basis.shape[2]
         out = y.copy()
-        out[:, : 2 * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
+        out[:, : len(self.space.limits) * width] *= np.repeat(np.minimum(factor, 1e6), width, axis=1)
         return out
 
     def reference(self, starts: int) -> list[DesignedMotion]:
@@ -271,7 +271,7 @@ class MotionSearch:
     def _edge(self, width: float) -> Float:
         edge = np.full(self.space.size, width)
         if self.space.centre is None:
-            edge[-2:] = 1.0
+            edge[-len(self.space.limits) :] = 1.0
         return edge
 
     def _problem(self, fitness: Callable[[Float], Float], width: float) -> Problem:
@@ -280,7 +280,8 @@ class MotionSearch:
 
     def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> DesignedMotion:
         swings, offsets = self.space.split(y)
-        factor = self.info.sums(swings, offsets, rescale=False).factor[0] if not self.printed else np.ones(2)
+        found = self.info.sums(swings, offsets, rescale=False).factor[0]
+        factor = np.ones_like(found) if self.printed else found
         motion: Fourier = self.space.trajectory(swings[0] * factor[:, None], offsets[0])
         return DesignedMotion(name, motion, value, evaluations, seconds, "")
 

@@ -10,6 +10,7 @@ around it is what the swing is stretched into.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,28 +40,29 @@ class MotionSpace:
     limits: Float
     basis: Float
     centre: Float | None
+    joints: tuple[str, ...] = JOINTS
     whole: bool = True
     """Whether all coefficients are free, so that a motion may be shifted in time."""
 
     @property
     def size(self) -> int:
         """How many numbers the search has."""
-        return self.basis.shape[0] * self.basis.shape[2] + (2 if self.centre is None else 0)
+        return self.basis.shape[0] * self.basis.shape[2] + (len(self.limits) if self.centre is None else 0)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the numbers."""
-        own = tuple(f"{joint}.y{k + 1}" for joint in JOINTS for k in range(self.basis.shape[2]))
-        return own + (tuple(f"{joint}.offset" for joint in JOINTS) if self.centre is None else ())
+        own = tuple(f"{joint}.y{k + 1}" for joint in self.joints for k in range(self.basis.shape[2]))
+        return own + (tuple(f"{joint}.offset" for joint in self.joints) if self.centre is None else ())
 
     def split(self, y: Float) -> tuple[Float, Float]:
         """Return swings (I, J, 2K) before stretching and offsets (I, J) in rad for points `y` (I, n)."""
-        count, width = len(y), self.basis.shape[2]
-        swings = np.einsum("jkm,ijm->ijk", self.basis, y[:, : 2 * width].reshape(count, 2, width))
+        count, (joints, _, width) = len(y), self.basis.shape
+        swings = np.einsum("jkm,ijm->ijk", self.basis, y[:, : joints * width].reshape(count, joints, width))
         if self.centre is not None:
-            return swings, np.broadcast_to(self.centre, (count, 2))
+            return swings, np.broadcast_to(self.centre, (count, joints))
         low, high = self.limits[:, 0], self.limits[:, 1]
-        part = 0.5 + (0.5 - EDGE) * y[:, 2 * width :]
+        part = 0.5 + (0.5 - EDGE) * y[:, joints * width :]
         return swings, low + part * (high - low)
 
     def aligned(self, y: Float, to: Float) -> Float:
@@ -68,17 +70,17 @@ class MotionSpace:
 
         Only for spaces that are `whole`: harmonic k of all joints turns by k times one angle.
         """
-        count, width = len(y), 2 * self.harmonics
+        count, joints, width = len(y), len(self.limits), 2 * self.harmonics
         angle = np.arange(SHIFTS) * (2.0 * np.pi / SHIFTS)
         turns = np.exp(1j * np.outer(angle, np.arange(1, self.harmonics + 1)))
-        waves = _waves(y[:, : 2 * width].reshape(count, 2, 2, self.harmonics))
-        wanted = _waves(to[: 2 * width].reshape(1, 2, 2, self.harmonics))[0]
+        waves = _waves(y[:, : joints * width].reshape(count, joints, 2, self.harmonics))
+        wanted = _waves(to[: joints * width].reshape(1, joints, 2, self.harmonics))[0]
         both = np.stack([waves, -np.conj(waves)], axis=1)  # backwards: sines change sign
         alike = np.einsum("idjk,sk,jk->ids", both, turns, np.conj(wanted), optimize=True).real.reshape(count, -1)
         way, shift = np.divmod(alike.argmax(axis=1), SHIFTS)
         best = both[np.arange(count), way] * turns[shift][:, None, :]
         out = y.copy()
-        out[:, : 2 * width] = np.stack([best.real, best.imag], axis=2).reshape(count, 2 * width)
+        out[:, : joints * width] = np.stack([best.real, best.imag], axis=2).reshape(count, joints * width)
         return out
 
     def inside(self, swing: Float, offset: Float, grid: int = 500) -> Fourier:
@@ -98,7 +100,13 @@ def _waves(coefficients: Float) -> np.ndarray:
 
 
 def motion_space(
-    limits: Float, *, period: float = 10.0, harmonics: int = 5, offsets: str = "paper", rest: bool = False
+    limits: Float,
+    *,
+    period: float = 10.0,
+    harmonics: int = 5,
+    offsets: str = "paper",
+    rest: bool = False,
+    joints: tuple[str, ...] = JOINTS,
 ) -> MotionSpace:
     """Return the space of motions inside `limits` (J, 4) (low and high angle, speed, acceleration).
 
@@ -124,13 +132,13 @@ def motion_space(
         bases.append(weights @ (_at_rest(alone, harmonics) if rest else np.eye(2 * harmonics)))
     middle = 0.5 * (limits[:, 0] + limits[:, 1])
     centre = {"paper": np.array(CENTRE), "middle": middle, "free": None}[offsets]
-    space = MotionSpace(float(period), harmonics, limits, np.array(bases), centre)
+    space = MotionSpace(float(period), harmonics, limits, np.array(bases), centre, joints)
     space = replace(space, whole=not rest)
-    return space if centre is None else replace(space, centre=_inside(centre, limits))
+    return space if centre is None else replace(space, centre=_inside(centre, limits, joints))
 
 
-def _inside(centre: Float, limits: Float) -> Float:
-    for joint, value, (low, high, *_) in zip(JOINTS, centre, limits, strict=True):
+def _inside(centre: Float, limits: Float, joints: Sequence[str]) -> Float:
+    for joint, value, (low, high, *_) in zip(joints, centre, limits, strict=True):
         if not low < value < high:
             raise TrajectoryError(
                 f"the motion's centre {value:g} rad lies outside [{low:g}, {high:g}] rad",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from measurement.bench.leg import standard_leg
+from measurement.bench.simulation import bench_machine
 from symbolic.model import Model
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
@@ -25,13 +25,13 @@ def nominal(model: Model, numbers: Numbers | None = None) -> Nominal:
     """Return the identified `numbers` of `model` where there are some, else the standard leg's and typical ones."""
     linear = {} if numbers is None else numbers.linear
     shape = {} if numbers is None else numbers.shape
-    usual = dict(zip((p.name for p in model.parameters), standard_leg().base, strict=False))
+    usual = dict(zip((p.name for p in model.parameters), bench_machine(model).base, strict=False))
     values = [linear.get(p.name, usual.get(p.name, p.typical or 0.0)) for p in model.parameters]
     shapes = [shape.get(s.name, s.typical) for s in model.shapes]
     wanted = {p.name for p in model.parameters} | {s.name for s in model.shapes}
     known = wanted & {*linear, *shape}
     if not known:
-        source = "the virtual bench's standard leg, effects at their typical size"
+        source = f"the virtual bench's {'machine' if model.chain else 'standard leg'}, effects at their typical size"
     elif known == wanted:
         source = "the model file's identified numbers"
     else:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,9 +22,7 @@ from symbolic.codegen.compiler import FAST
 from symbolic.codegen.fingerprint import equations
 from symbolic.codegen.instructions import PREAMBLE, scalar_c
 from symbolic.columns import model_columns, model_torque, needs_reference
-from symbolic.model import require_leg
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -78,7 +77,7 @@ class Information:
         """
         swing = np.ascontiguousarray(swings, dtype=float)
         centre = np.ascontiguousarray(offsets, dtype=float)
-        wanted = (len(centre), len(JOINTS), 2 * len(self.rates))
+        wanted = (len(centre), len(self.limits), 2 * len(self.rates))
         if swing.shape != wanted or centre.shape != wanted[:2]:
             raise ValueError(f"swings {swing.shape} and offsets {centre.shape} do not fit, expected {wanted}")
         if self.library is None:
@@ -87,18 +86,18 @@ class Information:
 
     def _in_c(self, library: ctypes.CDLL, swing: Float, centre: Float, rescale: bool, doublings: int) -> Sums:
         count, size = len(swing), len(self.names)
-        factor, packed = np.empty((count, len(JOINTS))), np.zeros((count, len(self.entries)))
+        factor, packed = np.empty((count, len(self.limits))), np.zeros((count, len(self.entries)))
         angle = np.outer(self.rates, self.times)
         table = np.ascontiguousarray(np.concatenate([np.sin(angle), np.cos(angle)]))
         numbers = np.concatenate([self.linear, self.shape])
-        scratch = np.empty(6 * self.grid)
+        scratch = np.empty(3 * len(self.limits) * self.grid)
         arrays = (self.times, table, self.rates, swing, centre, self.limits, numbers, scratch, factor, packed)
         held = [np.ascontiguousarray(a) for a in arrays]
         library.exoid_gram(
             ctypes.c_long(count), ctypes.c_long(self.grid), ctypes.c_int(int(rescale)), ctypes.c_int(doublings),
             *(a.ctypes.data_as(_DOUBLES) for a in held),
         )  # fmt: skip
-        gram = np.zeros((count, len(JOINTS), size, size))
+        gram = np.zeros((count, len(self.limits), size, size))
         for k, (joint, p, r) in enumerate(self.entries):
             gram[:, joint, p, r] = gram[:, joint, r, p] = held[-1][:, k]
         return Sums(gram / self.grid, held[-2])
@@ -117,7 +116,7 @@ class Information:
             factor = largest_factor(swung, speed, pull, about, self.limits)
             if doublings:
                 factor = _softer(factor, swung, speed, pull, about, self.limits, doublings)
-            scale = factor if rescale else np.ones(len(JOINTS))
+            scale = factor if rescale else np.ones(len(self.limits))
             q, dq, ddq = about + scale * swung, scale * speed, scale * pull
             grams.append(self._gram(q, dq, ddq))
             factors.append(factor)
@@ -126,18 +125,18 @@ class Information:
     def _gram(self, q: Float, dq: Float, ddq: Float) -> Float:
         """Return the sums (J, M, M) of one motion, a sample with a reversal in its cell counted with both signs."""
         sign = mean_sign(dq, ddq, self.period / self.grid)
-        out = np.zeros((len(JOINTS), len(self.names), len(self.names)))
+        joints = len(self.limits)
+        out = np.zeros((joints, len(self.names), len(self.names)))
         if self.machine is None:  # an operator's past cannot be cut into cells
             rows = self.sensitivities(Motion(self.times, q, dq, ddq))
             return np.einsum("jnp,jnr->jpr", rows, rows) / self.grid
-        for hip in (1.0, -1.0):
-            for knee in (1.0, -1.0):
-                weight = 0.25 * (1.0 + hip * sign[:, 0]) * (1.0 + knee * sign[:, 1])
-                live = weight > 0.0
-                if live.any():
-                    signs = np.tile([hip, knee], (int(live.sum()), 1))
-                    rows = self.sensitivities(Motion(self.times[live], q[live], dq[live], ddq[live], signs))
-                    out += np.einsum("jnp,jnr,n->jpr", rows, rows, weight[live])
+        for way in product((1.0, -1.0), repeat=joints):
+            weight = 0.5**joints * np.prod(1.0 + np.array(way) * sign, axis=1)
+            live = weight > 0.0
+            if live.any():
+                signs = np.tile(way, (int(live.sum()), 1))
+                rows = self.sensitivities(Motion(self.times[live], q[live], dq[live], ddq[live], signs))
+                out += np.einsum("jnp,jnr,n->jpr", rows, rows, weight[live])
         return out / self.grid
 
     def sensitivities(self, motion: Motion) -> Float:
@@ -167,7 +166,6 @@ def information(
     """
     from symbolic.memory import memory_operations
 
-    require_leg(model, "the design of motions")
     names = number_names(model)
     rates = np.asarray(np.arange(1, harmonics + 1) * (2.0 * np.pi / period), dtype=float)
     linear, shape = np.asarray(linear, dtype=float), np.asarray(shape, dtype=float)
@@ -206,7 +204,7 @@ class _Lazy:
 
 
 def _function(model: Model) -> Any:
-    """Return the CasADi function (state (9,), numbers (P + S,)) -> sensitivities (J, M)."""
+    """Return the CasADi function (state (1 + 4J,), numbers (P + S,)) -> sensitivities (J, M)."""
     import casadi
 
     from symbolic.codegen.equation import model_expressions
@@ -222,7 +220,7 @@ def _evaluated(function: Any, motion: Motion, linear: Float, shape: Float, size:
     state = np.column_stack([motion.t, motion.q, motion.dq, motion.ddq, motion.sign]).T
     values = function(state, np.concatenate([linear, shape]))
     flat = np.asarray(values.full() if hasattr(values, "full") else values)
-    return flat.reshape(len(JOINTS), len(motion), size)
+    return flat.reshape(motion.q.shape[1], len(motion), size)
 
 
 def central_differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Float:
@@ -281,18 +279,19 @@ def _softer(
 def products(model: Model) -> tuple[Entries, Any]:
     """Return the (joint, number, number) of every product that is not zero, and the CasADi function of their values.
 
-    It takes (state (9,), numbers (P + S,)), the state's signs being means over a sample's cell: in a cell with a
+    It takes (state (1 + 4J,), numbers (P + S,)), the state's signs being means over a sample's cell: in a cell with a
     reversal the product is averaged over both signs, so that sgn² stays one.
     """
     import casadi
 
     count = len(model.parameters) + len(model.shapes)
-    state, numbers = casadi.SX.sym("state", 9), casadi.SX.sym("numbers", count)
+    joints = len(model.joints)
+    state, numbers = casadi.SX.sym("state", 1 + 4 * joints), casadi.SX.sym("numbers", count)
     rows = _function(model)(state, numbers)
-    pattern = [[p for p in range(rows.shape[1]) if rows.sparsity().has_nz(j, p)] for j in range(len(JOINTS))]
-    entries = tuple((j, p, r) for j in range(len(JOINTS)) for i, p in enumerate(pattern[j]) for r in pattern[j][i:])
+    pattern = [[p for p in range(rows.shape[1]) if rows.sparsity().has_nz(j, p)] for j in range(joints)]
+    entries = tuple((j, p, r) for j in range(joints) for i, p in enumerate(pattern[j]) for r in pattern[j][i:])
     values = casadi.vertcat(*(rows[j, p] * rows[j, r] for j, p, r in entries))
-    for sign in (state[7], state[8]):
+    for sign in (state[1 + 3 * joints + j] for j in range(joints)):
         forward, backward = casadi.substitute([values], [sign], [1])[0], casadi.substitute([values], [sign], [-1])[0]
         values = casadi.simplify(0.5 * (forward + backward)) + sign * casadi.simplify(0.5 * (forward - backward))
     return entries, casadi.Function("terms", [state, numbers], [casadi.densify(values)], {"cse": True})
@@ -302,12 +301,19 @@ def _source(model: Model, harmonics: int) -> GeneratedC:
     """Return the C of one model, and which sums it makes."""
     entries, terms = products(model)
     count = len(model.parameters) + len(model.shapes)
-    words = ["t[n]", "x1", "x2", "dx1", "dx2", "ddx1", "ddx2", "s1", "s2"]
+    total = len(model.joints)
+    joints = range(1, total + 1)
+    lines = {
+        name: "\n".join(line.format(j=j, k=j - 1, joints=total) for j in joints) for name, line in _PER_JOINT.items()
+    }
+    words = ["t[n]", *(f"{stem}{j}" for stem in ("x", "dx", "ddx", "s") for j in joints)]
     body = scalar_c(terms, [words, [f"numbers[{k}]" for k in range(count)]], "g{k} += {value};")
     sums = [f"g{k}" for k in range(len(entries))]
     text = _C.format(
         preamble=PREAMBLE,
+        joints=total,
         waves=harmonics,
+        **lines,
         size=len(entries),
         sums=", ".join(f"{s} = 0" for s in sums),
         reduction=",".join(sums),
@@ -316,6 +322,26 @@ def _source(model: Model, harmonics: int) -> GeneratedC:
     )
     return GeneratedC(text, FAST, {"entries": entries})
 
+
+_PER_JOINT = {
+    "pointers": (
+        "  double *restrict q{j} = scratch + {k} * 3 * grid, *restrict v{j} = q{j} + grid;\n"
+        "  double *restrict a{j} = v{j} + grid;"
+    ),
+    "factors": (
+        "    const double o{j} = offsets[{joints} * i + {k}];\n"
+        "    const double f{j} = swing(grid, table, rates, c + {k} * 2 * WAVES, o{j}, limits + 4 * {k}, doublings,"
+        " q{j}, v{j}, a{j});\n"
+        "    const double scale{j} = rescale ? f{j} : 1;\n"
+        "    factors[{joints} * i + {k}] = f{j};"
+    ),
+    "states": (
+        "    const double x{j} = o{j} + scale{j} * q{j}[n], dx{j} = scale{j} * v{j}[n];\n"
+        "    const double ddx{j} = scale{j} * a{j}[n];"
+    ),
+    "signs": "    const double s{j} = mean_sign(dx{j}, step * ddx{j});",
+}
+"""Lines of the C below that every joint has."""
 
 _C = """/* Written by exoid: sums of products of a model's sensitivities along Fourier motions. */
 #include <math.h>
@@ -375,22 +401,16 @@ void exoid_gram(long count, long grid, int rescale, int doublings, const double 
                 const double *restrict swings, const double *restrict offsets,
                 const double *restrict limits, const double *restrict numbers, double *restrict scratch,
                 double *restrict factors, double *restrict out) {{
-  double *restrict q1 = scratch, *restrict v1 = scratch + grid, *restrict a1 = scratch + 2 * grid;
-  double *restrict q2 = scratch + 3 * grid, *restrict v2 = scratch + 4 * grid, *restrict a2 = scratch + 5 * grid;
+{pointers}
   const double step = 0.5 * (t[1] - t[0]);
   for (long i = 0; i < count; ++i) {{
-    const double *c = swings + i * 4 * WAVES, o1 = offsets[2 * i], o2 = offsets[2 * i + 1];
-    const double f1 = swing(grid, table, rates, c, o1, limits, doublings, q1, v1, a1);
-    const double f2 = swing(grid, table, rates, c + 2 * WAVES, o2, limits + 4, doublings, q2, v2, a2);
-    const double scale1 = rescale ? f1 : 1, scale2 = rescale ? f2 : 1;
-    factors[2 * i] = f1;
-    factors[2 * i + 1] = f2;
+    const double *c = swings + i * {joints} * 2 * WAVES;
+{factors}
     double {sums};
 #pragma omp simd reduction(+:{reduction})
     for (long n = 0; n < grid; ++n) {{
-    const double x1 = o1 + scale1 * q1[n], dx1 = scale1 * v1[n], ddx1 = scale1 * a1[n];
-    const double x2 = o2 + scale2 * q2[n], dx2 = scale2 * v2[n], ddx2 = scale2 * a2[n];
-    const double s1 = mean_sign(dx1, step * ddx1), s2 = mean_sign(dx2, step * ddx2);
+{states}
+{signs}
 {body}
     }}
 {store}

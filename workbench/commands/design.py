@@ -105,7 +105,7 @@ def _design(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     path = _model_path(args)
-    model = load_model(path)
+    model = load_model(path, any_machine=True)
     numbers = _numbers(path)
     from optimisation.excitation.design import NoMotionError
 
@@ -129,7 +129,7 @@ def _design(args: argparse.Namespace) -> int:
         f"cond(Ȳ) = {found.condition:.1f}; most used limit: {tightest.joint} {tightest.quantity}, "
         f"{100 * tightest.share:.1f} %."
     )
-    alt = "Angle, velocity and acceleration of hip and knee over one period, each between its limits."
+    alt = "Angle, velocity and acceleration of every joint over one period, each between its limits."
     payload = {"schema": "exoid.design/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: _material(args, "A motion for identification", answer, found, alt))
     return 0 if found.feasible and found.informative and not missed else 1
@@ -140,7 +140,7 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     from optimisation.excitation.criteria import Noise
     from optimisation.excitation.design import design, evaluate
 
-    noise = Noise.white(args.noise, args.rate)
+    noise = Noise.white(args.noise, args.rate, model.joint_names)
     common = {
         "criterion": args.criterion, "noise": noise, "numbers": numbers, "duration": args.duration, "use": args.use,
     }  # fmt: skip
@@ -148,7 +148,8 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
         from measurement.trajectories.trajectory import paper_trajectory
         from measurement.trajectories.trajectory_file import read_trajectory
 
-        given = paper_trajectory(args.period) if args.check == "paper" else read_trajectory(args.check)
+        paper = args.check == "paper"
+        given = paper_trajectory(args.period) if paper else read_trajectory(args.check, model.joint_names)
         return evaluate(given, model, name="the paper's" if args.check == "paper" else "given", **common)
     offsets = "free" if args.free else "middle" if args.middle else "paper"
     with progress("designing the motion", quiet=args.quiet) as report:
@@ -175,7 +176,7 @@ def _show(screen: Screen, found: Any) -> None:
         "Limits, proven for all times", ("joint", "", "lowest", "highest", "limit", "limit ", "unit", "in use"), limits
     )
     if not found.feasible:
-        shortest = shortest_period(found.trajectory, found.model.limits)
+        shortest = shortest_period(found.trajectory, found.model.motion_limits)
         what = "no period helps: an angle is outside" if shortest == float("inf") else f"a period of {shortest:.3g} s"
         screen.say(f"the motion leaves its limits; {what} would keep them", "bad")
     known = [
@@ -211,7 +212,7 @@ def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
     from measurement.trajectories.trajectory_file import write_trajectory
 
     folder = make_folder(out)
-    write_trajectory(found.trajectory, folder / "motion.toml")
+    write_trajectory(found.trajectory, folder / "motion.toml", found.model.joint_names)
     write_text(folder / "motion.csv", sampled)
     write_bytes(folder / "motion.png", to_png(found.plot()))
     screen.say(f"wrote {folder / 'motion.toml'}, motion.csv, motion.png")
@@ -235,18 +236,19 @@ def _numbers(path: str | None) -> Any:
     return None if path is None else read_numbers(path)
 
 
-def _noise(text: str) -> tuple[float, float]:
+def _noise(text: str) -> tuple[float, ...]:
     from workbench.command_line.options import limits
 
-    values = limits(text)
-    return values[0], values[-1]
+    return limits(text)
 
 
 def _separate(args: argparse.Namespace) -> int:
     """Design the motion that distinguishes rivals."""
     from optimisation.excitation.criteria import Noise
-    from workbench.command_line.inputs import load
+    from workbench.command_line.inputs import load, load_model
 
+    joints = load_model(args.model, any_machine=True).joint_names
+    white = Noise.white(args.noise, args.rate, joints) if args.noise else None
     toml = [name for name in args.inputs if name.lower().endswith(".toml")]
     if toml:
         raise UsageError("this is a model, not a recording", where=toml[0], remedy=f"--model {toml[0]}")
@@ -257,7 +259,7 @@ def _separate(args: argparse.Namespace) -> int:
 
         found = separate(
             given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,
-            numbers=_numbers(args.model), noise=Noise.white(args.noise, args.rate) if args.noise else None,
+            numbers=_numbers(args.model), noise=white,
             period=args.period, harmonics=args.harmonics, offsets="middle" if args.middle else "free", rest=args.rest,
             use=args.use, duration=args.duration, cutoff=given.cutoff, generations=args.generations, seed=args.seed,
             progress=report,

@@ -100,7 +100,7 @@ def _simulate(args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidd
     from measurement.trajectories.trajectory_file import read_trajectory
 
     bench = Bench(duration=args.duration, rate=args.rate)
-    path = read_trajectory(args.trajectory) if args.trajectory else None
+    path = read_trajectory(args.trajectory, model.joint_names) if args.trajectory else None
     runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
     return *write_runs(folder, runs), runs[0].truth
 
