@@ -50,12 +50,12 @@ class Noise:
 
         `sd` is one standard deviation for all joints or one each.
         """
-        if np.size(sd if sd is not None else 1.0) not in (1, len(joints)):
-            raise TrajectoryError(
-                f"{np.size(sd)} numbers of noise for {len(joints)} joints", remedy="give one, or one per joint"
-            )
         source = "as given"
         given = np.ravel(np.asarray(1.0 if sd is None else sd, dtype=float))
+        if given.size not in (1, len(joints)):
+            raise TrajectoryError(
+                f"{given.size} numbers of noise for {len(joints)} joints", remedy="give one, or one per joint"
+            )
         if not (np.all((given >= LEAST_NOISE) & (given <= MOST_NOISE)) and 1e-3 <= rate <= 1e7):
             raise TrajectoryError(
                 f"noise of {', '.join(f'{x:g}' for x in given)} N·m at {rate:g} Hz",

@@ -65,7 +65,7 @@ class Excitation:
 
     `value` is what was minimised; `condition` is cond(Ȳ), `log_det` that of the information in `duration` s under
     `noise`. `candidates` are all that was found, best known: no optimum is claimed. `uses` are the limits with bounds
-    proven for all times, `precision` the predicted standard deviations at `numbers`. `creeping` (hip, knee) is the
+    proven for all times, `precision` the predicted standard deviations at `numbers`. `creeping` (J,) is the
     share of time in which a joint is slow enough to stick, `condition_moving` is cond(Ȳ) without it.
     """
 
@@ -86,7 +86,7 @@ class Excitation:
     rest: bool
     backend: str
     seed: int
-    creeping: tuple[float, float] = (0.0, 0.0)
+    creeping: tuple[float, ...] = (0.0, 0.0)
     condition_moving: float = float("nan")
     cautions: tuple[str, ...] = ()
     seconds: float = field(default=0.0, repr=False)
