@@ -85,24 +85,39 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
                 )
             rows = max(1000, size // (16 * max(1, len(fields))))  # as many as of a text of this size
             done = 0
-            for batch in file.iter_batches(batch_size=rows, columns=[one.name for one in fields]):
-                table = pyarrow.Table.from_batches([batch])
-                columns = tuple(
-                    column_from_cells(
-                        "time" if _is_index_of_time(one) else split_unit(one.name)[0],
-                        table.column(i).to_pandas(),
-                        _unit(one.metadata) or split_unit(one.name)[1],
+            # A few groups of rows at a time: what is iterated over in one go stays in memory until its end.
+            for some in _together([group.num_rows for group in groups], rows):
+                total = sum(groups[k].num_rows for k in some)
+                each = max(1, -(-total // max(1, total // rows)))
+                for batch in file.iter_batches(each, row_groups=some, columns=[one.name for one in fields]):
+                    table = pyarrow.Table.from_batches([batch])
+                    columns = tuple(
+                        column_from_cells(
+                            "time" if _is_index_of_time(one) else split_unit(one.name)[0],
+                            table.column(i).to_pandas(),
+                            _unit(one.metadata) or split_unit(one.name)[1],
+                        )
+                        for i, one in enumerate(table.schema)
                     )
-                    for i, one in enumerate(table.schema)
-                )
-                row = np.arange(done + 1, done + table.num_rows + 1)
-                done += table.num_rows
-                yield done / file.metadata.num_rows, RawTable(columns, row)
-                pyarrow.default_memory_pool().release_unused()  # else what is unpacked piles up
+                    row = np.arange(done + 1, done + table.num_rows + 1)
+                    done += table.num_rows
+                    yield done / file.metadata.num_rows, RawTable(columns, row)
     except (pyarrow.ArrowException, OSError, KeyError, TypeError) as error:
         raise RecordingError(
             f"the Parquet file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
         ) from error
+
+
+def _together(counts: list[int], rows: int) -> Iterator[list[int]]:
+    """Yield which groups, of so many rows each, are read together: as few in a row as have `rows` rows."""
+    some: list[int] = []
+    for k, _ in enumerate(counts):
+        some.append(k)
+        if sum(counts[j] for j in some) >= rows:
+            yield some
+            some = []
+    if some:
+        yield some
 
 
 def _affordable(file: Any, where: str) -> list[str]:
