@@ -55,8 +55,8 @@ LOADED = 3.0
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
-RESTS = 0.3
-"""Share of a recording from which on a joint that sticks rests for much of the time."""
+RESTS = 0.5
+"""Share of a recording from which on a joint that sticks rests for most of the time: robust deviations are of rest."""
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 

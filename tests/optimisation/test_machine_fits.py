@@ -1,0 +1,47 @@
+"""Recordings of any machine are prepared and fitted: its numbers are found again, with proof."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ground.errors import RecordingError
+from measurement.bench.simulation import Bench, run_bench
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.joints import Joint
+from symbolic.model import Model
+
+DRIVE = Model("drive", chain=(Joint("drive"),))
+SLIDE = Model("slide", gravity=0.0, chain=(Joint("stage", "prismatic"),))
+
+
+@pytest.mark.parametrize("model", [DRIVE, SLIDE], ids=["drive", "slide"])
+def test_the_numbers_of_the_bench_are_found_again(model):
+    runs = [run_bench(model, seed=4, index=k, bench=Bench(duration=20.0)) for k in range(2)]
+    fit = identify(model, [run.recording for run in runs], optimisers=(), physical=True)
+    assert fit.certificate.holds and fit.to_json()["joints"] == list(model.joint_names)
+    for estimate, true in zip(fit.estimates, runs[0].true.linear, strict=True):
+        assert abs(estimate.value - true) < 0.1 * abs(true) + 1e-3, estimate
+    assert len(fit.plot().axes) == 4
+
+
+def test_a_joint_that_rests_most_of_the_time_makes_no_outliers():
+    run = run_bench(SLIDE, seed=1, bench=Bench(duration=20.0)).recording
+    step = float(np.median(np.diff(run.t)))
+    count = 3 * len(run)
+    rng = np.random.default_rng(0)
+    rest = run.q[-1] + 1e-7 * rng.standard_normal((count, 1)), run.tau[-1] + 0.1 * rng.standard_normal((count, 1))
+    t = np.concatenate([run.t, run.t[-1] + step * np.arange(1, count + 1)])
+    longer = replace(
+        run, t=t, q=np.concatenate([run.q, rest[0]]), tau=np.concatenate([run.tau, rest[1]]), valid=None, row=None
+    )
+    assert prepare(SLIDE, [longer], cutoff=6.0).train[0].outliers.max() < 0.15
+
+
+def test_recordings_of_another_machine_are_refused():
+    run = run_bench(DRIVE, seed=4, bench=Bench(duration=5.0)).recording
+    with pytest.raises(RecordingError, match="machine with drive, the model has stage"):
+        prepare(SLIDE, [run])
+    unnamed = replace(run, joints=(Joint("joint1", length=1.0),))
+    assert prepare(DRIVE, [unnamed]).joints == DRIVE.joints
