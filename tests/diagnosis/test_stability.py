@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+from diagnosis.discover import discover
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.gain import robust_weight
 from diagnosis.evidence.stability import Splits, splits_of
@@ -16,6 +17,10 @@ from diagnosis.results import stability_of
 from diagnosis.rules import RULES
 from diagnosis.search.doubt import doubt, on_bound, small_while_far, too_short, undetermined
 from diagnosis.search.possible import agreements_of, possible_of
+from measurement.bench.hidden import Hidden
+from measurement.bench.simulation import Bench, simulate_runs
+from symbolic.catalogue import catalogue
+from symbolic.model import Model
 
 OFFSET = {"torque_offset:knee": ([0.6], [])}
 
@@ -142,3 +147,15 @@ def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
     assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
     after = state_with(context, "torque_offset:knee").last
     assert doubt(after, after, context.prepared.noise_floor, RULES) == text
+
+
+@pytest.mark.slow
+def test_splits_are_searched_from_scratch():
+    hidden = (Hidden(catalogue()["rotor_inertia"], "knee", {"c": 0.4}),)
+    runs = simulate_runs(3, effects=hidden, seed=4, bench=Bench(duration=10.0))
+    found = discover(Model.standard(), [run.recording for run in runs], splits="all")
+    (one,) = found.accepted
+    assert one.name == "rotor_inertia:knee"
+    assert one.agreement.of == 3 and one.agreement.accepted >= 2
+    low, high = one.agreement.ranges["c"]
+    assert 0.2 < low <= one.parameters["c"].value <= high < 0.6
