@@ -107,7 +107,7 @@ class Rules:
         "part of the average information with which a split can tell: a stop met in few files is lost",
     )
 
-    placebos: int = _rule(PLACEBO, 1499, "placebos of a candidate; no p-value can be below one over one more")
+    placebos: int = _rule(PLACEBO, 1499, "least placebos; no p-value is below one over one more, many entries get more")
     placebo_for: int = _rule(PLACEBO, 12, "candidates that get placebos, the best ones; the others count with p = 1")
     placebo_nodes: int = _rule(PLACEBO, 100, "nodes in the search of a placebo; neighbours resemble each other")
     telegraph: float = _rule(PLACEBO, 3.0, "seconds between changes of sign in the placebo of a constant")

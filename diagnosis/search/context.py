@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -26,6 +27,8 @@ from symbolic.motion import Float
 
 Progress = Callable[[float, str], None]
 Ranked = tuple[Evidence, list[Score]]
+RESOLUTION = 1.2
+"""How much finer than the strictest p-value of a ranking its placebos resolve."""
 
 
 def silent(fraction: float, text: str) -> None:
@@ -112,10 +115,15 @@ class SearchContext:
         key = self.key(extension)
         if key not in self.ranked:
             low, high = _span(step)
-            evidence = self.evidence(extension)
+            evidence = self.evidence(extension, self._draws())
             tick: Progress = lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}")  # noqa: E731
             self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
         return self.ranked[key]
+
+    def _draws(self) -> int:
+        """Return how many placebos a candidate gets: enough that one among so many candidates can be significant."""
+        wanted = RESOLUTION * len(self.library.candidates) / self.rules.false_discovery_rate
+        return max(self.rules.placebos, math.ceil(wanted))
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
         """Weigh a candidate against the model of `extension`, without placebos and splits."""

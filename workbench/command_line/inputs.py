@@ -63,6 +63,10 @@ def load(args: argparse.Namespace) -> Inputs:
     from measurement.reading.sources import expand
 
     model = load_model(getattr(args, "model", None), any_machine=True)
+    most = getattr(args, "limit", None) or (0.0,)
+    if len(most) not in (1, len(model.joints)):
+        remedy = f"give one, or one per joint as {','.join(model.joint_names)}"
+        raise UsageError(f"--limit has {len(most)} numbers", where="--limit", remedy=remedy)
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
     expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups

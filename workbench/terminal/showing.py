@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from workbench.command_line.parser import UsageError
 from workbench.report.material import Steps
 from workbench.report.sections.verdict import WORDS, term
 from workbench.terminal.screen import Screen, bar
@@ -191,11 +190,7 @@ def percent(share: float | None) -> str:
 
 def above(limit: Sequence[float] | None, rms: Iterable[float]) -> bool:
     """Whether an error asked to stay at or below `limit`, (1,) or (J,), is above it at any joint (or not a number)."""
-    errors = [*rms]
-    if limit is not None and len(limit) not in (1, len(errors)):
-        remedy = "give one for all, or one per joint"
-        raise UsageError(f"{len(limit)} limits for {len(errors)} joints", where="--limit", remedy=remedy)
-    return limit is not None and not all(x <= limit[j % len(limit)] for j, x in enumerate(errors))
+    return limit is not None and not all(x <= limit[j % len(limit)] for j, x in enumerate(rms))
 
 
 def truth_sentence(truth: Any) -> str:

@@ -1,0 +1,99 @@
+"""URDF files: the planar machine in them, and why there is none."""
+
+import numpy as np
+import pytest
+
+from symbolic import read_model
+from symbolic.robot_file import RobotFileError, planar_machine, read_robot
+from workbench.command import main
+
+LEG = """<?xml version="1.0"?>
+<robot name="walker">
+  <link name="pelvis"/>
+  <link name="thigh"><inertial><origin xyz="0 0.05 -0.2"/><mass value="4"/></inertial></link>
+  <link name="shank"><inertial><origin xyz="0 0 -0.2"/><mass value="3"/></inertial></link>
+  <link name="foot"><inertial><origin xyz="0.06 0 -0.05"/><mass value="1"/></inertial></link>
+  <link name="cover"/>
+  <joint name="hip-yaw" type="revolute"><parent link="base"/><child link="pelvis"/><axis xyz="0 0 1"/></joint>
+  <joint name="hip" type="revolute"><parent link="pelvis"/><child link="thigh"/><origin xyz="0 0.1 0"/>
+    <axis xyz="0 -1 0"/><limit lower="-0.3" upper="1.2" velocity="1.9" effort="80"/></joint>
+  <joint name="knee" type="revolute"><parent link="thigh"/><child link="shank"/>
+    <origin xyz="0 0.02 -0.42" rpy="0 0 1.5707963267948966"/><axis xyz="-1 0 0"/></joint>
+  <joint name="plate" type="fixed"><parent link="shank"/><child link="cover"/></joint>
+  <joint name="ankle" type="continuous"><parent link="cover"/><child link="foot"/>
+    <origin xyz="0 0 -0.4" rpy="0 0 -1.5707963267948966"/><axis xyz="0 -1 0"/></joint>
+</robot>
+"""
+
+
+def robot(folder, text=LEG):
+    path = folder / "robot.urdf"
+    path.write_text(text, encoding="utf-8")
+    return read_robot(path)
+
+
+def test_a_leg_with_ankle(tmp_path, monkeypatch, capsys):
+    robot(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert main(["model", "--from-urdf", "robot.urdf", "--joints", "hip,knee,ankle", "--json", "-"]) == 0
+    model = read_model("walker.toml")
+    assert model.joint_names == ("hip", "knee", "ankle") and model.gravity == 9.81
+    assert [joint.length for joint in model.joints] == [0.42, pytest.approx(0.4), None]
+    assert model.limits["hip"].angle == (-0.3, 1.2) and model.limits["hip"].velocity == 1.9
+    assert [term.name for term in model.terms] == ["com_offset:ankle"], "the foot points forwards"
+    assert '"in_the_file"' in capsys.readouterr().out
+
+
+def test_one_sliding_drive_without_gravity(tmp_path):
+    found = planar_machine(robot(tmp_path, '<robot name="emps"><joint name="drive-1" type="prismatic">'
+                                 '<parent link="a"/><child link="b"/><axis xyz="1 0 0"/></joint></robot>'))  # fmt: skip
+    (joint,) = found.model.joints
+    assert (joint.name, joint.kind) == ("drive_1", "prismatic")
+    assert found.notes == ("joint 'drive-1' is called drive_1 in the model",)
+
+
+def test_a_flat_plane_has_no_gravity(tmp_path):
+    text = LEG.replace('<origin xyz="0 0.1 0"/>', '<origin xyz="0 0.1 0" rpy="1.5707963267948966 0 0"/>')
+    assert planar_machine(robot(tmp_path, text), ["hip", "knee", "ankle"]).model.gravity == 0.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "joints", "message"),
+    [
+        ("", "", "hip-yaw,hip", "not parallel"),
+        ("", "", "", "not parallel"),
+        ("", "", "hip,kne", "did you mean knee"),
+        ("", "", "hip,plate", "'plate' is fixed"),
+        ("", "", "knee,hip", "named after it"),
+        ("", "", "hip,hip", "named twice"),
+        ('<axis xyz="-1 0 0"/>', '<axis xyz="1 0 0"/>', "hip,knee", "opposite signs"),
+        ('xyz="0 0.02 -0.42"', 'xyz="0.2 0.02 -0.42"', "hip,knee", "away from straight down"),
+        ('xyz="0 0.1 0"/>', 'xyz="0 0.1 0" rpy="0.5 0 0"/>', "hip,knee", "neither upright nor flat"),
+        ('xyz="0 0 -0.4"', 'xyz="0 0 a"', "hip", "is not 3 numbers"),
+        ("<robot", "<model", "hip", "not valid XML"),
+    ],
+)
+def test_what_is_no_planar_machine_is_refused_in_words(tmp_path, old, new, joints, message):
+    with pytest.raises(RobotFileError, match=message):
+        planar_machine(robot(tmp_path, LEG.replace(old, new, 1)), [name for name in joints.split(",") if name])
+
+
+def test_a_zero_that_is_elsewhere_is_told_with_the_angle_to_add(tmp_path):
+    text = LEG.replace('<axis xyz="0 -1 0"/><limit', '<axis xyz="0 -1 0"/><limit', 1)
+    text = text.replace('xyz="0 0.02 -0.42" rpy', f'xyz="{0.42 * np.sin(0.3)} 0.02 {-0.42 * np.cos(0.3)}" rpy')
+    with pytest.raises(RobotFileError, match=r"add 0\.3 rad to the recorded angle"):
+        planar_machine(robot(tmp_path, text), ["hip", "knee"])
+
+
+def test_entities_are_not_expanded(tmp_path):
+    bomb = '<?xml version="1.0"?><!DOCTYPE robot [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><robot name="&b;"/>'
+    for encoding in ("utf-8", "utf-16"):
+        path = tmp_path / f"{encoding}.urdf"
+        path.write_text(bomb, encoding=encoding)
+        with pytest.raises(RobotFileError, match="entities are not expanded"):
+            read_robot(path)
+    with pytest.raises(RobotFileError, match="deep"):
+        robot(tmp_path, "<robot>" * 100)
+    with pytest.raises(RobotFileError, match="go round"):
+        robot(tmp_path, '<robot><joint name="a"><parent link="x"/><child link="y"/></joint>'
+              '<joint name="b"><parent link="y"/><child link="x"/></joint></robot>')  # fmt: skip
