@@ -28,7 +28,7 @@ from symbolic.evaluation import (
     vector,
 )
 from symbolic.language.deflection import STATES
-from symbolic.language.torque import is_transform, torques, uses_feedback, uses_slopes
+from symbolic.language.torque import is_transform, part_of, torques, uses_feedback, uses_slopes
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -135,17 +135,20 @@ def _moved(motion: Motion, field: str, joint: int) -> list[tuple[float, Motion, 
     return kept[field, joint]
 
 
-def derived_columns(model: Model, motion: Motion, shape: Float, reference: Float) -> Float:
-    """Return the columns (J, N, m) of the model's last effect alone, one that changes the mechanism; arguments as of
-    `columns`.
+def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Float) -> Float:
+    """Return the columns (V, J, m, N) of the model's last effect alone, one that changes the mechanism, at V rows of
+    `shapes` (V, S); other arguments as of `columns`.
     """
     count = len(model.terms[-1].effect.coefficients)
     if any(is_transform(term) for term in model.terms):
-        return model_columns(model, motion, shape, reference)[:, :, len(model.parameters) - count :]
-    bare, at = rigid_model(model), shape_values(model, shape)
-    shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
+        first = len(model.parameters) - count
+        whole = [model_columns(model, motion, shape, reference)[:, :, first:] for shape in shapes]
+        return np.swapaxes(np.stack(whole), 2, 3)
+    bare = rigid_model(model)
+    names = [entry.name for entry in model.shapes]
+    own = shapes[:, [names.index(entry.name) for entry in bare.shapes]]
     chosen = base_places(model)
-    return compiled(bare).pointwise(motion, carrying(motion, reference)[chosen], shapes, len(chosen) - count)
+    return compiled(bare).columns_at(motion, carrying(motion, reference)[chosen], own, len(chosen) - count)
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...], bool], Float]] = WeakKeyDictionary()
@@ -177,5 +180,6 @@ def _add(term: Term, env: dict[str, Float | float], motion: Motion, out: Float, 
     for torque in torques(term):
         for key in keys:
             if key in torque.names:
-                unit = {other: float(other == key) for other in keys}
-                out[torque.joint, :, place[f"{term.name}.{key}"]] = torque_values(torque, {**env, **unit}, motion)
+                out[torque.joint, :, place[f"{term.name}.{key}"]] = torque_values(
+                    part_of(torque, key, keys), env, motion
+                )

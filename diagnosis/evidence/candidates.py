@@ -24,7 +24,7 @@ from symbolic.columns import derived_columns, slopes_of
 from symbolic.effect import Effect, Shape
 from symbolic.evaluation import carrying, motion_words, torque_values
 from symbolic.language.instant import split_memory
-from symbolic.language.torque import Torque, torques
+from symbolic.language.torque import Torque, part_of, torques
 from symbolic.language.words import FEEDBACK
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -184,9 +184,8 @@ def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording
         raw = _derived(candidate.term, one, fitted, nodes)
     else:
         raw = _texts(candidate, nodes, one, fitted)
-    # (V, A, N, m) -> time first, filter all nodes in one pass, and back
-    filtered = one.smooth(np.moveaxis(raw, 2, 0), candidate.joints, 2)
-    return Columns(candidate.joints, np.ascontiguousarray(np.moveaxis(filtered, 0, 2)))
+    filtered = one.smooth_rows(np.ascontiguousarray(raw), candidate.joints, 1)  # (V, A, m, N), all in one pass
+    return Columns(candidate.joints, np.swapaxes(filtered, 2, 3))
 
 
 def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
@@ -196,20 +195,20 @@ def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: F
     if _feeds_back(term):
         words |= own_torques(fitted, one)
         words |= slopes_of(fitted.model, (term,), motion, carrying(motion, fitted.linear), fitted.shape)
-    out = np.zeros((len(nodes), len(candidate.joints), len(motion), len(keys)))
+    out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
     for torque in torques(term):
         place = candidate.joints.index(torque.joint)
         for m, key in enumerate(keys):
             if key in torque.names:
-                unit = {other: float(other == key) for other in keys}
-                out[:, place, :, m] = _at_nodes(torque, {**words, **unit}, shape_keys, nodes, motion)
+                out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion)
+    out[np.isnan(out).any(axis=(1, 2, 3))] = 0.0  # zero, so that such a node is never chosen
     return out
 
 
 def _at_nodes(
     torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
 ) -> Float:
-    """Return a torque (V, N) at every node; zero, so that it is never chosen, where it is not finite."""
+    """Return a torque (V, N) at every node; NaN where it is not finite."""
     if split_memory(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
         return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
     shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
@@ -225,7 +224,7 @@ def _at_node(
     try:
         return torque_values(torque, {**words, **dict(zip(keys, map(float, node), strict=True))}, motion)
     except ExpressionError:
-        return np.zeros(len(motion))
+        return np.full(len(motion), np.nan)
 
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
@@ -241,7 +240,7 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
 
 
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
-    """Return ∂τ/∂(the term's number) (A, N, 1) at zero; the model gets the term with a small value of it."""
+    """Return ∂τ/∂(the term's number) (A, 1, N) at zero; the model gets the term with a small value of it."""
     extended = fitted.model.with_effect(term.effect, term.joint)
     entries = [s.shape for s in extended.shapes[len(fitted.model.shapes) :]]
     step = TANGENT_STEP * (entries[0].max - entries[0].min)
@@ -250,24 +249,23 @@ def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
         value = [sign * step, *(s.typical or 0.5 * (s.min + s.max) for s in entries[1:])]
         sides.append(extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, value])))
     slope = (sides[0] - sides[1]) / (2.0 * step)
-    return slope.T[list(term.reaches)][:, :, None]
+    return slope.T[list(term.reaches)][:, None]
 
 
 def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
-    """Return by how much the term changes the model's torque (V, A, N, 1) at `nodes` (V, S) of its numbers."""
+    """Return by how much the term changes the model's torque (V, A, 1, N) at `nodes` (V, S) of its numbers."""
     extended = fitted.model.with_effect(term.effect, term.joint)
     still = fitted.model.torque(one.motion, fitted.linear, fitted.shape)
     joints = list(term.reaches)
     different, back = np.unique(nodes, axis=0, return_inverse=True)
     torques = [extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, node])) for node in different]
-    return np.stack([(torque - still).T[joints] for torque in torques])[back.ravel()][..., None]
+    return np.stack([(torque - still).T[joints] for torque in torques])[back.ravel()][:, :, None]
 
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
-    """Return the new columns (V, A, N, m) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
+    """Return the new columns (V, A, m, N) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
     extended = fitted.model.with_effect(term.effect, term.joint)
     new = len(extended.parameters) - len(fitted.model.parameters)
     reference = np.concatenate([fitted.linear, np.zeros(new)])
-    shapes = [np.concatenate([fitted.shape, node]) for node in nodes]
-    joints = list(term.reaches)
-    return np.stack([derived_columns(extended, one.motion, shape, reference)[joints] for shape in shapes])
+    shapes = np.column_stack([np.tile(fitted.shape, (len(nodes), 1)), nodes])
+    return derived_columns(extended, one.motion, shapes, reference)[:, list(term.reaches)]

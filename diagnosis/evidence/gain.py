@@ -368,15 +368,19 @@ def fit_candidate(
     g = sum(gram.g for gram in grams)
     h = sum(gram.h for gram in grams)
     a = sum(gram.a for gram in grams)
-    projected = inverse @ g
-    schur = h - np.swapaxes(g, 1, 2) @ projected
+    # Without products of one small matrix for each draw: NumPy takes longer to begin them than to do them.
+    lean = np.tensordot(np.swapaxes(g, 1, 2), inverse, 1)  # (D, m, P); the inverse is symmetric
+    schur = h - np.einsum("dmp,dpn->dmn", lean, g)
     scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
     # A column that the fitted units hardly show must not escape the ridge by being small.
     scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
     normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge[0] * np.eye(schur.shape[1])
     right = a - step @ g
-    coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale
-    base = step - (projected @ coefficients[:, :, None])[:, :, 0]
+    if right.shape[1] == 1:
+        coefficients = right / scale / normal[:, 0] / scale
+    else:
+        coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale
+    base = step - np.einsum("dmp,dm->dp", lean, coefficients)
     return coefficients, base, np.sum(coefficients * right, axis=1)
 
 
@@ -391,7 +395,7 @@ def _split_gain(split: tuple, grams: Sequence[Gram], ridge: tuple[float, float])
         - 2.0 * base @ slope
         - 2.0 * np.sum(coefficients * a, axis=1)
         + np.sum((base @ gram) * base, axis=1)
-        + 2.0 * np.sum(base * (g @ coefficients[:, :, None])[:, :, 0], axis=1)
-        + np.sum(coefficients * (h @ coefficients[:, :, None])[:, :, 0], axis=1)
+        + 2.0 * np.sum(base * np.einsum("dpm,dm->dp", g, coefficients), axis=1)
+        + np.sum(coefficients * np.einsum("dmn,dn->dm", h, coefficients), axis=1)
     )
     return loss - after, coefficients

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
 from ground.html import bullets, lines
 from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.joints import LEG, UNITS, Joint
 from symbolic.motion import Float
@@ -416,8 +418,21 @@ def signal_of(one: PreparedRecording, now: FittedModel, variable: str, joint: in
     return np.abs(signal) if factor == "sign" and stem == "dq" else signal
 
 
+_KEPT: WeakKeyDictionary[Prepared, dict[tuple[str, int, str, int], _Splines | None]] = WeakKeyDictionary()
+"""Splines on recordings that are still in use: a search asks for the same ones against every model."""
+
+
 def _splines(now: FittedModel, variable: str, joint: int, factor: str, knots: int) -> _Splines | None:
     """Return splines over the range of `variable` on the training motion; None where it does not vary or apply."""
+    if variable == "load":  # that of the model at its numbers
+        return _made(now, variable, joint, factor, knots)
+    kept, key = _KEPT.setdefault(now.prepared, {}), (variable, joint, factor, knots)
+    if key not in kept:
+        kept[key] = _made(now, variable, joint, factor, knots)
+    return kept[key]
+
+
+def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) -> _Splines | None:
     from scipy.interpolate import BSpline
 
     if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":

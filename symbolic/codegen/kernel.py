@@ -107,6 +107,17 @@ class Compiled:
         """
         return self._pointwise(motion, linear, shape, None, first)
 
+    def columns_at(self, motion: Motion, linear: Float, shapes: Float, first: int = 0) -> Float:
+        """Return what `pointwise` does at each of `shapes` (V, S), with time last: (V, J, P - first, N)."""
+        state, memory = self._state(motion), np.zeros((len(motion), len(memory_operations(self.model))))
+        out = np.zeros((len(shapes), len(self.model.joints), len(self.model.parameters) - first, len(motion)))
+        for columns, shape in zip(out, shapes, strict=True):
+            values = self._run("columns", state, linear, shape, memory, None)
+            for k, (joint, parameter) in enumerate(self.entries):
+                if parameter >= first:
+                    columns[joint, parameter - first] += values[:, k]
+        return out
+
     def _state(self, motion: Motion) -> Float:
         state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
         if self.model.moving_base:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from symbolic.language.deflection import SLOPES
 from symbolic.language.dimensions import check_dimensions
+from symbolic.language.linearity import LINEAR_OPERATORS
 from symbolic.language.tokens import refusal
-from symbolic.language.tree import Binary, Call, Name, Node, Unary
+from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary
 from symbolic.language.words import FEEDBACK, MODEL_TORQUE, joint_of, read_text, stem_of, word_dimension
 from symbolic.units import FORCE, TORQUE, dimension
 
@@ -71,6 +72,48 @@ def _parsed(joint: int, text: str, own: bool, numbers: tuple[str, ...], names: t
 
     node = numbered(read)
     return Torque(joint, text, node, node.names())
+
+
+@lru_cache(maxsize=1024)
+def part_of(torque: Torque, key: str, keys: tuple[str, ...]) -> Torque:
+    """Return what coefficient `key`, one of `keys`, multiplies in a torque: itself at one, the others at zero, and what
+    is zero then left out.
+    """
+    values = {name: Number(float(name == key)) for name in keys}
+
+    def part(node: Node) -> Node:
+        if isinstance(node, Name):
+            return values.get(node.name, node)
+        if isinstance(node, Unary):
+            operand = part(node.operand)
+            return operand if operand == NOTHING else Unary(node.operator, operand, node.span)
+        if isinstance(node, Binary):
+            return _without_zeros(node, part(node.left), part(node.right))
+        if isinstance(node, Call):
+            arguments = tuple(part(argument) for argument in node.arguments)
+            linear = node.function in LINEAR_OPERATORS and arguments[0] == NOTHING
+            return NOTHING if linear else Call(node.function, arguments, node.span)
+        return node
+
+    node = part(torque.node)
+    return Torque(torque.joint, torque.text, node, node.names())
+
+
+NOTHING, ONE = Number(0.0), Number(1.0)
+
+
+def _without_zeros(node: Binary, left: Node, right: Node) -> Node:
+    if node.operator == "*" and NOTHING in (left, right):
+        return NOTHING
+    if node.operator == "*" and ONE in (left, right):
+        return right if left == ONE else left
+    if node.operator == "/" and left == NOTHING:
+        return NOTHING
+    if node.operator in "+-" and right == NOTHING:
+        return left
+    if node.operator in "+-" and left == NOTHING:
+        return right if node.operator == "+" else Unary("-", right, node.span)
+    return Binary(node.operator, left, right, node.span)
 
 
 def _counted_from(first: int, word: str, names: tuple[str, ...]) -> int | None:
