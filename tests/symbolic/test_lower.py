@@ -9,13 +9,11 @@ from hypothesis import strategies as st
 from matplotlib.mathtext import MathTextParser
 
 from ground.errors import ExpressionError
-from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.parser import parse
-from symbolic.language.torque import part_of, torques
+from symbolic.language.torque import Torque, part_of
 from symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
 from symbolic.language.writing import to_latex, to_text
-from symbolic.term import Term
 
 NAMES = ("theta1", "dtheta2", "c", "v_s")
 STATES = np.array([[0.3, -0.7, 0.9, 0.2], [-0.4, 0.6, -1.0, 0.5], [0.8, 1.0, 0.1, 0.7]]).T
@@ -168,11 +166,10 @@ def test_plain_text_keeps_the_brackets_it_needs(text):
 def test_a_coefficient_alone_is_the_text_without_the_others():
     rng = np.random.default_rng(5)
     env = {"theta1": rng.normal(size=9), "dtheta1": rng.normal(size=9), "t": np.arange(9.0), "w": 0.7}
-    texts = ("a * sin(w * theta) - b * cos(theta)", "-(b / 2) * dtheta + a * delay(theta, w)", "ddt(a * theta - b * w)")
+    texts = ("a * sin(w * theta1) - b * theta1", "-(b / 2) * dtheta1 + a * delay(theta1, w)", "ddt(a * theta1 - b)")
     for text in texts:
-        coefficients = {"a": Coefficient("N·m"), "b": Coefficient("N·m")}
-        effect = Effect("e", "t", text, None, ("hip",), coefficients, {"w": Shape("1", 0.1, 1.0)}, custom=True)
-        (torque,) = torques(Term(effect, "hip"))
+        node = parse(text, ["a", "b", *env])
+        torque = Torque(0, text, node, node.names())
         for key in ("a", "b"):
             whole = to_numpy(torque.node, {**env, "a": float(key == "a"), "b": float(key == "b")})
             alone = part_of(torque, key, ("a", "b"))

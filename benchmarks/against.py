@@ -1,0 +1,101 @@
+"""This checkout against another one, in one run: `python benchmarks/against.py OTHER RUN.csv ... --verify RUN.csv`.
+
+Every row is measured in processes of its own, each time the two checkouts in turn, and the smaller CPU time of each
+counts; all are single threaded, and what is compiled is compiled before. Prints ratios; nothing is asserted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+PREPARE = """
+import json, sys, time
+train, verify = json.loads(sys.argv[1])
+now = time.process_time
+"""
+READ = """
+from measurement import read_recording
+from symbolic import Model
+train, verify = ([read_recording(path) for path in group] for group in (train, verify))
+"""
+ROWS = {
+    "imports of compare": """
+began = now()
+import workbench.command
+from diagnosis import compare
+from measurement import read_recording
+from symbolic import Model
+""",
+    "reading the files": """
+from measurement import read_recording
+began = now()
+for path in (*train, *verify):
+    read_recording(path)
+""",
+    "choosing the cut-off": READ + """
+from optimisation import prepare
+began = now()
+prepare(Model.standard(), train, verify)
+""",
+    "compare": READ + """
+from diagnosis import compare
+began = now()
+compare(Model.standard(), train, verify)
+""",
+    "discover": READ + """
+from diagnosis import discover
+began = now()
+found = discover(Model.standard(), train, verify)
+""",
+}
+REFIT = READ + """
+from optimisation import identify
+from optimisation import prepare
+prepared = prepare(Model.standard(), train, verify, cutoff=5.0)
+model = Model.standard().with_effect({effect!r}, "knee")
+began = now()
+identify(model, prepared.train, optimisers=())
+"""
+EFFECTS = ("load_friction", "stribeck", "time_delay", "end_stop", "backlash", "hysteresis")
+
+
+def seconds(checkout: Path, code: str, files: str) -> float:
+    """Return the CPU time in s that `code` takes from its own beginning on in a checkout."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    whole = f"{PREPARE}{code}\nprint(now() - began)"
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", whole, files],
+        cwd=checkout, env=environment, check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    return float(done.stdout.split()[-1])
+
+
+def main() -> None:
+    """Measure and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("other", type=Path)
+    parser.add_argument("train", nargs="+")
+    parser.add_argument("--verify", nargs="*", default=[])
+    parser.add_argument("--repeats", type=int, default=2)
+    parser.add_argument("--only", nargs="*", default=[], help="rows whose names begin so")
+    args = parser.parse_args()
+    files = json.dumps([[str(Path(f).resolve()) for f in group] for group in (args.train, args.verify)])
+    rows = ROWS | {f"fit with {effect}": REFIT.format(effect=effect) for effect in EFFECTS}
+    for name, code in rows.items():
+        if args.only and not name.startswith(tuple(args.only)):
+            continue
+        times = [[seconds(folder, code, files) for folder in (args.other, ROOT)] for _ in range(args.repeats + 1)]
+        other, own = (min(pair[k] for pair in times[1:]) for k in (0, 1))
+        sys.stdout.write(f"{name:24} {other:7.2f} s  {own:7.2f} s  {other / own:5.1f} times faster\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
