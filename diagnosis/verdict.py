@@ -179,7 +179,8 @@ def _deciding(alike: Sequence[Accepted]) -> str:
     parts = []
     for one in alike:
         if one.never_separable:
-            parts.append(f"no motion tells {one.name} from {', '.join(one.never_separable)}: look at the machine")
+            others = ", ".join(one.never_separable)
+            parts.append(f"no motion can distinguish {one.name} from {others}: inspect the hardware")
         apart = [name for name in one.look_alikes if name not in one.never_separable]
         if apart:
             parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")

@@ -34,7 +34,7 @@ def write_updater(
     function = _columns(model, numbers)
     linear = np.array([numbers.linear[p.name] for p in model.parameters])
     filters = Filters(1.0 / sample_time, cutoff)
-    unit = scale_of(model, numbers)
+    unit = residual_scale(model, numbers)
     start = first_estimator(model, linear, unit, filters.working / filters.stride)
     joints, count = len(model.joints), len(model.parameters)
     values = {
@@ -54,7 +54,7 @@ def write_updater(
     return {f"{name}_updater.h": _fill(_HEADER, values), f"{name}_updater.c": _fill(_SOURCE, values)}
 
 
-def scale_of(model: Model, numbers: Numbers) -> np.ndarray:
+def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:
     """Return the scale (J,) of the residual at first, N·m."""
     if numbers.delta is None:
         return np.full(len(model.joints), USUAL_SCALE)

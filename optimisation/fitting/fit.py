@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ground.html import bullets, lines, table
 from ground.plain import plain_dict
 from measurement.finding import Finding
@@ -62,6 +64,7 @@ class Fit:
     `best_known` says that shape parameters were searched, so that only the linear part carries a proof.
     `plausibility` is what to be careful about. `held` says what asking for a possible leg changed; None where nobody
     asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
+    `spacing`: s between samples.
     """
 
     model: FittableModel
@@ -85,6 +88,7 @@ class Fit:
     recordings: tuple[str, ...]
     held: Held | None = None
     agreeing: tuple[int, int] | None = None
+    spacing: float = 1.0
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -177,6 +181,7 @@ class Fit:
         used = list(zip(self.data.tau, self.residual, self.data.use, strict=True))
         return fit_figure(
             joints=self.joints,
+            t=[np.asarray(self.spacing * np.flatnonzero(use), float) for _, _, use in used],
             torque=[tau[use] for tau, _, use in used],
             residual=[residual[use] for _, residual, use in used],
             delta=self.delta,

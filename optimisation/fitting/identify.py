@@ -143,7 +143,14 @@ def identify(
         recordings=tuple(one.name for one in data),
         held=changed,
         agreeing=agreeing,
+        spacing=_spacing(data[0]),
     )
+
+
+def _spacing(one: FilteredRecording) -> float:
+    """Return s between the samples kept: those of the motion, or every second, third, ... of them."""
+    t = one.motion.t
+    return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.tau))))
 
 
 def _prepared(

@@ -23,6 +23,7 @@ History = tuple[Float, Float]
 
 def fit_figure(
     joints: Sequence[Joint],
+    t: Sequence[Float],
     torque: Sequence[Float],
     residual: Sequence[Float],
     delta: Float,
@@ -33,15 +34,15 @@ def fit_figure(
 ) -> Figure:
     """Draw residuals per joint, relative intervals, and convergence where optimisers ran.
 
-    `torque` and `residual` hold the samples used of each of `joints` (N,), with δ (J,) as the border of the Huber
-    loss; `optimum` is certified to the relative `tolerance`.
+    `torque` and `residual` hold the samples used of each of `joints` (N,) at `t` s, the recordings end to end, with δ
+    (J,) as the border of the Huber loss; `optimum` is certified to the relative `tolerance`.
     """
     with figure_style():
         rows = -(-(len(joints) + 2) // 2)
         figure = new_figure(11.0, 3.5 * rows)
         *panels, intervals, convergence = figure.subplots(rows, 2).ravel()
         for j, (joint, axes) in enumerate(zip(joints, panels, strict=False)):
-            _residual(joint, torque[j], residual[j], float(delta[j]), axes)
+            _residual(joint, t[j], torque[j], residual[j], float(delta[j]), axes)
         for axes in panels[len(joints) :]:
             axes.set_visible(False)
         _intervals(estimates, intervals)
@@ -49,14 +50,15 @@ def fit_figure(
     return figure
 
 
-def _residual(joint: Joint, torque: Float, residual: Float, delta: float, axes: Axes) -> None:
-    axes.plot(torque, color=ROLE_COLOURS["measured"], linewidth=0.8, label="torque")
-    axes.plot(residual, color=ROLE_COLOURS["residual"], linewidth=0.8, label="residual")
+def _residual(joint: Joint, t: Float, torque: Float, residual: Float, delta: float, axes: Axes) -> None:
+    axes.plot(t, torque, color=ROLE_COLOURS["measured"], linewidth=0.8, label="torque")
+    axes.plot(t, residual, color=ROLE_COLOURS["residual"], linewidth=0.8, label="residual")
     for border in (-delta, delta):
         axes.axhline(border, color=FAINT, linewidth=0.6, linestyle=":")
     rms = float(np.sqrt(np.mean(residual**2))) if len(residual) else 0.0
     unit = joint.unit("tau")
-    axes.set(title=f"{joint.name}: rms {rms:.3g} {unit}", xlabel="sample", ylabel=label("torque", unit))
+    axes.set(title=f"{joint.name}: rms {rms:.3g} {unit}", ylabel=label("torque", unit))
+    axes.set(xlabel=label("time, recordings end to end", "s"))
     axes.legend(loc="upper right", fontsize="small")
 
 

@@ -1,4 +1,4 @@
-"""A recording that tells another story is named, with what it says and what the others say; none is named otherwise."""
+"""A recording that contradicts the others is named, with what it and what they say; none is named otherwise."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from ground.errors import ExoidError
 from measurement.bench.simulation import Bench, simulate
 from symbolic.model import Model
 from symbolic.model_file import Numbers
-from workbench.updater import scale_of, write_updater
+from workbench.updater import residual_scale, write_updater
 
 COMPILER = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
 NUMBERS = Numbers(
@@ -44,7 +44,8 @@ def test_c_and_python_agree_to_1e_9(tmp_path, rate):
     state = (ctypes.c_double * 20000)()
     pair = ctypes.c_double * 2
     c.leg_updater_init(state)
-    python = Updater(model, np.array([*NUMBERS.linear.values()]), np.zeros(0), scale_of(model, NUMBERS), rate, CUTOFF)
+    at = residual_scale(model, NUMBERS)
+    python = Updater(model, np.array([*NUMBERS.linear.values()]), np.zeros(0), at, rate, CUTOFF)
     updates = 0
     t = np.arange(len(run)) / rate
     for now, q, tau in zip(t, run.q, run.tau, strict=True):
