@@ -87,8 +87,9 @@ class Detector:
             seen = total > LEAST_POWER * span * usual
             total = np.where(seen, total, 1.0)
             wants = np.sum([s.slope for s in last], axis=0) / total
-            variance = self.noise / total + spread * (1.0 / span + 1.0 / count) + self.noise / power.sum(axis=0)
-            size = np.where(seen, np.abs(wants - middle) / np.sqrt(variance), 0.0)
+            variance = self.noise / total + spread * (1.0 / span + 1.0 / count)
+            variance = variance + self.noise / np.maximum(power.sum(axis=0), 1e-300)
+            size = np.where(seen & (usual > 0.0), np.abs(wants - middle) / np.sqrt(variance), 0.0)
             column = int(np.argmax(size))
             if size[column] > best.size:
                 best = Deviation(float(size[column]), column, span, limit)

@@ -94,14 +94,15 @@ class Estimator:
         """Take one sample: `columns` (J, P), torque (J,) N·m and which joints can be used."""
         if not any(use):
             return
-        before = self.linear
+        rows = []
         for j, row in enumerate(columns):
             if use[j]:
-                left = tau[j] - row @ before
-                self._rotate(row, tau[j], np.sqrt(self._weight(j, left)))
+                left = tau[j] - row @ self.linear
+                rows.append(np.append(row, tau[j]) * np.sqrt(self._weight(j, left)))
                 self.scale[j] = np.sqrt(
                     self.scale[j] ** 2 + self.follow * (min(left**2, (3.0 * self.scale[j]) ** 2) - self.scale[j] ** 2)
                 )
+        self._rotate(rows)
         inverse = np.linalg.inv(self.root)
         self.linear = inverse @ self.right
         variance = np.sum(inverse**2, axis=1)
@@ -130,19 +131,13 @@ class Estimator:
         scale = float(self.scale[joint])
         return min(1.0, ROBUST * scale / max(abs(left), 1e-300)) / self.unit[joint] ** 2
 
-    def _rotate(self, row: Float, value: float, weight: float) -> None:
-        """Rotate a weighted row into the triangle by Givens rotations."""
-        root, right = self.root, self.right
-        row, value = row * weight, value * weight
-        for k in range(row.size):
-            if row[k] == 0.0:
-                continue
-            size = np.hypot(root[k, k], row[k])
-            c, s = root[k, k] / size, row[k] / size
-            old = root[k, k:].copy()
-            root[k, k:] = c * old + s * row[k:]
-            row[k:] = c * row[k:] - s * old
-            right[k], value = c * right[k] + s * value, c * value - s * right[k]
+    def _rotate(self, rows: Sequence[Float]) -> None:
+        """Rotate weighted rows (P + 1,) of columns and torque into the triangle."""
+        count = self.right.size
+        whole = np.vstack([np.column_stack([self.root, self.right]), *rows])
+        triangle = np.linalg.qr(whole, mode="r")[:count]
+        triangle *= np.where(np.diag(triangle) < 0.0, -1.0, 1.0)[:, None]
+        self.root, self.right = triangle[:, :count], triangle[:, count]
 
     def covariance(self) -> Float:
         """Return the covariance (P, P) of the parameters, valid under autocorrelation."""

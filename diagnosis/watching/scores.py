@@ -18,7 +18,7 @@ from diagnosis.watching.questions import Asked, Questions
 from diagnosis.watching.window import Window
 from symbolic.motion import Float
 
-NODES = 2
+NODES = 1
 """Values of the shapes of an effect that are watched: an alarm only has to see it, a name is searched finely."""
 SHIFT = 1.0
 """Shortest shift of a placebo, s."""

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
@@ -214,3 +215,33 @@ def test_truth_as_a_sentence():
 )
 def test_formulas_read_like_handwriting(text, shown):
     assert pretty(text) == shown
+
+
+@pytest.mark.slow
+def test_watch_names_what_appears(tmp_path, monkeypatch, capsys):
+    from measurement.bench.hidden import Hidden
+    from measurement.bench.simulation import Bench, run_bench
+    from measurement.trajectories.trajectory import random_trajectory
+
+    monkeypatch.chdir(tmp_path)
+    path = random_trajectory(np.random.default_rng(1), period=47.0, harmonics=24)
+    runs = [
+        run_bench(effects=effects, seed=1, excitation=path, bench=Bench(duration=180.0)).recording
+        for effects in ((), (Hidden("load_friction", "knee", {"c": 0.2}),))
+    ]
+    rows = [np.column_stack([r.t, r.q, r.tau]) for r in runs]
+    lines = ["t,q1,q2,tau1,tau2", *(",".join(map(repr, map(float, row))) for row in np.vstack([rows[0][:11000],
+             rows[1][11000:]]))]  # fmt: skip
+    lines.insert(5, "not,a,sample")
+    Path("live.csv").write_text("\n".join(lines), "utf-8")
+    assert main(["watch", "standard", "live.csv", "--learn", "60", "--json", "events.json", "--quiet"]) == 1
+    events = [json.loads(line) for line in Path("events.json").read_text("utf-8").splitlines()]
+    assert events[0]["event"] in ("start", "skipped")
+    assert events[-1]["event"] == "summary"
+    changes = [e for e in events if e["event"] == "change"]
+    found = {d["name"] for d in changes[-1]["differences"]}
+    alike = {n for d in changes[-1]["differences"] for n in d["look_alikes"]}
+    assert "load_friction:knee" in found | alike
+    assert 110.0 < changes[0]["t"] < 145.0
+    assert changes[0]["since"]["low"] - 12.0 < 110.0 < changes[0]["since"]["high"] + 12.0
+    assert "not" not in capsys.readouterr().out
