@@ -135,7 +135,7 @@ class Estimator:
         """Rotate weighted rows (P + 1,) of columns and torque into the triangle."""
         count = self.right.size
         whole = np.vstack([np.column_stack([self.root, self.right]), *rows])
-        triangle = np.linalg.qr(whole, mode="r")[:count]
+        triangle = np.array(np.linalg.qr(whole, mode="r"))[:count]
         triangle *= np.where(np.diag(triangle) < 0.0, -1.0, 1.0)[:, None]
         self.root, self.right = triangle[:, :count], triangle[:, count]
 
