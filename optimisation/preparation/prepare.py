@@ -88,6 +88,12 @@ def prepare(
     check_method(derivative)
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
+    if getattr(model, "moving_base", False):
+        raise RecordingError(
+            "the motion of a measured base is not read from recordings",
+            where=model.name,
+            remedy='use a recording with the base at rest and [base] motion = "fixed"',
+        )
     recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
     recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()

@@ -148,3 +148,17 @@ def test_every_recording_has_a_delay_of_its_own():
     assert score.p_value == 0.01 and score.share > 0.8
     found = context.with_term(extension, score).fitted
     np.testing.assert_allclose(found.shapes[:, 0], delays, atol=2e-3)
+
+
+def test_one_among_the_entries_of_a_large_machine_can_be_significant():
+    """Three joints have more candidates than 1499 placebos resolve at the false-discovery rate."""
+    from types import SimpleNamespace
+
+    from diagnosis.rules import RULES
+    from diagnosis.search.context import SearchContext
+
+    for count in (56, 95, 300):
+        context = SimpleNamespace(library=SimpleNamespace(candidates=[None] * count), rules=RULES)
+        draws = SearchContext._draws(context)
+        assert draws >= RULES.placebos and 1 / (1 + draws) < RULES.false_discovery_rate / count
+    assert SearchContext._draws(SimpleNamespace(library=SimpleNamespace(candidates=[None] * 56), rules=RULES)) == 1499
