@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from workbench.command_line.deliver import check_places
 from workbench.command_line.options import add_common, add_model, add_recordings, count_to
 
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
@@ -34,14 +35,19 @@ def run(args: argparse.Namespace) -> int:
     from workbench.page.serve import serve
     from workbench.page.workspace import Workspace
 
+    check_places(args)
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff)
     if args.out:
-        from workbench.command_line.files import check_folder
+        from workbench.page.takeaway import free_for_session
 
-        check_folder(args.out)
-        workspace.saving = Path(args.out)
+        workspace.saving = free_for_session(Path(args.out))
     _open(workspace, args)
     serve(workspace, args.port, not args.no_browser, not args.quiet)
+    if args.json:
+        from workbench.command_line.files import write_json
+        from workbench.page.views import state
+
+        write_json(args.json, {"schema": "exoid.workspace/1", **state(workspace)})
     return 0
 
 

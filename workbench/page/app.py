@@ -15,6 +15,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
+from ground.files import write_whole
 from ground.text import printable
 from workbench.page.given import FIT, error_json
 from workbench.page.guard import Guard
@@ -108,7 +109,11 @@ def _takeaway(workspace: Workspace, request: Request) -> Response:
 def _report(workspace: Workspace, request: Request) -> Response:
     from workbench.page.takeaway import report
 
-    return _download(report(workspace), "report.html", "text/html")
+    page = report(workspace)
+    if workspace.saving is not None:
+        workspace.saving.mkdir(parents=True, exist_ok=True)
+        write_whole(workspace.saving / "report.html", page)
+    return _download(page, "report.html", "text/html")
 
 
 def _model(workspace: Workspace, request: Request) -> Response:
@@ -293,10 +298,11 @@ def _served(workspace: Workspace, do: Callable[[Workspace, Request], Any]) -> Ca
 
 
 def _problem(error: Exception) -> Response:
+    # A refusal is an answer like another: as a status of HTTP it would be an error in the browser's console.
     if isinstance(error, ExoidError):
-        return JSONResponse(error_json(error), status_code=400)
+        return JSONResponse({"refused": error_json(error)})
     if isinstance(error, OSError):
-        return JSONResponse({"what": printable(str(error.strerror or error)), "where": "", "remedy": ""}, 400)
+        return JSONResponse({"refused": {"what": printable(str(error.strerror or error)), "where": "", "remedy": ""}})
     traceback.print_exception(error)
     said = {"what": f"internal error in exoid ({type(error).__name__})", "where": "",
             "remedy": "please report what the terminal says"}  # fmt: skip

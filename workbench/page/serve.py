@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextvars
 import secrets
 import socket
 import sys
@@ -38,7 +39,8 @@ def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
         webbrowser.open(address)
     server = _Server(config, workspace)
     try:
-        asyncio.run(server.serve(sockets=[listening]))
+        # In a context of its own: what is written while the page is open is there at once, not when the command ends.
+        contextvars.Context().run(asyncio.run, server.serve(sockets=[listening]))
     finally:
         workspace.close()
         listening.close()

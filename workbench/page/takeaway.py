@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import shlex
 import shutil
 import tempfile
@@ -107,11 +108,7 @@ def save(workspace: Workspace, folder: Path) -> Path:
 
     RecordingError where something else is there.
     """
-    target = folder.expanduser()
-    if target.exists() and not (target.is_dir() and ((target / SESSION).is_file() or not any(target.iterdir()))):
-        raise RecordingError(
-            "there is something else", where=str(target), remedy="choose a new folder, or one that exoid saved before"
-        )
+    target = free_for_session(folder)
     runs = target / "recordings"
     try:
         runs.mkdir(parents=True, exist_ok=True)
@@ -143,8 +140,20 @@ def save(workspace: Workspace, folder: Path) -> Path:
             f"the session cannot be saved ({error.strerror or error})", where=str(target),
             remedy="choose a folder that may be written to",
         ) from error  # fmt: skip
-    workspace.saved = target.resolve()
+    workspace.saved = workspace.saving = target.resolve()
     return workspace.saved
+
+
+def free_for_session(folder: Path) -> Path:
+    """Return a folder in which a session may be kept; RecordingError where something else is there."""
+    target = folder.expanduser()
+    if target.exists() and not (
+        target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {"report.html"})
+    ):
+        raise RecordingError(
+            "there is something else", where=str(target), remedy="choose a new folder, or one that exoid saved before"
+        )
+    return target
 
 
 def reopen(workspace: Workspace, folder: Path) -> None:
@@ -172,7 +181,7 @@ def reopen(workspace: Workspace, folder: Path) -> None:
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
-    workspace.saved = folder.resolve()
+    workspace.saved = workspace.saving = folder.resolve()
 
 
 def is_session(path: str | Path) -> bool:

@@ -30,6 +30,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),
         "problem": None if workspace.problem is None else error_json(workspace.problem),
+        "folder": str(workspace.saving or "exoid-session"),
         "saved": None if workspace.saved is None else str(workspace.saved),
         "own": list(workspace.own_texts.values()),
         "ready": session is not None,

@@ -42,6 +42,9 @@ class Workspace:
     def __init__(self, remembered: Path, seed: int = 0, cutoff: float | None = None) -> None:
         self.remembered, self.seed, self.cutoff = remembered, seed, cutoff
         self.saving: Path | None = None
+        """Folder in which the session is kept, once it has one: every step is then kept too."""
+        self._unkept = False
+        self._mapped = 0
         self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
         self.given: list[Given] = []
         self.model_path: Path | None = None
@@ -97,8 +100,9 @@ class Workspace:
         """Whether it is closed."""
         return self._closed
 
-    def _touch(self) -> None:
+    def _touch(self, changed: bool = False) -> None:
         with self._change:
+            self._unkept |= changed
             self.version += 1
             self._change.notify_all()
 
@@ -111,7 +115,7 @@ class Workspace:
             one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
             self.given.append(one)
             self._stale = True
-        self._touch()
+        self._touch(changed=True)
         return one
 
     def drop_place(self, name: str) -> Path:
@@ -135,14 +139,14 @@ class Workspace:
             old = self.find(id)
             self.given[self.given.index(old)] = replace(old, role=_role(role))
             self._stale = True
-        self._touch()
+        self._touch(changed=True)
 
     def remove_file(self, id: int) -> None:
         """Close a file."""
         with self._change:
             self.given.remove(self.find(id))
             self._stale = True
-        self._touch()
+        self._touch(changed=True)
 
     def map_file(self, id: int, told: Any, convention: str) -> Given:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
@@ -153,13 +157,14 @@ class Workspace:
             raise one.error
         files.remember_mapping(self.remembered, open_table(one.path), told)
         with self._change:
+            self._mapped += 1
             self.given[self.given.index(self.find(id))] = one
             self._stale = True
             # Files like it that wait for the same answer are read again.
             for k, other in enumerate(self.given):
                 if other.error is not None:
                     self.given[k] = replace(other, read=False, error=None)
-        self._touch()
+        self._touch(changed=True)
         return one
 
     def _free(self, name: str) -> str:
@@ -197,7 +202,7 @@ class Workspace:
             self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
             self.given = [replace(one, read=False, recordings=(), error=None) for one in self.given]
             self._stale = True
-        self._touch()
+        self._touch(changed=True)
 
     def add_effect(self, entry: dict[str, Any]) -> Effect:
         """Let an effect of the user's own join the suspects; ExpressionError with a caret where its torque is wrong."""
@@ -215,7 +220,7 @@ class Workspace:
             if self.session is not None:
                 self.session = self.session.knowing(effect)
                 self._work.clear()
-        self._touch()
+        self._touch(changed=True)
         return effect
 
     # -- layers -------------------------------------------------------------------------------------------------
@@ -243,13 +248,13 @@ class Workspace:
                 trial = ranking.trial(name)
                 if trial is not None:
                     self.trials[self.names] = trial
-        self._touch()
+        self._touch(changed=True)
 
     def change_history(self, change: Callable[[History], History]) -> None:
         """Replace the history by what `change` makes of it."""
         with self._change:
             self.history = change(self.history)
-        self._touch()
+        self._touch(changed=True)
 
     def _open(self) -> Session:
         if self.session is None:
@@ -297,8 +302,11 @@ class Workspace:
                 accepted = [a.name for a in found.accepted]
                 if self.names == names:
                     self.history = self.history.add(*accepted)
+                else:
+                    what = ", ".join(accepted) or "nothing"
+                    self.search_message = f"found {what} beside the effects as they were when it began"
                 self.diagnosis = (*names, *accepted), found
-        self._touch()
+        self._touch(changed=True)
 
     # -- the thread ---------------------------------------------------------------------------------------------
 
@@ -344,6 +352,9 @@ class Workspace:
             if session.known(names) is None and names not in self.failed:
                 self.busy = "fitting" if names == () else f"fitting with {', '.join(names)}"
                 return lambda names=names: self._fit(session, names)  # type: ignore[misc]
+        if self._unkept and self.saving is not None:
+            self._unkept = False
+            return self._keep
         if self.names in self.failed:
             return None
         ranking = session.ranking(self.names)
@@ -353,8 +364,11 @@ class Workspace:
         return None
 
     def _read(self, one: Given) -> None:
+        mapped = self._mapped
         found = files.read_given(one, self.remembered, self.joints)
         with self._lock:
+            if found.error is not None and self._mapped != mapped:
+                return  # somebody has said meanwhile which column is what: it is read again
             if one in self.given:
                 self.given[self.given.index(one)] = found
                 self._stale = True
@@ -381,6 +395,12 @@ class Workspace:
         with self._lock:
             if not self._stale:
                 self.session = session
+
+    def _keep(self) -> None:
+        from workbench.page.takeaway import save
+
+        assert self.saving is not None
+        save(self, self.saving)
 
     def _recordings(self, role: str) -> list[Any]:
         """Return the recordings of a role, each under a name of its own."""

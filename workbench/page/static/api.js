@@ -11,7 +11,12 @@ export class Refused extends Error {
 }
 
 async function answered(response) {
-  if (response.ok) return response;
+  if (response.ok && !(response.headers.get("content-type") || "").includes("json")) return response;
+  if (response.ok) {
+    const answer = await response.json();
+    if (answer.refused) throw new Refused(answer.refused);
+    return { json: () => answer };
+  }
   let problem = { what: `the server answers with status ${response.status}`, where: "", remedy: "" };
   if ((response.headers.get("content-type") || "").includes("json")) problem = await response.json();
   else problem.what = (await response.text()).trim() || problem.what;

@@ -71,7 +71,8 @@ function keys(event) {
 
 on("state", draw);
 on("recording", () => doing(loadCompare()));
-for (const what of ["cursor", "range", "selection", "preview"]) on(what, redraw);
+for (const what of ["cursor", "range", "preview"]) on(what, () => redraw(false));
+on("selection", () => redraw());
 on("selection", drawSelection);
 for (const what of ["explained", "pointed", "preview"]) on(what, () => view.state.ready && drawSuspects());
 on("state", () => view.pointed && !view.state.ranking?.suspects.some((one) => one.name === view.pointed) && look({ pointed: null, preview: null }));

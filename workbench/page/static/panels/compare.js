@@ -52,8 +52,8 @@ export async function loadCompare() {
   redraw();
 }
 
-export function redraw() {
-  for (const plot of plots) plot.draw();
+export function redraw(fresh = true) {
+  for (const plot of plots) plot.draw(fresh);
   readout();
 }
 

@@ -7,17 +7,24 @@ import { doing } from "./status.js";
 
 const offered = new Set();
 
-// A file that cannot be read as it is opens the dialog by itself, once.
+let waiting = null;
+
+// A file that cannot be read as it is opens the dialog by itself, once; the dialog goes when the file could be read after all.
 export function offerMapping(files) {
+  const solved = waiting && !files.some((one) => one.id === waiting.id && one.error);
+  if (solved && waiting.dialog) waiting.dialog.close();
+  if (solved) waiting = null;
   if (document.querySelector("dialog[open]")) return;
   const file = files.find((one) => one.error && !offered.has(one.id));
-  if (file) openMapping(file.id);
+  if (!file) return;
+  waiting = { id: file.id, dialog: null };
+  openMapping(file.id);
 }
 
 export async function openMapping(id) {
   offered.add(id);
   const table = await doing(ask("/api/columns", { file: id }));
-  if (!table) return;
+  if (!table || (!table.error && waiting && waiting.id === id)) return;
   const error = h("div", { role: "alert", "data-testid": "map-error" });
   const showError = (problem) => error.replaceChildren(...(problem ? [h("div", { class: "finding refused" }, h("p", {}, problem.what), problem.remedy && h("p", { class: "remedy" }, problem.remedy || ""))] : []));
   showError(table.error);
@@ -46,6 +53,7 @@ export async function openMapping(id) {
   }
   document.body.append(dialog);
   dialog.showModal();
+  if (waiting && waiting.id === id) waiting.dialog = dialog;
 }
 
 function choice(id, options, value) {

@@ -40,7 +40,7 @@ function row(suspect, chosen) {
   const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: suspect.explains });
   return h("li", {
     "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.significant ? " sure" : ""}`,
-    onpointerenter: on, onfocusin: on,
+    onpointermove: (event) => (event.movementX || event.movementY) && on(), onfocusin: on,
   },
     h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),
       button("add", () => doing(tell("add", { effect: suspect.name })), { "data-testid": `add-${suspect.name}`, "aria-label": `add ${suspect.name}` })),

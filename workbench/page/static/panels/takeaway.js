@@ -14,7 +14,7 @@ export function drawTakeaway() {
       kind = event.target.value;
       show();
     } }, [["cli", "command line"], ["python", "Python"], ["toml", "model (TOML)"]].map(([value, words]) => h("option", { value }, words)));
-    const folder = h("input", { id: "save-folder", type: "text", "data-testid": "save-folder", value: "exoid-session" });
+    const folder = h("input", { id: "save-folder", type: "text", "data-testid": "save-folder", value: view.state.folder });
     fill(place,
       h("h2", { id: "takeaway-title" }, "Take away"),
       h("div", { class: "row wrap" }, h("label", { for: "copy-kind" }, "as ", choose), button("Copy", copy, { "data-testid": "copy-command" })),

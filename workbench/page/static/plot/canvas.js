@@ -1,7 +1,8 @@
 // A canvas that is sharp on every screen and knows the colours of the page, in light and in dark.
 
 export class Surface {
-  constructor(canvas, draw) {
+  // `draw(context, width, height)` paints and says whether there was anything; `dark` is called when light and dark change.
+  constructor(canvas, draw, dark) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.paint = draw;
@@ -9,7 +10,7 @@ export class Surface {
     this.width = 0;
     this.height = 0;
     new ResizeObserver(() => this.draw()).observe(canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", dark);
   }
 
   // Draws before the next frame, however often it is asked to.

@@ -12,18 +12,38 @@ export class Scatter {
   constructor(canvas, content) {
     this.canvas = canvas;
     this.content = content;
-    this.surface = new Surface(canvas, (context, width, height) => this.paint(context, width, height));
+    this.surface = new Surface(canvas, (context, width, height) => this.paint(context, width, height), () => this.draw());
     canvas.tabIndex = 0;
     this.listen();
   }
 
-  draw() {
+  // All points are painted again only where they may have changed; a moved cursor is drawn over them.
+  draw(fresh = true) {
+    if (fresh) this.layer = null;
     this.surface.draw();
   }
 
   paint(context, width, height) {
     const content = this.content();
     if (!content) return false;
+    if (!this.layer || this.layer.width !== this.canvas.width || this.layer.height !== this.canvas.height) {
+      if (!this.points(context, width, height, content)) return false;
+      this.layer = document.createElement("canvas");
+      this.layer.width = this.canvas.width;
+      this.layer.height = this.canvas.height;
+      this.layer.getContext("2d").drawImage(this.canvas, 0, 0);
+    } else context.drawImage(this.layer, 0, 0, width, height);
+    const { frame, px, py } = this.x;
+    this.cursor(context, content.clouds, content.joint, px, py);
+    if (document.activeElement === this.canvas) {
+      context.strokeStyle = this.surface.colour("accent");
+      context.lineWidth = 2;
+      context.strokeRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
+    }
+    return true;
+  }
+
+  points(context, width, height, content) {
     const { joint, clouds } = content;
     const total = clouds.reduce((sum, cloud) => sum + cloud.motion.head.count, 0);
     const step = Math.max(1, Math.ceil(total / MOST));
@@ -44,7 +64,7 @@ export class Scatter {
     const words = { x: `${content.entry.words} [${content.entry.unit}]`, y: `error [${content.unit}]` };
     [x, y] = [wide(x), wide(y)];
     const { px, py } = axes(this.surface, frame, x, y, words);
-    this.x = { frame, x, y, content };
+    this.x = { frame, x, y, px, py, content };
     const colours = content.colours.map((name) => this.surface.colour(name));
     const tests = new Map(clouds.map((cloud) => [cloud, selected(view.selection, cloud.recording, joint, cloud.motion, cloud.error)]));
     context.globalAlpha = 0.55;
@@ -59,12 +79,6 @@ export class Scatter {
       if (test && test(k)) context.fillRect(px(a) - 1.5, py(b) - 1.5, 3, 3);
     });
     this.box(context, px, py, joint, content.variable);
-    this.cursor(context, clouds, joint, px, py);
-    if (document.activeElement === this.canvas) {
-      context.strokeStyle = this.surface.colour("accent");
-      context.lineWidth = 2;
-      context.strokeRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
-    }
     return true;
   }
 
@@ -118,7 +132,7 @@ export class Scatter {
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
     canvas.addEventListener("keydown", (event) => this.key(event));
-    for (const name of ["focus", "blur"]) canvas.addEventListener(name, () => this.draw());
+    for (const name of ["focus", "blur"]) canvas.addEventListener(name, () => this.draw(false));
   }
 
   select([x, y]) {

@@ -13,7 +13,7 @@ export class TimePlot {
     this.content = content;
     this.options = options;
     this.bottom = options.axis ? 34 : 8;
-    this.surface = new Surface(canvas, (context, width, height) => this.paint(context, width, height));
+    this.surface = new Surface(canvas, (context, width, height) => this.paint(context, width, height), () => this.draw());
     canvas.tabIndex = 0;
     this.listen();
   }
