@@ -17,6 +17,7 @@ import numpy as np
 from ground.errors import RecordingError
 from ground.suggest import did_you_mean
 from measurement.recording import Recording
+from symbolic.joints import is_leg
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
@@ -215,6 +216,12 @@ def read_as(recording: Recording, names: str | Iterable[str]) -> Recording:
     chosen = conventions(names)
     if not chosen:
         return recording
+    if not is_leg(recording.joints):
+        raise RecordingError(
+            f"the convention {chosen[0].name} is one of legs; this machine has {', '.join(recording.joint_names)}",
+            where=recording.source.path or recording.name,
+            remedy="change signs with --units, as in q1=-rad or tau1=-Nm",
+        )
     to = combined_map(chosen)
     q = recording.q @ to.angle.T + to.zero
     if np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle))):
