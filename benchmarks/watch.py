@@ -3,11 +3,11 @@
     python benchmarks/watch.py --quiet-hours 1 --runs 4 --seed 1      (CPU: about 2 min per hour, 1 min per run)
     python benchmarks/watch.py --speed
 
-Runs are of the virtual bench. An effect of the catalogue appears at a random moment: two runs along one motion, without
-and with it, are joined there. Its size is drawn between 0.2 and 1 N·m RMS at the joint that shows most of it; "full
-size" is 1 N·m. In a quiet run nothing changes. Beside it, recursive least squares with a CUSUM per sample (one
-threshold for all runs, so that it would alarm once a day if residuals were white) and `ruptures` (PELT, L2, offline, an
-oracle for *when*) get the residual of the same model.
+Runs are of the virtual bench. An effect of the catalogue appears at a random moment: two runs along one motion,
+without and with it, are joined there. Its size is drawn between 0.2 and 1 N·m RMS at the joint that shows most of it;
+"full size" is 1 N·m. In a quiet run nothing changes. Beside it, least squares on the first two minutes with a CUSUM
+per sample (one threshold for all runs, so that it would alarm once a day if residuals were white) and `ruptures`
+(PELT, L2, offline, an oracle for *when*) get the residual of the same model.
 """
 
 from __future__ import annotations

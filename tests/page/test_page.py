@@ -5,11 +5,14 @@ from __future__ import annotations
 import signal
 import uuid
 
+import pytest
 from playwright.sync_api import expect
 
 from tests.page.test_story import number, wait_ready
 from workbench.commands.demo import DATA
 from workbench.page.takeaway import is_session
+
+pytestmark = pytest.mark.slow  # a browser, and fits behind it
 
 SCRIPT = "<img src=x onerror=window.hacked=1>"
 

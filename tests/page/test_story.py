@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 import tomllib
 
+import pytest
 from playwright.sync_api import expect
+
+pytestmark = pytest.mark.slow  # a browser, and fits behind it
 
 MISSING = "load_friction:knee"
 
