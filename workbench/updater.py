@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from diagnosis.watching.estimator import CREDIT, ROBUST
 from diagnosis.watching.front import COMMON_ORDER, HALF, ORDER, SIGN_WIDTH, SPIKE, Filters
@@ -18,6 +16,9 @@ from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.model import Model
 from symbolic.model_file import Numbers
 from workbench.identified import ExportError
+
+if TYPE_CHECKING:
+    import numpy as np
 
 USUAL_SCALE = 0.5
 """N·m; the scale of the residual at first, where the model file does not say its Huber thresholds."""
@@ -31,6 +32,8 @@ def write_updater(
     """
     if sample_time is None:
         raise ExportError("the updater needs the period of the control loop", remedy="add --sample-time SECONDS")
+    import numpy as np
+
     function = _columns(model, numbers)
     linear = np.array([numbers.linear[p.name] for p in model.parameters])
     filters = Filters(1.0 / sample_time, cutoff)
@@ -56,6 +59,8 @@ def write_updater(
 
 def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:
     """Return the scale (J,) of the residual at first, N·m."""
+    import numpy as np
+
     if numbers.delta is None:
         return np.full(len(model.joints), USUAL_SCALE)
     return np.maximum(np.array(numbers.delta) / ROBUST, 1e-3)

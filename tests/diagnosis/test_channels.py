@@ -154,6 +154,7 @@ def test_what_repeats_with_the_motion_is_told_from_what_does_not(other, share):
         assert error is not None and error.random and "no function of the motion" in error.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("folder", "thigh"), [("two_link_rig", 0.30), ("two_link_rig_c0", 0.20)])
 def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folder, thigh):
     runs = [read_recording(path) for path in sorted((shared_data / folder).glob("*.csv"))]

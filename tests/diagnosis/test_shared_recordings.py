@@ -49,6 +49,7 @@ def test_practice_leg(shared_data, name):
         assert np.min(last.verify_rms / first.verify_rms) < 0.7
 
 
+@pytest.mark.slow
 def test_real_rig_rotor_inertia(shared_data):
     """The one effect that its builders documented: rotor inertia of the second joint, 0.0024 to 0.0042 kg·m²."""
     train, verify = rig(shared_data)

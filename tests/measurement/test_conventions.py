@@ -72,6 +72,7 @@ SEEN = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", SEEN)
 def test_a_convention_is_recognised_and_the_option_named_puts_it_right(names):
     run = motion()

@@ -246,16 +246,6 @@ def test_every_check_of_a_machine_holds(joints, gravity):
     assert [str(one) for one in check_equations(machine(joints, gravity)) if not one.holds] == []
 
 
-def test_what_serves_the_leg_alone_says_so():
-    from measurement.bench.simulation import simulate
-    from optimisation.preparation.prepare import prepare
-
-    recording = simulate(duration=4.0)
-    for ask in (lambda: simulate(machine(LEG3)), lambda: prepare(machine(LEG3), [recording])):
-        with pytest.raises(EffectError, match=r"serves the leg .* this machine has hip, knee, ankle"):
-            ask()
-
-
 TEXT = """name = "leg with ankle"
 gravity = 9.81
 

@@ -2,6 +2,8 @@
 
 import pytest
 
+from symbolic.mechanics.payload import PayloadError
+from symbolic.model import Model
 from workbench.command_line.inputs import payload_of, payloads
 from workbench.command_line.parser import UsageError
 
@@ -37,9 +39,10 @@ def test_a_mistake_is_explained(text, word):
 def test_units_and_links_are_checked():
     for text, word in (
         ("2@350", "m from"),
-        ("foot:2@0.3", "thigh or shank"),
         (":2@0.3", "thigh or shank"),
         ("-1@0.2", "kg"),
     ):
-        with pytest.raises(Exception, match=word):
+        with pytest.raises(PayloadError, match=word):
             payload_of(text)
+    with pytest.raises(PayloadError, match="thigh or shank"):
+        payload_of("foot:2@0.3").added(Model.standard())
