@@ -9,6 +9,7 @@ import shlex
 import shutil
 import tempfile
 import zipfile
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -140,8 +141,7 @@ def save(workspace: Workspace, folder: Path) -> Path:
             f"the session cannot be saved ({error.strerror or error})", where=str(target),
             remedy="choose a folder that may be written to",
         ) from error  # fmt: skip
-    workspace.saved = workspace.saving = target.resolve()
-    return workspace.saved
+    return _kept_in(workspace, target)
 
 
 def free_for_session(folder: Path) -> Path:
@@ -181,7 +181,14 @@ def reopen(workspace: Workspace, folder: Path) -> None:
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
-    workspace.saved = workspace.saving = folder.resolve()
+    _kept_in(workspace, folder)
+
+
+def _kept_in(workspace: Workspace, folder: Path) -> Path:
+    place = folder.resolve()
+    workspace.saved = workspace.saving = place
+    workspace.keeper = partial(save, workspace, place)
+    return place
 
 
 def is_session(path: str | Path) -> bool:

@@ -43,6 +43,8 @@ class Workspace:
         self.remembered, self.seed, self.cutoff = remembered, seed, cutoff
         self.saving: Path | None = None
         """Folder in which the session is kept, once it has one: every step is then kept too."""
+        self.keeper: Callable[[], object] | None = None
+        """Writes the session to that folder."""
         self._unkept = False
         self._mapped = 0
         self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
@@ -336,7 +338,7 @@ class Workspace:
                 told = time.monotonic()
                 self._touch()
 
-    def _next(self) -> Callable[[], None] | None:
+    def _next(self) -> Callable[[], object] | None:
         """Return what is to be done first; None where there is nothing to do."""
         unread = [one for one in self.given if not one.read]
         if unread:
@@ -352,9 +354,9 @@ class Workspace:
             if session.known(names) is None and names not in self.failed:
                 self.busy = "fitting" if names == () else f"fitting with {', '.join(names)}"
                 return lambda names=names: self._fit(session, names)  # type: ignore[misc]
-        if self._unkept and self.saving is not None:
+        if self._unkept and self.keeper is not None:
             self._unkept = False
-            return self._keep
+            return self.keeper
         if self.names in self.failed:
             return None
         ranking = session.ranking(self.names)
@@ -395,12 +397,6 @@ class Workspace:
         with self._lock:
             if not self._stale:
                 self.session = session
-
-    def _keep(self) -> None:
-        from workbench.page.takeaway import save
-
-        assert self.saving is not None
-        save(self, self.saving)
 
     def _recordings(self, role: str) -> list[Any]:
         """Return the recordings of a role, each under a name of its own."""
