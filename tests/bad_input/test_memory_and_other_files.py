@@ -13,6 +13,7 @@ from ground.errors import RecordingError
 from measurement.reading import limits
 from measurement.reading.limits import MOST_ENTRIES, Budget
 from measurement.reading.read import read_recording
+from tests.measurement.written import timetable
 
 T = np.arange(2000) * 0.01
 COLUMNS = {"t": T, "q1": np.sin(T), "q2": np.cos(1.3 * T), "tau1": 9 * np.sin(T), "tau2": 3 * np.cos(1.3 * T)}
@@ -195,6 +196,24 @@ def test_matlab_that_is_as_it_says_is_read(tmp_path):
         np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
     scipy.io.savemat(tmp_path / "run.mat", COLUMNS, format="4")
     np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
+
+
+@pytest.mark.parametrize("rows", [1e9, np.nan])
+def test_timetable_that_announces_any_number_of_rows(tmp_path, monkeypatch, rows):
+    matio = pytest.importorskip("matio")
+    path = tmp_path / "run.mat"
+    timetable(path, {name: np.linspace(0.0, 1.0, 50) for name in ("t", "q1", "q2", "tau1", "tau2")})
+    honest = matio.load_from_mat
+
+    def lying(*where, raw_data=False, **options):
+        assert raw_data, "converted before its rows were counted"
+        content = honest(*where, raw_data=True, **options)
+        content["run"].properties["any"][0, 0]["numRows"][...] = rows
+        return content
+
+    monkeypatch.setattr(matio, "load_from_mat", lying)
+    with pytest.raises(RecordingError, match="more rows than it holds"):
+        read_recording(path)
 
 
 def test_matlab_that_unpacks_to_any_size(tmp_path):

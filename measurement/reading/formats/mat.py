@@ -120,6 +120,15 @@ def _with_objects(path: Path) -> RawTable | None:
     labels: dict[str, list[str]] = {}
     units: dict[str, str] = {}
     try:
+        short = _announces_more_rows_than_it_holds(matio.load_from_mat(str(path), raw_data=True))
+    except Exception:  # noqa: BLE001 - as below
+        return None
+    if short:
+        raise RecordingError(
+            "the MATLAB file is damaged: a timetable announces more rows than it holds",
+            where=str(path), remedy="save the timetable again",
+        )  # fmt: skip
+    try:
         content = matio.load_from_mat(str(path), add_table_attrs=True)
         for name, value in content.items():
             if not str(name).startswith("__"):
@@ -127,6 +136,26 @@ def _with_objects(path: Path) -> RawTable | None:
         return table_from_arrays(label_matrices(arrays, labels), where=str(path), units=units)
     except Exception:  # noqa: BLE001 - a damaged file raises whatever its bytes happen to hit; SciPy's message is better
         return None
+
+
+def _announces_more_rows_than_it_holds(value: Any, depth: int = 0) -> bool:
+    """Return whether a timetable below `value`, unconverted, has fewer rows than stamps would be made for."""
+    if depth > 20:
+        return False
+    if hasattr(value, "properties"):
+        value = np.ravel(value)[0] if isinstance(value, np.ndarray) else value
+        value = value.properties
+    if isinstance(value, dict):
+        return any(_announces_more_rows_than_it_holds(item, depth + 1) for item in value.values())
+    if not isinstance(value, np.ndarray) or value.dtype.kind not in "OV":
+        return False
+    if value.dtype.names and {"numRows", "rowTimes", "data"} <= set(value.dtype.names):
+        for table in np.ravel(value):
+            longest = max((len(cell) for cell in np.ravel(table["data"]) if np.ndim(cell)), default=0)
+            if not float(np.ravel(table["numRows"])[0]) <= longest:
+                return True
+    cells = [value[name] for name in value.dtype.names] if value.dtype.names else np.ravel(value)
+    return any(_announces_more_rows_than_it_holds(cell, depth + 1) for cell in cells)
 
 
 def _object(
@@ -138,7 +167,8 @@ def _object(
     if hasattr(value, "properties"):
         value = np.ravel(value)[0] if isinstance(value, np.ndarray) else value
         found = {str(key).strip("_").lower(): item for key, item in dict(value.properties).items()}
-        time, data = _time_of(found), found.get("data")
+        data = found.get("data")
+        time = _time_of(found, 0 if data is None else max(np.shape(data), default=0))
         if time is not None and data is not None:
             arrays[f"{name}.Time"], arrays[f"{name}.Data"] = time, np.squeeze(np.asarray(data))
         return
@@ -174,8 +204,10 @@ def _object(
     _flatten(name, np.squeeze(array), arrays, labels, depth)
 
 
-def _time_of(found: dict[str, Any]) -> Any:
-    """Return the stamps of a time series: its own, or those its start and increment give; None where it has none."""
+def _time_of(found: dict[str, Any], samples: int) -> Any:
+    """Return the stamps of a time series of so many samples: its own, or those its start and increment give; None where
+    it has none.
+    """
     time = found.get("time")
     if time is not None and np.size(time) > 1:
         return np.squeeze(np.asarray(time))
@@ -190,7 +222,7 @@ def _time_of(found: dict[str, Any]) -> Any:
         start, step, count = (float(np.ravel(inner[key])[0]) for key in ("start", "increment", "length"))
     except (KeyError, IndexError, TypeError, ValueError):
         return None
-    usable = all(np.isfinite([start, step, count])) and 1 < count < 1e8
+    usable = all(np.isfinite([start, step, count])) and 1 < count <= samples
     return start + step * np.arange(int(count)) if usable else None
 
 
