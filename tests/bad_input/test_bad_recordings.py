@@ -176,3 +176,16 @@ def test_missing_files_of_both_groups_are_named_at_once(capsys):
     assert main(["compare", "nowhere_1.csv", "--verify", "nowhere_2.csv"]) == 2
     said = capsys.readouterr().err
     assert "nowhere_1.csv" in said and "nowhere_2.csv" in said
+
+
+@pytest.mark.parametrize("arguments", [
+    "compare a", "compare b c --verify a", "identify b --model a", "watch a b", "map a", "campaign a --out b",
+    "reveal a", "export a --out c", "generate a",
+])  # fmt: skip
+def test_links_that_go_in_a_circle_are_refused_in_words(tmp_path, monkeypatch, capsys, arguments):
+    monkeypatch.chdir(tmp_path)
+    os.symlink("b", "a")
+    os.symlink("a", "b")
+    assert main(arguments.split()) == 2
+    said = capsys.readouterr().err
+    assert said and "Traceback" not in said

@@ -102,6 +102,7 @@ def test_held_out_recordings_of_another_leg(good):
     assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
 
 
+@pytest.mark.slow
 def test_a_fit_without_a_search_tells_its_doubts_too(good):
     assert not channel_findings(base(good))
     rng = np.random.default_rng(3)

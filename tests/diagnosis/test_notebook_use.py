@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 import workbench
 from diagnosis import compare, diagnose
 from measurement import read_recording
@@ -13,6 +15,7 @@ from symbolic import Model
 DATA = Path(workbench.__file__).parent / "demo_data"
 
 
+@pytest.mark.slow
 def test_from_a_recording_to_a_suspect():
     train = [read_recording(DATA / f"train_{k}.csv") for k in (1, 2)]
     verify = [read_recording(DATA / "verify.csv")]

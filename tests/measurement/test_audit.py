@@ -166,6 +166,7 @@ def test_the_remedies_work(tmp_path):
     np.testing.assert_allclose(recording.tau[:, 1], leg()["tau2"], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_shared_recordings_are_judged_calmly(shared_data):
     paths = [path for part in ("practice", "two_link_rig") for path in sorted((shared_data / part).rglob("*.csv"))]
     assert paths

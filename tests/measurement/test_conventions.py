@@ -108,6 +108,7 @@ def test_the_leg_mirrored_is_the_same_leg():
     assert len(set(keys)) == len(keys)
 
 
+@pytest.mark.slow
 def test_noise_for_torque_is_no_convention():
     run = motion()
     noise = np.random.default_rng(1).standard_normal(run.tau.shape)

@@ -76,6 +76,7 @@ def test_a_name_that_is_none_is_refused():
         prepare(Model.standard(), [played()[1]], derivative="spline")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_all_give_the_leg(method):
     recordings = [r.recording for r in simulate_runs(2, None, standard_leg(), seed=6, bench=Bench(duration=25.0))]
@@ -85,6 +86,7 @@ def test_all_give_the_leg(method):
     np.testing.assert_allclose(fit.linear[:3], standard_leg().base[:3], rtol=0.06)
 
 
+@pytest.mark.slow
 def test_from_the_command_line(tmp_path, capsys):
     assert main(["simulate", "--runs", "1", "--duration", "21", "--out", str(tmp_path), "--quiet"]) == 0
     assert main(["identify", str(tmp_path / "run_0.csv"), "--derivative", "fourier", "--quiet"]) == 0

@@ -20,6 +20,7 @@ def found():
     return design(seed=3, starts=1)
 
 
+@pytest.mark.slow
 def test_the_targets_are_met(found):
     """At a_th = 0.40 m, T = 10 s, offsets fixed; NFO within 20 × 400, IPOPT best known."""
     nfo, ipopt = (next(c for c in found.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))

@@ -51,6 +51,7 @@ def test_a_cut_off_too_fast_for_the_clock_is_left_out(fitted):
     assert np.isfinite(neighbours(fit, model, prepared, slow).values[0]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["stribeck:knee", "end_stop:hip"])
 def test_shape_values_have_neighbours_too(fitted, name):
     _, recordings, _, _ = fitted

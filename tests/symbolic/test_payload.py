@@ -88,6 +88,7 @@ def test_payloads_that_cannot_be_are_refused():
         Payload(float("nan"), 0.3)
 
 
+@pytest.mark.slow
 def test_a_load_that_was_not_named_is_what_differs():
     bench, leg = Bench(duration=12.0), standard_leg()
     bare = [run.recording for run in simulate_runs(3, None, leg, seed=1, bench=bench)]

@@ -11,6 +11,7 @@ from workbench.command import main
 SMALL = ["rivals", "--seeds", "2", "--individuals", "8", "--generations", "4", "--jobs", "1"]
 
 
+@pytest.mark.slow
 def test_it_compares_on_the_virtual_bench_and_goes_on_where_it_was(tmp_path, capsys):
     assert main([*SMALL, "--out", str(tmp_path)]) == 0
     shown = capsys.readouterr().out

@@ -22,6 +22,7 @@ or, for simulated legs with sealed truths,
 from __future__ import annotations
 
 import itertools
+import os
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -154,7 +155,8 @@ def _recorded_jobs(
         raise top.error("files", "two fields or * touch each other", "put a character or a folder between them")
     found = find(base, pattern)
     if not found:
-        raise top.error("files", "no recording matches this pattern", f"it is looked for below {base.resolve()}")
+        place = os.path.realpath(base)
+        raise top.error("files", "no recording matches this pattern", f"it is looked for below {place}")
     group = tuple(_texts(top, "group", top.values["group"])) if "group" in top.values else names[:-1]
     for name in group:
         if name not in names:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -66,7 +67,7 @@ def task_of(job: Job, *, ships: bool, report: bool, versions: Mapping[str, str])
 
     def sent(path: str) -> dict[str, Any]:
         if not ships:
-            return {"path": str(Path(path).resolve()), "data": None}
+            return {"path": os.path.realpath(path), "data": None}
         return {"path": Path(path).name, "data": base64.b64encode(Path(path).read_bytes()).decode("ascii")}
 
     return {

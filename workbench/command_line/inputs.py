@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -225,12 +226,12 @@ def _loaded(recording: Recording, loads: Sequence[Payload]) -> Recording:
 
 def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:
     """Refuse a file that is named twice: counted twice it fakes certainty, and seen it is not unseen."""
-    names = [Path(path).resolve() for path in fitted]
+    names = [os.path.realpath(path) for path in fitted]  # not resolve(), which raises where links go in a circle
     for path in fitted:
-        if names.count(Path(path).resolve()) > 1:
+        if names.count(os.path.realpath(path)) > 1:
             raise UsageError("this recording is named twice", where=path, remedy="name it once")
     for path in unseen:
-        if Path(path).resolve() in names:
+        if os.path.realpath(path) in names:
             raise UsageError(
                 "this recording is both fitted and in --verify",
                 where=path,
@@ -257,7 +258,7 @@ def check_new_model(target: str, source: str | None) -> None:
 
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")
-    if source is not None and Path(target).resolve() == Path(source).resolve():
+    if source is not None and os.path.realpath(target) == os.path.realpath(source):
         raise OutputError(
             "this would overwrite the model it was made from", where=target, remedy="choose another file name"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,7 +86,7 @@ def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     if args.slurm:
         from ground.engines.slurm import slurm
 
-        return slurm(args.slurm, Path(args.out).resolve() / "slurm", args.jobs, plan.timeout)
+        return slurm(args.slurm, Path(os.path.realpath(args.out)) / "slurm", args.jobs, plan.timeout)
     from ground.engines.local import local
 
     return local(args.jobs)

@@ -185,7 +185,7 @@ def reopen(workspace: Workspace, folder: Path) -> None:
 
 
 def _kept_in(workspace: Workspace, folder: Path) -> Path:
-    place = folder.resolve()
+    place = Path(os.path.realpath(folder))
     workspace.saved = workspace.saving = place
     workspace.keeper = partial(save, workspace, place)
     return place
@@ -198,8 +198,8 @@ def is_session(path: str | Path) -> bool:
 
 def _inside(folder: Path, name: Any) -> Path:
     """Return a file of a saved session; ValueError where it lies outside of its folder."""
-    path = (folder / str(name)).resolve()
-    if not path.is_relative_to(folder.resolve()):
+    path = Path(os.path.realpath(folder / str(name)))
+    if not path.is_relative_to(os.path.realpath(folder)):
         raise ValueError(f"{name} lies outside")
     return path
 
