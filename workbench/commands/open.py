@@ -38,9 +38,9 @@ def run(args: argparse.Namespace) -> int:
     check_places(args)
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff)
     if args.out:
-        from workbench.page.takeaway import free_for_session
+        from workbench.page.takeaway import free_for_session, keep_in
 
-        workspace.saving = free_for_session(Path(args.out))
+        keep_in(workspace, free_for_session(Path(args.out)))
     _open(workspace, args)
     serve(workspace, args.port, not args.no_browser, not args.quiet)
     if args.json:

@@ -141,7 +141,9 @@ def save(workspace: Workspace, folder: Path) -> Path:
             f"the session cannot be saved ({error.strerror or error})", where=str(target),
             remedy="choose a folder that may be written to",
         ) from error  # fmt: skip
-    return _kept_in(workspace, target)
+    workspace.saved = Path(os.path.realpath(target))
+    keep_in(workspace, workspace.saved)
+    return workspace.saved
 
 
 def free_for_session(folder: Path) -> Path:
@@ -181,14 +183,14 @@ def reopen(workspace: Workspace, folder: Path) -> None:
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
-    _kept_in(workspace, folder)
+    workspace.saved = Path(os.path.realpath(folder))
+    keep_in(workspace, workspace.saved)
 
 
-def _kept_in(workspace: Workspace, folder: Path) -> Path:
-    place = Path(os.path.realpath(folder))
-    workspace.saved = workspace.saving = place
-    workspace.keeper = partial(save, workspace, place)
-    return place
+def keep_in(workspace: Workspace, folder: Path) -> None:
+    """Keep the session in `folder` after every step from now on."""
+    workspace.saving = folder
+    workspace.keeper = partial(save, workspace, folder)
 
 
 def is_session(path: str | Path) -> bool:

@@ -1,6 +1,6 @@
 // Measured and modelled torque and their difference: over time, against everything else, and the leg at the cursor.
 
-import { button, fill, h, set } from "../dom.js";
+import { button, fill, h, refill, set } from "../dom.js";
 import { number } from "../format.js";
 import { Scatter } from "../plot/scatter.js";
 import { TimePlot, showRange, zoom } from "../plot/timeplot.js";
@@ -211,6 +211,6 @@ function readout() {
 export function drawSelection() {
   const place = document.getElementById("selection");
   if (!place) return;
-  fill(place, !view.selection ? h("span", { class: "faint" }, "Drag over a plot to select a bad stretch or a cloud of points, and see where it lies everywhere.")
+  refill(place, !view.selection ? h("span", { class: "faint" }, "Drag over a plot to select a bad stretch or a cloud of points, and see where it lies everywhere.")
     : [h("span", { "data-testid": "selection" }, `selected: ${inWords(view.selection)}`), button("clear", clear, { "data-testid": "clear-selection" })]);
 }

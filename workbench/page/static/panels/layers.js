@@ -1,7 +1,7 @@
 // The effects that were added, as layers: on, off, away; and the user's own effect, typed.
 
 import { tell } from "../api.js";
-import { button, fill, h } from "../dom.js";
+import { button, h, refill } from "../dom.js";
 import { number } from "../format.js";
 import { view } from "../store.js";
 import { openOwnEffect } from "./own_effect.js";
@@ -9,7 +9,7 @@ import { doing } from "./status.js";
 
 export function drawLayers() {
   const { layers, failed, fitted } = view.state;
-  fill(document.getElementById("layers"),
+  refill(document.getElementById("layers"),
     h("h2", { id: "layers-title" }, "Effects in the model"),
     layers.length === 0 && h("p", { class: "faint" }, "None beyond rigid body, Coulomb and viscous friction. Point at a suspect to see the error with it, and add it."),
     h("ul", { class: "layers" }, layers.map(row)),

@@ -1,7 +1,7 @@
 // The recordings: which are fitted, which held out, what the audit says, and how their columns are read.
 
 import { tell } from "../api.js";
-import { button, fill, h } from "../dom.js";
+import { button, h, refill } from "../dom.js";
 import { number, seconds } from "../format.js";
 import { view } from "../store.js";
 import { openMapping } from "./mapping.js";
@@ -19,7 +19,7 @@ export function drawRecordings() {
   );
   const place = document.getElementById("recordings");
   place.dataset.testid = "recordings";
-  fill(place, h("h2", { id: "recordings-title" }, "Recordings"), list);
+  refill(place, h("h2", { id: "recordings-title" }, "Recordings"), list);
 }
 
 function row(file) {

@@ -1,7 +1,7 @@
 // What could be missing, best first: pointing at a suspect draws the error as it would become.
 
 import { ask, numbers, tell } from "../api.js";
-import { button, fill, h } from "../dom.js";
+import { button, h, refill } from "../dom.js";
 import { number, percent, rms } from "../format.js";
 import { look, view } from "../store.js";
 import { doing } from "./status.js";
@@ -14,22 +14,20 @@ export function drawSuspects() {
   const place = document.getElementById("suspects");
   const head = h("h2", { id: "suspects-title" }, "Suspects");
   if (!ranking) {
-    fill(place, head, h("p", { class: "faint" }, "ranked as soon as the model is fitted …"));
+    refill(place, head, h("p", { class: "faint" }, "ranked as soon as the model is fitted …"));
     return;
   }
-  const top = place.querySelector(".suspects") ? place.querySelector(".suspects").scrollTop : 0;
   const chosen = view.explained;
   const suspects = [...ranking.suspects];
   if (chosen) suspects.sort((a, b) => (chosen[b.name] ?? -9) - (chosen[a.name] ?? -9));
   const progress = ranking.finished ? "all placebos asked"
     : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
-  fill(place, head,
+  refill(place, head,
     h("p", { class: "faint", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
       chosen ? "Share of the selected error that each would take away. " : "Share of the error on motion it was not fitted to. ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
     detailPanel(),
   );
-  place.querySelector(".suspects").scrollTop = top;
 }
 
 function row(suspect, chosen) {

@@ -1,7 +1,7 @@
 // What can be said now: verdict, error and noise of every joint, the falling error, and the whole search.
 
 import { tell } from "../api.js";
-import { button, fill, h, svg } from "../dom.js";
+import { button, h, refill, svg } from "../dom.js";
 import { percent, rms } from "../format.js";
 import { view } from "../store.js";
 import { doing } from "./status.js";
@@ -30,7 +30,7 @@ export function drawVerdict() {
     state.audit.length > 0 && h("details", { class: "audit" }, h("summary", {}, `${state.audit.length} notes about the recordings`),
       h("ul", {}, state.audit.map((text) => h("li", {}, text)))),
   ];
-  fill(document.getElementById("verdict"), rows);
+  refill(document.getElementById("verdict"), rows);
 }
 
 function tile(joint, j) {
