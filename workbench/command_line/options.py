@@ -40,9 +40,8 @@ def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, requ
     add_reading(parser)
 
 
-def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff."""
-    group = parser.add_argument_group("reading the recordings")
+def add_columns(group: argparse._ArgumentGroup) -> None:
+    """Add --map and --units: what the columns are."""
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
         help="which column is which, for example q1=HipEnc,q2=KneeEnc",
@@ -52,6 +51,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         help="units that are not SI, for example q=deg,tau=mNm; for a current, torque constant and gear: "
         "tau1=Nm/A*0.123*6",
     )  # fmt: skip
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff."""
+    group = parser.add_argument_group("reading the recordings")
+    add_columns(group)
     group.add_argument(
         "--join", metavar="FILE[@LAG]", nargs="+", action="extend", default=[],
         help="further files of the same trial with clocks of their own, for example torques beside motion capture; of "

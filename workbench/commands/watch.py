@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from workbench.command_line.deliver import check_places
-from workbench.command_line.options import add_common, pairs, positive_number, whole_number
+from workbench.command_line.options import add_columns, add_common, positive_number, whole_number
 from workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
@@ -35,14 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="SOURCE", help="a recording, a file that grows, or - for standard input")
     parser.add_argument("--follow", action="store_true", help="wait for further lines of the file until Ctrl-C")
     group = parser.add_argument_group("reading the samples")
-    group.add_argument(
-        "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
-        help="which column is which, for example q1=HipEnc,q2=KneeEnc",
-    )  # fmt: skip
-    group.add_argument(
-        "--units", metavar="NAME=UNIT", action="append", default=[], type=pairs,
-        help="units that are not SI, for example q=deg,tau=mNm",
-    )  # fmt: skip
+    add_columns(group)
     group.add_argument("--cutoff", metavar="HZ", type=positive_number, default=None, help="cut-off of the filters (4)")
     group = parser.add_argument_group("watching")
     group.add_argument(

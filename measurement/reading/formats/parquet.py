@@ -10,7 +10,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from measurement.reading.limits import TEXT, Budget
-from measurement.reading.raw import RawTable, column_from_cells, split_unit
+from measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
 
 SUFFIXES = (".parquet", ".pq")
 SIGNATURES = (b"PAR1",)
@@ -36,15 +36,7 @@ def read(path: Path) -> RawTable:
         with pyarrow.parquet.ParquetFile(path) as file:
             chosen = _affordable(file, str(path))
             table = file.read(columns=chosen)
-        columns = tuple(
-            column_from_cells(
-                "time" if _is_index_of_time(field) else split_unit(field.name)[0],
-                table.column(i).to_pandas(),
-                _unit(field.metadata) or split_unit(field.name)[1],
-            )
-            for i, field in enumerate(table.schema)
-            if not pyarrow.types.is_nested(field.type)
-        )
+        columns = _columns(table)
     except (pyarrow.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
         raise RecordingError(
             f"the Parquet file is damaged or incomplete ({error})",
@@ -91,14 +83,7 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
                 each = max(1, -(-total // max(1, total // rows)))
                 for batch in file.iter_batches(each, row_groups=some, columns=[one.name for one in fields]):
                     table = pyarrow.Table.from_batches([batch])
-                    columns = tuple(
-                        column_from_cells(
-                            "time" if _is_index_of_time(one) else split_unit(one.name)[0],
-                            table.column(i).to_pandas(),
-                            _unit(one.metadata) or split_unit(one.name)[1],
-                        )
-                        for i, one in enumerate(table.schema)
-                    )
+                    columns = _columns(table)
                     row = np.arange(done + 1, done + table.num_rows + 1)
                     done += table.num_rows
                     yield done / file.metadata.num_rows, RawTable(columns, row)
@@ -106,6 +91,21 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
         raise RecordingError(
             f"the Parquet file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
         ) from error
+
+
+def _columns(table: Any) -> tuple[RawColumn, ...]:
+    """Return the columns of an Arrow table that are not nested, with the units that the file gives them."""
+    import pyarrow
+
+    return tuple(
+        column_from_cells(
+            "time" if _is_index_of_time(field) else split_unit(field.name)[0],
+            table.column(i).to_pandas(),
+            _unit(field.metadata) or split_unit(field.name)[1],
+        )
+        for i, field in enumerate(table.schema)
+        if not pyarrow.types.is_nested(field.type)
+    )
 
 
 def _together(counts: list[int], rows: int) -> Iterator[list[int]]:

@@ -35,6 +35,14 @@ export class Surface {
     });
   }
 
+  // Frames the plot that has the keyboard.
+  focus(frame) {
+    if (document.activeElement !== this.canvas) return;
+    this.context.strokeStyle = this.colour("accent");
+    this.context.lineWidth = 2;
+    this.context.strokeRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
+  }
+
   colour(name) {
     return getComputedStyle(this.canvas).getPropertyValue(`--${name}`).trim() || "gray";
   }

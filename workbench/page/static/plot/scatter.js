@@ -35,11 +35,7 @@ export class Scatter {
     } else context.drawImage(this.layer, 0, 0, width, height);
     const { frame, px, py } = this.x;
     this.cursor(context, content.clouds, content.joint, px, py);
-    if (document.activeElement === this.canvas) {
-      context.strokeStyle = this.surface.colour("accent");
-      context.lineWidth = 2;
-      context.strokeRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
-    }
+    this.surface.focus(frame);
     return true;
   }
 

@@ -54,11 +54,7 @@ export class TimePlot {
       context.stroke();
     }
     context.restore();
-    if (document.activeElement === this.canvas) {
-      context.strokeStyle = this.surface.colour("accent");
-      context.lineWidth = 2;
-      context.strokeRect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
-    }
+    this.surface.focus(frame);
     return true;
   }
 
