@@ -7,7 +7,7 @@ from graphlib import CycleError, TopologicalSorter
 
 import pytest
 
-from tests.architecture.test_imports import LAYERS, ROOT, SOURCES, imported, name_of, tree_of
+from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, layer_of, telling_nodes
 
 SLOW_TO_IMPORT = {
     "casadi", "cma", "cycler", "h5py", "iohinspector", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
@@ -32,7 +32,7 @@ def modules():
 def needs(path, known):
     """Return the modules of ours that the module at `path` imports anywhere."""
     found = set()
-    for node in ast.walk(tree_of(path)):
+    for node in telling_nodes(path):
         if isinstance(node, ast.ImportFrom):
             # `from package import name` needs the module package.name where there is one, else the package.
             for name in (f"{node.module}.{alias.name}" for alias in node.names):
@@ -51,24 +51,29 @@ def test_no_module_needs_itself():
         pytest.fail(" -> ".join(reversed(circle.args[1])))
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_imports_inside_functions_are_for_start_up_time(path):
-    functions = [n for n in ast.walk(tree_of(path)) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))]
-    inside = {(n.lineno, m) for f in functions for n in ast.walk(f) for m in imported(n)}
-    allowed = SLOW_TO_IMPORT | (set(LAYERS) if path.relative_to(ROOT).parts[0] in EDGE else set())
-    assert sorted(found for found in inside if found[1].split(".")[0] not in allowed) == []
+def test_imports_inside_functions_are_for_start_up_time():
+    def needless(path):
+        functions = [n for n in telling_nodes(path) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))]
+        inside = {(n.lineno, m) for f in functions for n in ast.walk(f) for m in imported(n)}
+        allowed = SLOW_TO_IMPORT | (set(LAYERS) if layer_of(path) in EDGE else set())
+        return sorted(found for found in inside if found[1].split(".")[0] not in allowed)
+
+    assert faults(SOURCES, needless) == {}
 
 
-@pytest.mark.parametrize("path", [p for p in SOURCES if p.stem == "plots"], ids=name_of)
-def test_pictures_draw_data_and_know_no_result(path):
+def test_pictures_draw_data_and_know_no_result():
     """A result calls its picture with arrays and words; a picture that knew the result could draw nothing else."""
-    drawn = {name for source in SOURCES for name in classes_with_a_plot(tree_of(source))}
+    drawn = {name for source in SOURCES for name in classes_with_a_plot(source)}
     assert drawn, "nothing has a plot method"
-    taken = {a.name for n in ast.walk(tree_of(path)) if isinstance(n, ast.ImportFrom) for a in n.names}
-    assert taken & drawn == set()
+
+    def known(path):
+        taken = {a.name for n in telling_nodes(path) if isinstance(n, ast.ImportFrom) for a in n.names}
+        return sorted(taken & drawn)
+
+    assert faults((p for p in SOURCES if p.stem == "plots"), known) == {}
 
 
-def classes_with_a_plot(tree):
-    for node in ast.walk(tree):
+def classes_with_a_plot(path):
+    for node in telling_nodes(path):
         if isinstance(node, ast.ClassDef) and "plot" in [f.name for f in node.body if isinstance(f, ast.FunctionDef)]:
             yield node.name

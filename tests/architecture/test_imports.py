@@ -6,37 +6,17 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
-ROOT = Path(__file__).parents[2]
-LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "exoid")
-"""Lowest first; a package may import itself and what stands before it."""
+from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, layer_of, telling_nodes, tree_of
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py", "numpy")
 CHEAP = ("symbolic/effect.py", "symbolic/catalogue.py", "ground/errors.py", "symbolic/quantity.py",
          "symbolic/language/parser.py", "symbolic/effects/*.py")  # fmt: skip
 """What the catalogue and `exoid --help` import besides workbench/."""
 
-SOURCES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
 CHEAP_SOURCES = sorted((ROOT / "workbench").rglob("*.py")) + [p for pattern in CHEAP for p in ROOT.glob(pattern)]
 FORBIDDEN_CALLS = ("eval", "exec", "compile", "sympify", "parse_expr", "__import__")
 FORBIDDEN_MODULES = ("pickle", "dill", "cloudpickle", "shelve", "marshal")
-
-
-def name_of(path: Path) -> str:
-    return str(path.relative_to(ROOT))
-
-
-def tree_of(path: Path) -> ast.Module:
-    return ast.parse(path.read_text("utf-8"), filename=str(path))
-
-
-def imported(node: ast.AST) -> list[str]:
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names]
-    if isinstance(node, ast.ImportFrom) and node.level == 0:
-        return [node.module or ""]
-    return []
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def top_level(body: list[ast.stmt]) -> Iterator[ast.stmt]:
@@ -50,72 +30,85 @@ def top_level(body: list[ast.stmt]) -> Iterator[ast.stmt]:
             yield node
 
 
+def modules_of(nodes) -> list[str]:
+    return [module for node in nodes for module in imported(node)]
+
+
 def test_there_is_something_to_look_at():
     assert len(SOURCES) > 50
+    assert all(layer in {layer_of(path) for path in SOURCES} for layer in LAYERS)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_imports_point_down(path):
-    layer = LAYERS.index(path.relative_to(ROOT).parts[0])
-    above = LAYERS[layer + 1 :]
-    found = [module for node in ast.walk(tree_of(path)) for module in imported(node)]
-    assert [module for module in found if module.split(".")[0] in above] == []
+def test_imports_point_down():
+    def upwards(path):
+        above = LAYERS[LAYERS.index(layer_of(path)) + 1 :]
+        return [module for module in modules_of(telling_nodes(path)) if module.split(".")[0] in above]
+
+    assert faults(SOURCES, upwards) == {}
 
 
-@pytest.mark.parametrize("path", CHEAP_SOURCES, ids=name_of)
-def test_nothing_heavy_is_imported_at_the_top(path):
-    found = [module for node in top_level(tree_of(path).body) for module in imported(node)]
-    assert [module for module in found if module.split(".")[0] in HEAVY] == []
+def test_nothing_heavy_is_imported_at_the_top():
+    def heavy(path):
+        return [m for m in modules_of(top_level(tree_of(path).body)) if m.split(".")[0] in HEAVY]
+
+    assert faults(CHEAP_SOURCES, heavy) == {}
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_user_text_is_never_executed(path):
-    for node in ast.walk(tree_of(path)):
-        if isinstance(node, ast.Call):
-            called = node.func
-            name = called.id if isinstance(called, ast.Name) else None
-            assert name not in FORBIDDEN_CALLS, f"line {node.lineno}: {name}"
-        assert not {m.split(".")[0] for m in imported(node)} & set(FORBIDDEN_MODULES)
+def test_user_text_is_never_executed():
+    def executed(path):
+        for node in telling_nodes(path):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FORBIDDEN_CALLS:
+                yield f"line {node.lineno}: {node.func.id}"
+            yield from (m for m in imported(node) if m.split(".")[0] in FORBIDDEN_MODULES)
+
+    assert faults(SOURCES, executed) == {}
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_everything_public_is_documented_and_annotated(path):
-    tree = tree_of(path)
-    assert ast.get_docstring(tree), "the module has no docstring"
-    for node in public(tree.body):
-        assert is_protocol_member(node) or ast.get_docstring(node), f"line {node.lineno}: {node.name} has no docstring"
-        if isinstance(node, ast.FunctionDef):
-            assert node.returns is not None, f"line {node.lineno}: {node.name} does not say what it returns"
+def test_everything_public_is_documented_and_annotated():
+    def bare(path):
+        if not ast.get_docstring(tree_of(path)):
+            yield "the module has no docstring"
+        for node in public(tree_of(path).body):
+            if not is_protocol_member(node) and not ast.get_docstring(node):
+                yield f"line {node.lineno}: {node.name} has no docstring"
+            if isinstance(node, FUNCTIONS) and node.returns is None:
+                yield f"line {node.lineno}: {node.name} does not say what it returns"
+
+    assert faults(SOURCES, bare) == {}
 
 
-def public(body: list[ast.stmt]) -> Iterator[ast.FunctionDef | ast.ClassDef]:
+def public(body: list[ast.stmt]) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef]:
     for node in body:
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+        if isinstance(node, (*FUNCTIONS, ast.ClassDef)) and not node.name.startswith("_"):
             yield node
             if isinstance(node, ast.ClassDef):
                 yield from public(node.body)
 
 
-def is_protocol_member(node: ast.FunctionDef | ast.ClassDef) -> bool:
+def is_protocol_member(node: ast.AST) -> bool:
     """`def name(self) -> str: ...` declares; its Protocol has the words."""
     last = node.body[-1]
     return (
-        isinstance(node, ast.FunctionDef)
+        isinstance(node, FUNCTIONS)
         and isinstance(last, ast.Expr)
         and isinstance(last.value, ast.Constant)
         and last.value.value is ...
     )
 
 
-@pytest.mark.parametrize("path", [p for p in SOURCES if p.relative_to(ROOT).parts[0] != "workbench"], ids=name_of)
-def test_nothing_below_the_workbench_prints(path):
-    calls = [n.func for n in ast.walk(tree_of(path)) if isinstance(n, ast.Call)]
-    assert [c.lineno for c in calls if isinstance(c, ast.Name) and c.id == "print"] == []
+def test_nothing_below_the_workbench_prints():
+    def prints(path: Path) -> list[int]:
+        calls = [n for n in telling_nodes(path) if isinstance(n, ast.Call)]
+        return [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "print"]
+
+    assert faults((p for p in SOURCES if layer_of(p) != "workbench"), prints) == {}
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_no_default_argument_can_be_changed(path):
-    for node in ast.walk(tree_of(path)):
-        if isinstance(node, (ast.FunctionDef, ast.Lambda)):
-            defaults = [*node.args.defaults, *(d for d in node.args.kw_defaults if d is not None)]
-            assert not [d for d in defaults if isinstance(d, (ast.List, ast.Dict, ast.Set))]
+def test_no_default_argument_can_be_changed():
+    def changeable(path):
+        for node in telling_nodes(path):
+            if isinstance(node, (*FUNCTIONS, ast.Lambda)):
+                defaults = [*node.args.defaults, *(d for d in node.args.kw_defaults if d is not None)]
+                yield from (d.lineno for d in defaults if isinstance(d, (ast.List, ast.Dict, ast.Set)))
+
+    assert faults(SOURCES, changeable) == {}

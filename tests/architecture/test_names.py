@@ -6,7 +6,7 @@ import ast
 from collections import defaultdict
 from pathlib import PurePosixPath
 
-from tests.architecture.test_imports import ROOT, SOURCES, tree_of
+from tests.architecture.source import ROOT, SOURCES, tree_of
 
 PLUG_INS = {
     "workbench/commands": {"add_arguments", "run"},

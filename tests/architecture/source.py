@@ -1,0 +1,49 @@
+"""The production code as the tests of its shape read it: every file parsed and walked once."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench", "exoid")
+"""Lowest first; a package may import itself and what stands before it."""
+
+SOURCES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def layer_of(path: Path) -> str:
+    return path.relative_to(ROOT).parts[0]
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text("utf-8"), filename=str(path))
+
+
+@cache
+def telling_nodes(path: Path) -> tuple[ast.AST, ...]:
+    """Return imports, calls, functions and classes anywhere in the file: what the tests ask about."""
+    kinds = (ast.Import, ast.ImportFrom, ast.Call, ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef)
+    return tuple(node for node in ast.walk(tree_of(path)) if isinstance(node, kinds))
+
+
+def imported(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom) and node.level == 0:
+        return [node.module or ""]
+    return []
+
+
+def faults(paths: Iterable[Path], find: Callable[[Path], Iterable[Any]]) -> dict[str, list[Any]]:
+    """Return {file: what `find` finds there} of the files where it finds something."""
+    found = {name_of(path): list(find(path)) for path in paths}
+    return {name: one for name, one in found.items() if one}
