@@ -40,7 +40,7 @@ MOST_FIGURES = 4
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A fitted model held against recordings; all RMS (J,) in N·m after the common filter.
+    """A fitted model compared with recordings; all RMS (J,) in N·m after the common filter.
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
     `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.

@@ -1,7 +1,7 @@
 """Was the diagnosis right? The truth under the seal against what was accepted.
 
 A hidden effect is *found* when it is an accepted one, and found *in a class* when it is among the look-alikes of one:
-the data could not tell them apart, and the diagnosis said so. Each accepted effect answers for one hidden effect at
+the data could not distinguish them, and the diagnosis said so. Each accepted effect answers for one hidden effect at
 most; what answers for none is *extra*.
 """
 

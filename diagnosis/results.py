@@ -154,7 +154,7 @@ def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequen
         unit = "" if units.get(name, "1") in ("1", "") else f" {units[name]}"
         text += f", {name} = {low:.3g} to {high:.3g}{unit}"
     if against and agreement.accepted < agreement.of:
-        text += f"; it loses where {', '.join(against)} are set aside"
+        text += f"; it loses where {', '.join(against)} are held out"
     return text
 
 

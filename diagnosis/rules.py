@@ -66,7 +66,7 @@ class Rules:
     )
     false_discovery_rate: float = _rule(ACCEPTANCE, 0.05, "entries named by chance, over the catalogue at every step")
     small_gain: float = _rule(
-        ACCEPTANCE, 0.15, "share below which a term is only possible while the error is far above the noise: it mops up"
+        ACCEPTANCE, 0.15, "share below which a term is only possible far above the noise: it absorbs model error"
     )
     farther: float = _rule(
         ACCEPTANCE, 2.0, "factor on this share for every ten times that the error is farther above: hardly a beginning"
@@ -99,7 +99,7 @@ class Rules:
     most_possible: int = _rule(STABILITY, 6, "terms listed as possible at most")
     least_splits: float = _rule(STABILITY, 0.8, "share of splits that must agree: a verdict that depends on the split")
     split_keeps: float = _rule(
-        STABILITY, 0.3, "part of the expected gain that a split must show to agree: terms that only mop up"
+        STABILITY, 0.3, "part of the expected gain that a split must show to agree: terms that only absorb model error"
     )
     split_shows: float = _rule(
         STABILITY,

@@ -175,7 +175,7 @@ def _advice(verified: bool, recordings: int) -> str:
 
 
 def _deciding(alike: Sequence[Accepted]) -> str:
-    """Return the experiments that tell look-alikes apart, from the catalogue; and say where none can."""
+    """Return the experiments that distinguish look-alikes, from the catalogue; and say where none can."""
     parts = []
     for one in alike:
         if one.never_separable:

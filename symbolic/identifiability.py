@@ -1,4 +1,4 @@
-"""What no motion can tell apart: effects whose torque is, at every state, a combination of others.
+"""What no motion can distinguish: effects whose torque is, at every state, a combination of others.
 
 At many random states (any angle, velocity, acceleration, sign and instant, independent values of the operators with
 memory) the derivatives of the torque by all numbers are laid side by side. Where one is a combination of others, the
@@ -42,7 +42,7 @@ EXACT = 1e-13
 
 @dataclass(frozen=True)
 class LookAlike:
-    """Numbers `names` that no motion can tell apart; `relation` says how one is made of the others.
+    """Numbers `names` that no motion can distinguish; `relation` says how one is made of the others.
 
     `absorbed` is set where an effect is contained in the model as it is, so that adding it changes nothing.
     """
@@ -52,7 +52,7 @@ class LookAlike:
     absorbed: bool
 
     def __str__(self) -> str:
-        return f"{self.relation}: no motion can tell them apart"
+        return f"{self.relation}: no motion can distinguish them"
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +78,10 @@ class Tangents:
 
 
 def structural_look_alikes(model: Model, candidates: Sequence[Term] | None = None) -> tuple[LookAlike, ...]:
-    """Return which numbers of `model` and of the `candidates` no motion can tell apart.
+    """Return which numbers of `model` and of the `candidates` no motion can distinguish.
 
     Default candidates: the whole catalogue at every joint, including joints where an entry says it is absorbed. Each is
-    held against the model; those that survive are held against each other, two at a time.
+    compared with the model; those that survive are compared with each other, two at a time.
     """
     base = tangents(model)
     found = [_relation(base, k, None) for k in range(1, len(base.names))]
@@ -118,7 +118,7 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
 def never_separable(names: Sequence[str], model: Model) -> Mapping[str, tuple[str, ...]]:
     """Return for each term name ("stribeck:knee") what imitates it at every state, so that no motion tells.
 
-    The others are terms of the catalogue or the user's, held against `model` without the terms named; where the model
+    The others are terms of the catalogue or the user's, compared with `model` without the terms named; where the model
     itself contains the term, they are its numbers ("Phi1"). A mapping is one way only: a spring with a free rest angle
     imitates an offset, not the reverse. EffectError for a name that is no term.
     """

@@ -98,7 +98,7 @@ class Model:
                 raise EffectError(
                     f"the model has {name} twice",
                     where=self.name,
-                    remedy="keep one; its numbers could not be told apart",
+                    remedy="keep one; its numbers could not be distinguished",
                 )
 
     @classmethod

@@ -2,7 +2,7 @@
 
 Two candidates are compared on held-out samples, each refitted with everything else. The difference of their losses is
 summed over blocks of a few seconds, longer than the residual remembers; if its sum is within the scatter of the blocks,
-the data cannot tell them apart (in the manner of Vuong, Econometrica 57(2), 1989, with blocks for dependence).
+the data cannot distinguish them (in the manner of Vuong, Econometrica 57(2), 1989, with blocks for dependence).
 """
 
 from __future__ import annotations

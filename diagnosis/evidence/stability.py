@@ -28,7 +28,7 @@ MOST_AGAINST = 3
 
 
 def splits_of(recordings: int, aside: int, rules: Rules, seed: int = 0) -> tuple[tuple[int, ...], ...]:
-    """Return which recordings are set aside in each split; () where there is only one recording.
+    """Return which recordings are held out in each split; () where there is only one recording.
 
     `aside` of them at a time (a third where that is 0, never more than half): all combinations where there are few,
     otherwise `rules.most_splits` of them at random.
@@ -69,7 +69,7 @@ class _Split:
 class Splits:
     """The model of `evidence` fitted in every split, ready to judge terms in each of them.
 
-    As many recordings are set aside as there are for verification.
+    As many recordings are held out as there are for verification.
     """
 
     def __init__(self, evidence: Evidence) -> None:

@@ -29,7 +29,7 @@ SAME = 1e-7
 
 @dataclass(frozen=True)
 class Same:
-    """Two rivals that no motion tells apart (`second` is empty where the model itself contains `first`), and why."""
+    """Two rivals that no motion can distinguish, and why (`second` is empty where the model contains `first`)."""
 
     first: str
     second: str
@@ -94,7 +94,7 @@ def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
                 f"the catalogue on {term.name} (a motion it names does not help here): {term.effect.tells_apart}"
             )
     if other is not None:
-        out.append("static holds are motion too: what no motion tells apart, they do not either")
+        out.append("static holds are motion too: what no motion distinguishes, they do not distinguish either")
     return tuple(dict.fromkeys(out))
 
 

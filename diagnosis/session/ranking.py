@@ -1,4 +1,4 @@
-"""All candidates against one fitted model while one looks on: weighed first, then held against more and more placebos.
+"""All candidates against one fitted model while one looks on: weighed first, then compared with more and more placebos.
 
 The same questions as `evidence.ranking.rank` asks, in small portions: whoever waits sees the order first, then p-values
 from few placebos, then from all of them. `trial` says what would be left beside a candidate, without a refit.

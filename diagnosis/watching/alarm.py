@@ -2,7 +2,7 @@
 
 What each column wants is compared with what it has wanted so far. Its variance has two parts: noise, which shifted
 residuals tell (`scores.placebos`), and what the error of the model makes of other motion, which blocks tell that are
-known to be quiet. The largest deviation of all columns, over the last 1, 3 and 12 blocks, is held against the
+known to be quiet. The largest deviation of all columns, over the last 1, 3 and 12 blocks, is compared with the
 threshold that placebos of all columns together exceed as rarely as asked for; the tail beyond the placebos is that of
 a normal distribution (its square falls off exponentially).
 """

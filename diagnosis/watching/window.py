@@ -66,7 +66,7 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
 
 
 def prepared(before: Sequence[Window], after: Sequence[Window] = ()) -> Prepared:
-    """Return windows as the question of a diagnosis: `before` to be fitted, `after` held against them."""
+    """Return windows as the question of a diagnosis: `before` to be fitted, `after` compared with them."""
     joints = before[0].use.shape[1]
     choice = CutoffChoice(before[0].cutoff, "that of the causal filters", automatic=False)
     return Prepared(tuple(before), tuple(after), choice, np.zeros(joints), np.zeros(joints), 0.0)

@@ -296,7 +296,7 @@ def _check_missing(
 
 
 def numbered(names: Sequence[str]) -> list[str]:
-    """Return names that can be told apart: of several alike, the second is "name#2"."""
+    """Return names that can be distinguished: of several alike, the second is "name#2"."""
     return [f"{name}#{names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
 
 

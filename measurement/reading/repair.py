@@ -115,7 +115,7 @@ def _start(
         if 0 < len(pair) < len(joints) or empty:
             lacking = "its partner is missing" if len(joints) == 2 else "the other joints have none"
             reason = f"{', '.join(empty)} is mostly not numbers" if empty else lacking
-            draft = draft.noted("columns", "info", f"{' and '.join(pair)} left aside: {reason}")
+            draft = draft.noted("columns", "info", f"{' and '.join(pair)} left out: {reason}")
             columns = {n: v for n, v in columns.items() if n not in pair}
     return replace(draft, columns=columns)
 
@@ -291,7 +291,7 @@ def _stamped(draft: Draft, t: Float) -> Draft:
     steps = np.diff(t)
     if np.any(steps <= 0) or np.median(steps) < CLOSEST:
         raise RecordingError(
-            "time stamps are too close together to be told apart",
+            "time stamps are too close together to be distinguished",
             where=f"{draft.file}, column t",
             remedy="log the time in seconds with at least six decimals",
         )

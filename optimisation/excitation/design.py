@@ -202,7 +202,7 @@ def _evaluated(
         )
     lost = [p.name for p in precision if not np.isfinite(p.deviation)]
     if lost:
-        cautions = (*cautions, f"this motion says nothing about {', '.join(lost)} one by one")
+        cautions = (*cautions, f"this motion carries no information on {', '.join(lost)} individually")
     return Excitation(
         model=model,
         trajectory=motion,

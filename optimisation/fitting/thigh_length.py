@@ -103,7 +103,7 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     """Return the thigh length that the fitted recordings of `prepared` want; None for models that have none to tell,
     and for recordings that keep another convention.
 
-    The torque sensors may have zeros of their own meanwhile, which would otherwise pass for weight.
+    The torque sensors may have offsets of their own meanwhile, which would otherwise pass for weight.
     """
     model, names = cast("Model", fit.model), list(fit.data.names)
     payload = any(one.motion.payload is not None for one in prepared.train)

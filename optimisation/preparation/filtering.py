@@ -1,7 +1,7 @@
 """One recording made ready for a fit: filtered angles and their derivatives, torque without outliers, what may be used.
 
 Angles are low-passed at twice the common cut-off, torque and model through one common filter afterwards. Where a joint
-may be sticking its torque says nothing of the model, and is bridged; so is every outlier.
+may be sticking its torque carries no information on the model, and is bridged; so is every outlier.
 """
 
 from __future__ import annotations

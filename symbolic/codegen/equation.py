@@ -159,7 +159,7 @@ class _Builder:
         return self._sum(self.columns)
 
     def _tree(self, symbols: dict[str, Any]) -> Any:
-        """Add the columns of a machine that is not the leg; what Lagrange gives is held against Newton and Euler."""
+        """Add the columns of a machine that is not the leg; what Lagrange gives is compared with Newton and Euler."""
         from symbolic.codegen.tree_columns import tree_columns
 
         ca, model, joints = self.ca, self.model, self.model.chain

@@ -13,7 +13,7 @@ EFFECT = Effect(
     coefficients={
         "c": Coefficient("kg·m²", min=0.0, typical=0.5, explains="rotor inertia times the gear ratio squared")
     },
-    absorbed_on={"hip": "the base model contains it already, as a change of Φ1 and Φ4, and no motion tells them apart"},
+    absorbed_on={"hip": "the base model contains it already, as a change of Φ1 and Φ4 that no motion can show"},
     explains="The motor's own rotor has to be accelerated too, and through the gear it feels heavy.",
     tells_apart=(
         "Fast small oscillations of the knee with the hip still, and a recording with a known added mass on the shank."

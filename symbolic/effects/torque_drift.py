@@ -1,7 +1,7 @@
 """A torque reading that creeps with time: c (t - t_0).
 
 Nobody tares a sensor at the same moment of every recording: the moment t_0 at which it reads right belongs to the
-recording, which is the same as a zero of its own, -c t_0.
+recording, which is the same as an offset of its own, -c t_0.
 """
 
 from __future__ import annotations

@@ -10,9 +10,9 @@ EFFECT = Effect(
     family="friction",
     torque="c * dtheta * abs(dtheta)",
     coefficients={
-        "c": Coefficient("N·m·s²/rad²", min=0.0, typical=3.0, explains="resistance of oil or air that is pushed aside")
+        "c": Coefficient("N·m·s²/rad²", min=0.0, typical=3.0, explains="resistance of oil or air that is displaced")
     },
-    explains=("Moving twice as fast takes four times the extra torque, as when oil or air is pushed aside."),
+    explains=("Moving twice as fast takes four times the extra torque, as when oil or air is displaced."),
     tells_apart=(
         "Constant speeds over the whole range, up to the highest allowed; at least five levels in both directions."
     ),

@@ -1,7 +1,7 @@
 """A known mass that hangs on the leg: what it adds to the base parameters, derived like everything else.
 
 A recording with a known mass and one without differ by a torque that is known in N·m. That gives the torques of all
-recordings a scale which no motion of the bare leg gives: it tells the gains of the two drives apart (Gautier, Briot,
+recordings a scale which no motion of the bare leg gives: it distinguishes the gains of the two drives (Gautier, Briot,
 ASME Journal of Dynamic Systems, Measurement, and Control 136(5), 2014).
 """
 

@@ -1,4 +1,4 @@
-"""The torque as a product τ = Y(θ, θ', θ'') Φ, derived, and held against the matrix the paper prints.
+"""The torque as a product τ = Y(θ, θ', θ'') Φ, derived, and compared with the matrix the paper prints.
 
     Φ1 = I_th + I_sh + m_th l_th² + m_sh a_th² + m_sh l_sh²     Φ2 = I_sh + m_sh l_sh²
     Φ3 = m_sh a_th l_sh                                         Φ4 = m_th a_th l_th - I_th - m_th l_th²

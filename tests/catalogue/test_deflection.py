@@ -1,4 +1,4 @@
-"""A drive that gives way, with the encoder at the motor: held against a Newton-Euler leg behind a spring."""
+"""A drive that gives way, with the encoder at the motor: compared with a Newton-Euler leg behind a spring."""
 
 import numpy as np
 import pytest

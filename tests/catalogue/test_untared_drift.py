@@ -1,4 +1,4 @@
-"""A torque sensor that drifts and is never tared: every recording has a zero of its own."""
+"""A torque sensor that drifts and is never tared: every recording has an offset of its own."""
 
 from dataclasses import replace
 

@@ -91,7 +91,7 @@ def test_a_single_recording_has_no_splits():
 def test_what_splits_say_in_words():
     text = stability_of(Agreement(83, 84, {"c": (0.0031, 0.0042)}, (5,)), {"c": "kg·m²"}, ["run_05"])
     assert text == (
-        "accepted in 83 of 84 splits of the recordings, c = 0.0031 to 0.0042 kg·m²; it loses where run_05 are set aside"
+        "accepted in 83 of 84 splits of the recordings, c = 0.0031 to 0.0042 kg·m²; it loses where run_05 are held out"
     )
     assert stability_of(Agreement(), {}) == ""
 

@@ -104,7 +104,7 @@ def test_models_with_effects_and_identified_numbers():
 def test_numbers_no_motion_determines_are_said():
     model = Model.standard().with_effect("drive_gain:hip").with_effect("drive_gain:knee")
     blind = design(model, starts=0, generations=5)
-    assert not blind.informative and any("says nothing about" in text for text in blind.cautions)
+    assert not blind.informative and any("carries no information on" in text for text in blind.cautions)
 
 
 def test_without_a_compiler_the_numbers_are_the_same(monkeypatch):

@@ -1,4 +1,4 @@
-"""A known mass on the leg: held against Newton and Euler's leg with that mass, and through the whole fit."""
+"""A known mass on the leg: compared with Newton and Euler's leg with that mass, and through the whole fit."""
 
 from dataclasses import replace
 

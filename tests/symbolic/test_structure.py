@@ -1,4 +1,4 @@
-"""What no motion can tell apart is found, and nothing else is claimed."""
+"""What no motion can distinguish is found, and nothing else is claimed."""
 
 import pytest
 
