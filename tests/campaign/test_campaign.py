@@ -20,6 +20,7 @@ from workbench.campaign.plan import Job, Plan, read_plan
 from workbench.campaign.run import run_campaign
 from workbench.campaign.store import CampaignError, JobStore
 from workbench.campaign.table import flat, write_tables
+from workbench.campaign.work import row_of_events
 from workbench.command import main
 
 ROOT = Path(__file__).parents[2]
@@ -135,9 +136,15 @@ def rows(count):
         {
             "name": f"job {k} {HOSTILE}", "key": f"{k:016d}",
             "fields": {"device": f"d{k % 7}", "date": f"2026-0{1 + k % 9}-01"},
-            "recordings": ["a"], "verify": [], "seed": 0, "status": "done", "report": k == 0,
+            "recordings": ["a"], "verify": [], "versions": {"exoid": "0.1"}, "seed": 0,
+            "status": "done", "report": k == 0,
             "result": {
-                "verdict": "missing", "accepted": [{"effect": "stribeck", "joint": names[k % 2], "look_alikes": ["x"]}],
+                "verdict": "missing", "accepted": [
+                    {
+                        "effect": "stribeck", "joint": names[k % 2], "look_alikes": ["x"],
+                        "parameters": {"c": {"value": 2.6, "low": 2.5, "high": 2.7, "unit": "N·m"}},
+                    }
+                ],
                 "steps": [{"train_rms": [1.0, 2.0], "verify_rms": None}], "noise_floor": [0.1, 0.2],
                 "parameters": {"Phi1": {"value": 1.0 + 0.01 * (k % 7), "low": 0.9, "high": 1.1, "unit": "kg·m²"}},
             },
@@ -161,6 +168,28 @@ def test_names_from_files_are_data_in_the_page_and_in_tables(tmp_path):
 def test_a_row_is_flat_and_says_before_and_after():
     line = flat(fake_plan(1), rows(1)[0])
     assert line["effects"] == "stribeck:hip" and line["rms_before_hip"] == 1.0 and line["noise_floor_knee"] == 0.2
+    assert line["values"] == "stribeck:hip c = 2.6 [2.5, 2.7] N·m" and line["versions"] == "exoid 0.1"
+
+
+def change(name, state, value, kind="abrupt"):
+    number = {"value": value, "unit": "1", "low": value - 0.01, "high": value + 0.01}
+    found = {"name": name, "change": {"c": number}, "look_alikes": [], "p_value": 0.001}
+    since = {"t": 200.0, "low": 195.0, "high": 205.0}
+    return {
+        "event": "change", "state": state, "kind": kind, "since": since, "differences": [found],
+        "rms_before": [0.1, 0.1], "rms_after": [0.1, 0.5],
+    }  # fmt: skip
+
+
+def test_the_events_of_a_watched_recording_are_one_row():
+    start = [{"event": "start", "joints": ["hip", "knee"]}, {"event": "reference"}]
+    named = [change("coulomb:knee", "first", 0.2), change("load_friction:knee", "refined", 0.1)]
+    found = row_of_events([*start, *named, change("load_friction:knee", "over", 0.1, "over"), {"event": "summary"}])
+    assert found["verdict"] == "changed" and [one["name"] for one in found["accepted"]] == ["load_friction:knee"]
+    line = flat(fake_plan(1), {**rows(1)[0], "result": found})
+    assert line["values"] == "load_friction:knee c = 0.1 [0.09, 0.11]" and line["rms_after_knee"] == 0.5
+    assert row_of_events(start)["verdict"] == "unchanged" and row_of_events([])["verdict"] == "undetermined"
+    assert row_of_events([*start, {"event": "unexplained"}])["verdict"] == "unexplained"
 
 
 @pytest.mark.slow

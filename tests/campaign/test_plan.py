@@ -46,6 +46,11 @@ def test_held_out_by_field_and_groups_and_models_by_field(fleet):
     assert left.options == ("--cutoff=6", "--derivative=savgol")
 
 
+def test_a_job_per_recording_that_is_watched(fleet):
+    found = plan(fleet, FILES + 'verb = "watch"\n[options]\nlearn = 60\n')
+    assert len(found.jobs) == 12 and found.jobs[0].fields["run"] == "1" and found.jobs[0].options == ("--learn=60",)
+
+
 def test_a_group_with_nothing_to_fit_is_said(fleet):
     for run in (1, 2):
         (fleet / "data" / "d1" / "left" / f"run_{run}.csv").unlink()
@@ -67,6 +72,8 @@ def test_a_group_with_nothing_to_fit_is_said(fleet):
         (FILES + 'verify = { day = ["1"] }\n', "not a field"),
         (FILES + "verify = 3\n", "every recording is held out"),
         (FILES + 'verb = "discovr"\n', "discover"),
+        (FILES + 'verb = "watch"\nverify = 1\n', "holds no recording out"),
+        (FILES + 'verb = "watch"\ngroup = ["device"]\n', "one recording at a time"),
         (FILES + "[options]\ncutof = 6\n", "--cutoff"),
         (FILES + "[options]\njson = 'x'\n", "set by the campaign itself"),
         (FILES + "timeout = -1\n", "out of range"),

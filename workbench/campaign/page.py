@@ -58,7 +58,7 @@ def data(
         for head in dict.fromkeys(h for row in table for h in row)
         if any(r.get(head) not in ("", None) for r in table)
     ]
-    hidden = {"report", "key"}
+    hidden = {"report", "key", "versions"}  # versions: one campaign has one set, the table has them
     return {
         "verb": plan.verb, "running": running, "jobs": len(rows), "done": len(done),
         "status": dict(Counter(row["status"] for row in done)), "events": list(events)[-20:], "notes": list(plan.notes),

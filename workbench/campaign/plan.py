@@ -3,7 +3,8 @@
     name = "left and right legs"
     verb = "discover"                                      # any command that takes recordings
     files = "data/{device}/{side}/{date}/run_{run}.csv"    # fields taken from folders and names, beside the plan
-    group = ["device", "side", "date"]                     # one job for each combination; default: all but the last
+    group = ["device", "side", "date"]                     # one job for each combination; default: all but the last,
+                                                           # and every field for watch (a job per recording)
     verify = { run = ["4"] }                               # held out: by field, or how many of the last ones
     model = "models/{device}.toml"                         # optional
     timeout = 600                                          # s per job, optional
@@ -35,8 +36,10 @@ from ground.suggest import did_you_mean
 from ground.toml_reader import Table
 
 BLIND = "blind"
-VERBS = ("compare", "diagnose", "discover", "identify", "rivals")
-"""Commands that take recordings and answer in JSON; `watch` joins them where it exists."""
+WATCH = "watch"
+"""The command that follows one recording at a time, and so has a job for each."""
+VERBS = ("compare", "diagnose", "discover", "identify", "rivals", WATCH)
+"""Commands that take recordings and answer in JSON."""
 LARGEST_PLAN = 1_000_000
 FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
@@ -87,8 +90,8 @@ def read_plan(path: str | Path) -> Plan:
         "blind",
     )  # fmt: skip
     verb = top.text("verb", "discover")
-    if verb not in (*_verbs(), BLIND):
-        known = (*_verbs(), BLIND)
+    known = (*VERBS, BLIND)
+    if verb not in known:
         remedy = did_you_mean(verb, known) or f"use one of {', '.join(known)}"
         raise top.error("verb", f"{verb!r} cannot be asked about groups of recordings", remedy)
     timeout = top.number("timeout", above=0.0) if "timeout" in top.values else None
@@ -102,12 +105,6 @@ def read_plan(path: str | Path) -> Plan:
     device = _named_field(top, "device", fields, fields[0] if fields else None)
     date = _named_field(top, "date", fields, "date" if "date" in fields else None)
     return Plan(name, verb, jobs, fields, device, date, timeout, reports, notes)
-
-
-def _verbs() -> tuple[str, ...]:
-    from workbench.command import find_verbs
-
-    return (*VERBS, *(verb for verb in ("watch",) if verb in find_verbs()))
 
 
 def _load(path: Path) -> Table:
@@ -157,12 +154,14 @@ def _recorded_jobs(
     if not found:
         place = os.path.realpath(base)
         raise top.error("files", "no recording matches this pattern", f"it is looked for below {place}")
-    group = tuple(_texts(top, "group", top.values["group"])) if "group" in top.values else names[:-1]
+    group = tuple(_texts(top, "group", top.values["group"])) if "group" in top.values else _default_group(verb, names)
     for name in group:
         if name not in names:
             raise top.error(
                 "group", f"{name!r} is not a field of files", f"the fields are {', '.join(names) or 'none'}"
             )
+    if verb == WATCH and "verify" in top.values:
+        raise top.error("verify", "watch holds no recording out", "leave verify out")
     held_out = _held_out(top, names)
     options = _options(top, verb)
     model = top.text("model", "") or None
@@ -174,6 +173,11 @@ def _recorded_jobs(
         unseen = {path for path, values in members if held_out(values, members)}
         fitted = [str(path) for path, _ in members if path not in unseen]
         label = "/".join(key) or Path(pattern).parent.name or "all"
+        if verb == WATCH and len(members) > 1:
+            what = f"watch follows one recording at a time, and {label!r} has {len(members)}"
+            raise top.error(
+                "group", what, "give group every field of files, and files a field for every part that varies"
+            )
         if not fitted:
             notes.append(f"{label}: all its recordings are held out, so there is nothing to fit")
             continue
@@ -183,6 +187,10 @@ def _recorded_jobs(
     if not jobs:
         raise top.error("verify", "every recording is held out, so there is nothing to fit", "hold out fewer")
     return tuple(jobs), group, tuple(notes)
+
+
+def _default_group(verb: str, names: tuple[str, ...]) -> tuple[str, ...]:
+    return names if verb == WATCH else names[:-1]
 
 
 def find(base: Path, pattern: str) -> list[tuple[Path, dict[str, str]]]:
@@ -250,7 +258,7 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
                 raise table.error(key, f"{key} is neither text nor number", "write it as on the command line")
             words.append(f"{name}={one}")
     try:
-        verb_parser(verb).parse([*words, "recording.csv"])
+        verb_parser(verb).parse([*words, *(["standard"] if verb == WATCH else []), "recording.csv"])
     except ExoidError as error:
         raise PlanError(error.what, where=table.place(), remedy=error.remedy) from error
     return tuple(words)

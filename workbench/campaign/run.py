@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -98,7 +98,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
 
         for number, (k, future) in enumerate(completed(engine, in_cell, missing, call), start=1):
             job = plan.jobs[k]
-            row, page, note = _row(job, keys[k], future)
+            row, page, note = _row(job, keys[k], future, here)
             if page is not None:
                 write_whole(folder / "reports" / f"{job_file_name(job.name)}-{keys[k][:16]}.html", page, at_once=True)
             store.write(job, keys[k], row)
@@ -120,11 +120,12 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     return Campaign(plan, done, kept, retried, time.perf_counter() - began, tuple(events))
 
 
-def _row(job: Job, key: str, future: Any) -> tuple[dict[str, Any], str | None, str]:
+def _row(job: Job, key: str, future: Any, here: Mapping[str, str]) -> tuple[dict[str, Any], str | None, str]:
     """Return the row of a job that ended, its report, and what is to be said of how it went."""
     base = {
         "name": job.name, "key": key[:16], "fields": dict(job.fields), "seed": job.seed,
         "recordings": [Path(p).name for p in job.recordings], "verify": [Path(p).name for p in job.verify],
+        "versions": dict(here),
     }  # fmt: skip
     try:
         answer = future.result()

@@ -17,7 +17,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of the table of jobs: fields, status, verdict, effects, errors before and after, versions."""
+    """Return a row of the table of jobs: fields, status, verdict, effects with values, errors before and after."""
     result = row.get("result") or {}
     accepted = result.get("accepted") or []
     out: dict[str, Any] = {"job": row["name"], **{name: row["fields"].get(name, "") for name in plan.fields}}
@@ -26,6 +26,7 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
         "verdict": result.get("verdict", ""),
         "effects": "; ".join(map(effect_name, accepted)),
     }
+    out["values"] = "; ".join(filter(None, map(effect_values, accepted)))
     out["possible"] = "; ".join(effect_name(one) for one in result.get("possible") or [])
     out["look_alikes"] = "; ".join(sorted({name for one in accepted for name in one.get("look_alikes", [])}))
     for label, values in errors(result).items():
@@ -37,6 +38,7 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
         "unreadable": len(row.get("unreadable", [])),
     }
     out["reason"] = row.get("reason", "")
+    out["versions"] = ", ".join(f"{name} {number}" for name, number in sorted(row.get("versions", {}).items()))
     return out | {"report": report_of(row), "key": row["key"]}
 
 
@@ -45,6 +47,19 @@ def effect_name(one: Mapping[str, Any]) -> str:
     if "name" in one:
         return str(one["name"])
     return str(one["effect"]) + (f":{one['joint']}" if one.get("joint") else "")
+
+
+def effect_values(one: Mapping[str, Any]) -> str:
+    """Return the numbers of an accepted effect with their 95 % intervals, "load_friction:knee c = 0.22 [0.2, 0.24]"."""
+    parts = [_with_interval(name, number) for name, number in (one.get("parameters") or {}).items()]
+    return f"{effect_name(one)} {', '.join(parts)}" if parts else ""
+
+
+def _with_interval(name: str, number: Mapping[str, Any]) -> str:
+    value, low, high = (number.get(key) for key in ("value", "low", "high"))
+    interval = "" if low is None or high is None else f" [{low:.4g}, {high:.4g}]"
+    unit = "" if number.get("unit") in (None, "1") else number["unit"]
+    return f"{name} = " + ("unknown" if value is None else f"{value:.4g}{interval} {unit}".rstrip())
 
 
 def errors(result: Mapping[str, Any]) -> dict[str, Sequence[float]]:
@@ -57,6 +72,8 @@ def errors(result: Mapping[str, Any]) -> dict[str, Sequence[float]]:
         found["rms_after"] = last["verify_rms"] or last["train_rms"]
     elif isinstance(result.get("rms"), dict):  # a simulated leg
         found["rms_before"], found["rms_after"] = result["rms"]["base"], result["rms"]["found"]
+    elif result.get("rms_before"):  # a recording that was watched
+        found |= {label: result[label] for label in ("rms_before", "rms_after")}
     elif result.get("rms"):
         found["rms_before"] = result.get("verify_rms") or result["rms"]
     floor = result.get("noise_floor") or result.get("floor")

@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from workbench.campaign.plan import WATCH
+
 FUNCTION = f"{__name__}:work"
 """How an engine calls `work`."""
 
@@ -45,7 +47,7 @@ def _asked(task: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     }
     status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
     unreadable: list[dict[str, str]] = []
-    if status == 2:
+    if status == 2 and task["verb"] != WATCH:
         unreadable = _unreadable(task, folder, [*given["recordings"], *given["verify"]])
         bad = {one["path"] for one in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
@@ -66,15 +68,20 @@ def _command(
 ) -> tuple[int, Any, list[str], str | None]:
     """Return the exit status of the command, its JSON, what it said on stderr, and its report."""
     from workbench.command import main
+    from workbench.commands.watch import STANDARD
 
     answer, out = folder / "answer.json", folder / "out"
-    words = [task["verb"], *task["options"], *recordings, "--json", str(answer), "--quiet", "--seed", str(task["seed"])]
+    watches, model = task["verb"] == WATCH, folder / "model.toml"
+    if task["model"] is not None:
+        model.write_text(task["model"], encoding="utf-8")
+    words = [task["verb"], *task["options"]]
+    if watches:
+        words += [STANDARD if task["model"] is None else str(model), *recordings]
+    else:
+        words += [*recordings, *(["--model", str(model)] if task["model"] is not None else [])]
+    words += ["--json", str(answer), "--quiet", "--seed", str(task["seed"])]
     if verify:
         words += ["--verify", *verify]
-    if task["model"] is not None:
-        model = folder / "model.toml"
-        model.write_text(task["model"], encoding="utf-8")
-        words += ["--model", str(model)]
     if task["report"]:
         words += ["--out", str(out)]
     said = io.StringIO()
@@ -84,7 +91,41 @@ def _command(
     if status not in (0, 1):
         return status, None, lines, None
     page = out / "report.html"
-    return status, json.loads(answer.read_text("utf-8")), lines, page.read_text("utf-8") if page.is_file() else None
+    text = answer.read_text("utf-8")
+    result = row_of_events([json.loads(line) for line in text.splitlines()]) if watches else json.loads(text)
+    return status, result, lines, page.read_text("utf-8") if page.is_file() else None
+
+
+def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the events of `watch` as one answer: verdict, what changed and when, numbers at the end.
+
+    A change that is named twice, at once and with better data, counts as it was named last. The verdict is "changed",
+    "unexplained" (the error grew, and nothing known explains it), "unchanged", or "undetermined" where the recording
+    does not determine the model.
+    """
+    changes: list[Mapping[str, Any]] = []
+    for one in events:
+        if one["event"] == "change" and one["kind"] != "over":
+            if changes and one.get("state") == "refined":
+                changes.pop()
+            changes.append(one)
+    kinds = {one["event"] for one in events}
+    last: Mapping[str, Any] = next((one for one in reversed(events) if one["event"] == "summary"), {})
+    verdict = "unchanged" if "reference" in kinds else "undetermined"
+    accepted = [
+        {
+            "name": found["name"], "parameters": found["change"], "look_alikes": found["look_alikes"],
+            "p_value": found["p_value"], "since": one.get("since"), "kind": one["kind"],
+        }
+        for one in changes for found in one["differences"]
+    ]  # fmt: skip
+    return {
+        "schema": "exoid.watch/1",
+        "verdict": "changed" if changes else "unexplained" if "unexplained" in kinds else verdict,
+        "joints": next((one["joints"] for one in events if one["event"] == "start"), []),
+        "accepted": accepted, "parameters": last.get("parameters", {}), "events": list(events),
+        **({"rms_before": changes[0]["rms_before"], "rms_after": changes[-1]["rms_after"]} if changes else {}),
+    }  # fmt: skip
 
 
 def _unreadable(task: Mapping[str, Any], folder: Path, paths: Sequence[str]) -> list[dict[str, str]]:
