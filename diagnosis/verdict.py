@@ -75,7 +75,8 @@ def conclude(
             f"{_times(last):.2g} times the noise floor",
             "The model explains these recordings; nothing that can be told from noise is missing."
             + ("" if error is None else f" Yet {error.sentence}.")
-            + (f" They could not show much: {short}.{_nearest(possible, rules)}" if short else ""),
+            + (f" They could not show much: {short}." if short else "")
+            + (_nearest(possible, rules) if short or error is not None else ""),
             stopped,
             advice if error is None else error.advice,
             error,

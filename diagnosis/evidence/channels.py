@@ -14,6 +14,7 @@ import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.rules import RULES, Rules
+from ground.errors import NotEnoughDataError
 from measurement.finding import Finding
 from measurement.signals.butterworth import lag_filter
 from optimisation.fitting.identify import identify
@@ -48,7 +49,7 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
     """Return what makes the best model that was found (`last`) no answer; `base` is the model the search began with."""
     return (
         _wrong_length(base, last, rules)
-        or _unexplained_torque(last, rules)
+        or _unexplained_torque(base, last, rules)
         or _impossible_base(base, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
@@ -210,17 +211,37 @@ def _wrong_length(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt |
     )
 
 
-def _unexplained_torque(last: FittedModel, rules: Rules) -> Doubt | None:
+def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
     share = left_share(last)
     if not np.nanmax(share, initial=0.0) > rules.unexplained_share:
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
+    odd = _odd_recordings(base, rules)
+    which = f" Fitted alone, {' and '.join(odd)} cannot be explained either, and the other recordings can." if odd else ""
     return Doubt(
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
-        "variance unexplained. Nothing is named on top of that.",
-        _COLUMNS,
+        "variance unexplained.{which} Nothing is named on top of that.",
+        f"begin with {' and '.join(odd)}: {_COLUMNS}" if odd else _COLUMNS,
     )
+
+
+def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
+    """Return the names of recordings of which the model leaves much of the torque even if it is fitted to one alone,
+    where it explains the others so; [] where they are alike, or most of them odd.
+    """
+    odd, known = [], 0
+    for one in base.prepared.all:
+        try:
+            alone = identify(base.model, (one,), optimisers=())
+        except NotEnoughDataError:
+            continue
+        known += 1
+        if np.nanmax(left_share(fitted_model(alone, replace(base.prepared, train=(one,), verify=()))), initial=0.0) > (
+            rules.unexplained_share
+        ):
+            odd.append(one.name)
+    return odd if 2 * len(odd) < known else []
 
 
 _COLUMNS = (

@@ -44,14 +44,19 @@ def sensor_noise(prepared: Prepared) -> Float:
     return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
 
 
+def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
+    """Return the noise (J,), N·m: what the sensors say or what does `again` not repeat, whichever is more."""
+    sensors = sensor_noise(prepared)
+    return sensors if again is None else np.maximum(sensors, again.noise)
+
+
 def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
 
     Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
     """
     again = repeats(last)
-    sensors = sensor_noise(last.prepared)
-    floor = sensors if again is None else np.maximum(sensors, again.noise)
+    sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
     error = last.judged_rms
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)

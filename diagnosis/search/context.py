@@ -13,9 +13,10 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import columns_at, refine
-from diagnosis.evidence.model_error import sensor_noise
+from diagnosis.evidence.model_error import noise_with
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, rank
+from diagnosis.evidence.repeats import repeats
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import doubt
@@ -55,6 +56,8 @@ class SearchContext:
     """What was found against a model with these terms, for when the search comes back to it."""
     doubts: dict[tuple[tuple[str, ...], str], str] = field(default_factory=dict)
     """Why a candidate was not accepted beside a model with these terms, although it helps."""
+    noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
+    """The noise (J,) N·m beside a model with these terms."""
 
     # -- models -----------------------------------------------------------------------------------------------
 
@@ -136,10 +139,20 @@ class SearchContext:
 
     def doubt(self, before: Extension, after: Extension) -> str:
         """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against it."""
-        text = doubt(before, after, sensor_noise(self.prepared), self.rules)
+        text = doubt(before, after, self.noise(before), self.rules)
         if text and after.added is not None:
             self.doubts[self.key(before), after.added.name] = text
         return text
+
+    def noise(self, extension: Extension) -> Float:
+        """Return the noise (J,), N·m: what the sensors say or, where the motion repeats, what of the error does not.
+
+        What does not come again when the motion does is no function of it, and no effect can take up part of it.
+        """
+        key = self.key(extension)
+        if key not in self.noises:
+            self.noises[key] = noise_with(repeats(extension.fitted), self.prepared)
+        return self.noises[key]
 
     @staticmethod
     def key(extension: Extension) -> tuple[str, ...]:

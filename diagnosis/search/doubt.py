@@ -15,7 +15,7 @@ from symbolic.motion import Float
 def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
     """Return why the term that `after` adds must not be accepted, in words; "" where nothing speaks against it.
 
-    `floor` (J,) is the noise floor in N·m.
+    `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
     """
     if after.added is None:
         return ""
@@ -80,7 +80,7 @@ def undetermined(fitted: FittedModel, name: str) -> str:
 
 
 def small_while_far(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
-    """Return that the term gains little while an error stays far above the noise floor (J,)."""
+    """Return that the term gains little while an error stays far above the noise `floor` (J,)."""
     score = after.added
     if score is None:
         return ""
@@ -93,6 +93,6 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
         return ""
     joint = after.fitted.model.joint_names[int(np.argmax(ratio))]
     return (
-        f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise floor: "
+        f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise: "
         "something larger is missing, and small terms may only take up part of it"
     )

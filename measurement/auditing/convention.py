@@ -106,12 +106,13 @@ def _file(recording: Recording) -> str:
 
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
     option = ",".join(one.name for one in found.reading.names)
+    joints = len(recordings[0].joints)
     text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
     return Finding(
         "sign" if found.reading.sides and len(recordings) == 1 else CHECK,
         "warning",
-        f"{text}: a leg so read leaves {found.then:.1%} of the torques unexplained, as it stands "
-        f"{found.now:.0%} (of 200%)",
+        f"{text}: a leg so read leaves {found.then / joints:.1%} of the torques' variance unexplained, "
+        f"as it stands {found.now / joints:.0%}",
         place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together",
         found.now,
         LEAST,

@@ -69,6 +69,13 @@ def test_torque_of_another_motion(good):
     assert found is not None
 
 
+def test_one_recording_with_the_torque_of_another_motion_is_named(good):
+    odd = with_torque(good[1], good[2].tau)
+    found = doubt([good[0], odd, good[2]])
+    assert found is not None and f"Fitted alone, {odd.name} cannot" in found.sentence
+    assert found.remedy.startswith(f"begin with {odd.name}: ")
+
+
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
     found = doubt([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])

@@ -12,6 +12,8 @@ from synthetic import search, state_with
 from diagnosis.discover import discover
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.gain import robust_weight
+from diagnosis.evidence.model_error import noise_with
+from diagnosis.evidence.repeats import Repeats
 from diagnosis.evidence.stability import Splits, splits_of
 from diagnosis.results import stability_of
 from diagnosis.rules import RULES
@@ -121,7 +123,7 @@ def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
     small = replace(after, added=replace(after.added, share=0.05, unseen=0.05))
     floor = after.fitted.judged_rms
     assert small_while_far(small, small, floor, RULES) == ""
-    assert "times the noise floor" in small_while_far(small, small, floor / 10.0, RULES)
+    assert "times the noise" in small_while_far(small, small, floor / 10.0, RULES)
     assert small_while_far(after, after, floor / 10.0, RULES) == ""
     assert doubt(small, small, floor / 10.0, RULES) == small_while_far(small, small, floor / 10.0, RULES)
 
@@ -159,3 +161,10 @@ def test_splits_are_searched_from_scratch():
     assert one.agreement.of == 3 and one.agreement.accepted >= 2
     low, high = one.agreement.ranges["c"]
     assert 0.2 < low <= one.parameters["c"].value <= high < 0.6
+
+
+def test_what_does_not_come_again_with_the_motion_counts_as_noise():
+    context = search(OFFSET, ["torque_offset:knee"])
+    sensors = noise_with(None, context.prepared)
+    again = Repeats(np.zeros(2), np.array([2.0, 0.5]) * sensors, "from run to run")
+    assert np.allclose(noise_with(again, context.prepared), np.array([2.0, 1.0]) * sensors)

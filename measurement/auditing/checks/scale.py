@@ -48,8 +48,8 @@ def check(recording: Recording) -> list[Finding]:
         if least < GOOD and now > TIMES * least and max(wanted, 1 / wanted) > LEAST:
             what = (
                 f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by "
-                f"{wanted:.3g}, or the hip torque by {1 / wanted:.3g}; so it leaves {least:.0%} of the torques "
-                f"unexplained, as they stand {now:.0%} (of 200%)"
+                f"{wanted:.3g}, or the hip torque by {1 / wanted:.3g}; so it leaves {least / 2:.1%} of the torques' "
+                f"variance unexplained, as they stand {now / 2:.0%}"
             )
             remedy = f"check torque constant and gear: --units tau2=Nm*{wanted:.3g} or tau1=Nm*{1 / wanted:.3g}"
             found.append(_finding(recording, what, wanted, LEAST, remedy))
