@@ -221,7 +221,7 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
     return Doubt(
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
-        "variance unexplained.{which} Nothing is named on top of that.",
+        f"variance unexplained.{which} Nothing is named on top of that.",
         f"begin with {' and '.join(odd)}: {_COLUMNS}" if odd else _COLUMNS,
     )
 
