@@ -217,12 +217,13 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, last.model.joint_names))
     odd = _odd_recordings(base, rules)
-    which = f" Fitted alone, {' and '.join(odd)} cannot be explained either, and the other recordings can." if odd else ""
+    files = " and ".join(odd)
+    which = f" Fitted alone, {files} cannot be explained either, and the other recordings can." if odd else ""
     return Doubt(
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
         f"variance unexplained.{which} Nothing is named on top of that.",
-        f"begin with {' and '.join(odd)}: {_COLUMNS}" if odd else _COLUMNS,
+        f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS,
     )
 
 
@@ -237,9 +238,8 @@ def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:
         except NotEnoughDataError:
             continue
         known += 1
-        if np.nanmax(left_share(fitted_model(alone, replace(base.prepared, train=(one,), verify=()))), initial=0.0) > (
-            rules.unexplained_share
-        ):
+        share = left_share(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))
+        if np.nanmax(share, initial=0.0) > rules.unexplained_share:
             odd.append(one.name)
     return odd if 2 * len(odd) < known else []
 
