@@ -21,6 +21,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, Gain
 from diagnosis.evidence.look_alikes import block_losses
 from diagnosis.evidence.score import weigh
+from diagnosis.evidence.splines import spline_columns
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
 from ground.html import bullets, lines
@@ -433,8 +434,6 @@ def _splines(now: FittedModel, variable: str, joint: int, factor: str, knots: in
 
 
 def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) -> _Splines | None:
-    from scipy.interpolate import BSpline
-
     if factor and variable.startswith("dq") and variable != f"dq{joint + 1}":
         return None  # the direction is that of the joint itself
     prepared = now.prepared.all
@@ -453,7 +452,7 @@ def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) 
     positions = np.concatenate([[low] * order, inner, [high] * order])
 
     def design(x: Float) -> Float:
-        return np.asarray(BSpline.design_matrix(np.clip(x, low, high), positions, order).toarray())
+        return spline_columns(np.clip(x, low, high), positions, order)
 
     out = []
     for one, signal in zip(prepared, signals, strict=True):

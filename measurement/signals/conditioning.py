@@ -48,6 +48,11 @@ class EvenSignals:
         return welch(self.q, self.rate, min(len(self.q), int(10.0 * self.rate)))
 
     @cached_property
+    def span(self) -> Float:
+        """Range (J,) of the torque in N·m without its outer tenths."""
+        return np.asarray(np.ptp(np.quantile(self.tau, (0.1, 0.9), axis=0), axis=0))
+
+    @cached_property
     def despiked(self) -> Float:
         """Torque (N, J) in N·m without spikes of a few milliseconds, which decimation would smear."""
         spiky, middle = median_outliers(self.tau, 0.03, self.rate, 8.0)

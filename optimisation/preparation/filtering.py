@@ -183,7 +183,8 @@ def prepare_one(
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~(held & _bears_load(tau, rate, cutoff)))
+    loaded = held & _bears_load(tau, rate, cutoff) if held.any() else held
+    use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~loaded)
     level = np.ascontiguousarray(bridged(tau, stuck, rate).T)
     return PreparedRecording(
         name=name,
@@ -215,9 +216,12 @@ def _at_rest(motion: Motion, stuck: Bool) -> Motion:
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
     """Return which joints (J,) stay in one place: their angle has no range, their velocity is `noise` (J,) rad/s."""
+    quiet = np.asarray(dq.std(axis=0) < np.maximum(STICK, 3.0 * noise))
+    if not quiet.any():
+        return quiet
     slow = low_pass(q, min(SWAY, 0.4 * rate), rate)
     reach = np.ptp(np.quantile(slow, (0.02, 0.98), axis=0), axis=0)
-    return np.asarray((reach < HELD) & (dq.std(axis=0) < np.maximum(STICK, 3.0 * noise)))
+    return np.asarray(quiet & (reach < HELD))
 
 
 def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
@@ -231,8 +235,11 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
 def _reads_nothing(even: EvenSignals, cutoff: float) -> Bool:
     """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
     zero = (np.ptp(even.tau, axis=0) == 0.0) & (even.tau[0] == 0.0)
-    span = np.ptp(np.quantile(even.tau, (0.1, 0.9), axis=0), axis=0)
-    return np.asarray(zero | (span < NOTHING * span.max()) & ~_bears_load(even.despiked, even.rate, cutoff))
+    span = even.span
+    little = span < NOTHING * span.max()
+    if not little.any():
+        return zero
+    return np.asarray(zero | little & ~_bears_load(even.despiked, even.rate, cutoff))
 
 
 def bridged(x: Float, stuck: Bool, rate: float) -> Float:
