@@ -11,11 +11,13 @@ function element(name, text, parent, className) {
   return made;
 }
 
+const collator = new Intl.Collator(undefined, { numeric: true });  // one for all: localeCompare makes one for each pair
+
 function compare(a, b) {
   const [x, y] = [a ?? "", b ?? ""];
   if (x === "" || y === "") return x === y ? 0 : x === "" ? 1 : -1;
   if (typeof x === "number" && typeof y === "number") return x - y;
-  return String(x).localeCompare(String(y), undefined, { numeric: true });
+  return collator.compare(String(x), String(y));
 }
 
 function significant(value) {
