@@ -22,8 +22,12 @@ class Columns:
     @property
     def flat(self) -> Float:
         """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
-        nodes, _, _, width = self.values.shape
-        return np.moveaxis(self.values, 3, 1).reshape(nodes, width, -1)
+        return self.within(slice(None))
+
+    def within(self, samples: slice) -> Float:
+        """Return the same of some samples only."""
+        values = self.values[:, :, samples]
+        return np.moveaxis(values, 3, 1).reshape(len(values), values.shape[3], -1)
 
     @property
     def largest(self) -> Float:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -41,11 +42,76 @@ class RecordingEvidence:
 
 @dataclass(frozen=True, eq=False)
 class Gram:
-    """g (D, P, m), h (D, m, m), a (D, m) of a candidate in one unit; D = 1 + number of placebo draws."""
+    """g (U, P, m, D), h (U, m, m, D), a (U, m, D) of a candidate in every unit; D are nodes, or a node and its
+    placebos, and come last: sums along them are what takes the time.
+    """
 
     g: Float
     h: Float
     a: Float
+
+    def of(self, units: Float) -> Gram:
+        """Return the sums over units, (S, ...) for rows `units` (S, U) that are one where a unit counts."""
+        return Gram(*(np.tensordot(units, each, 1) for each in (self.g, self.h, self.a)))
+
+    def entries(self, *which: Any) -> Gram:
+        """Return those of some entries of D, one index for each axis that it has."""
+        return Gram(self.g[..., *which], self.h[..., *which], self.a[..., *which])
+
+
+@dataclass(frozen=True, eq=False)
+class Fits:
+    """The present model fitted S times: to the `units` (S, U) that are one, with G⁻¹ (S, P, P), the prior included, and
+    the step (S, P) of its own numbers.
+    """
+
+    units: Float
+    inverse: Float
+    step: Float
+
+    def candidate(self, grams: Gram, ridge: tuple[float, float]) -> tuple[Float, Float, Float]:
+        """Return candidate coefficients (S, m, D), the step (S, P, D) refitted with them, and the gain (S, D) on what
+        is fitted.
+        """
+        fitted = grams.of(self.units)
+        g, h = fitted.g, fitted.h
+        flat = g.reshape(*g.shape[:2], -1)
+        lean = (self.inverse @ flat).reshape(g.shape)  # (S, P, m, D)
+        schur = h - np.einsum("spmd,spnd->smnd", lean, g)
+        scale = np.sqrt(np.maximum(np.einsum("smmd->smd", h), 1e-300))
+        # A column that the fitted units hardly show must not escape the ridge by being small.
+        scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
+        right = fitted.a - (self.step[:, None] @ flat).reshape(fitted.a.shape)
+        normal = schur / (scale[:, :, None] * scale[:, None]) + ridge[0] * np.eye(len(h[0]))[:, :, None]
+        if len(normal[0]) == 1:
+            coefficients = right / scale / normal[:, 0] / scale
+        else:
+            last = np.moveaxis(right / scale, -1, 1)[..., None]
+            coefficients = np.moveaxis(np.linalg.solve(np.moveaxis(normal, -1, 1), last)[..., 0], 1, -1) / scale
+        step = self.step[:, :, None] - np.einsum("spmd,smd->spd", lean, coefficients)
+        return coefficients, step, np.einsum("smd,smd->sd", coefficients, right)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What was not fitted, each of S times: the `units` (S, U) that are one, with G (S, P, P), b (S, P) and c (S,)."""
+
+    units: Float
+    gram: Float
+    slope: Float
+    constant: Float
+
+    def loss(self, step: Float) -> Float:
+        """Return the loss (S, D) after steps (S, P, D) of the model's own numbers."""
+        linear, square = np.einsum("sp,spd->sd", self.slope, step), np.einsum("spd,spd->sd", self.gram @ step, step)
+        return np.asarray(self.constant[:, None] - 2.0 * linear + square)
+
+    def loss_beside(self, grams: Gram, coefficients: Float, step: Float) -> Float:
+        """Return the loss (S, D) with a candidate of these coefficients (S, m, D) beside it."""
+        held = grams.of(self.units)
+        lean = np.einsum("spmd,spd->smd", held.g, step) - held.a
+        own = np.einsum("smnd,snd->smd", held.h, coefficients)
+        return self.loss(step) + np.einsum("smd,smd->sd", coefficients, 2.0 * lean + own)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,53 +163,63 @@ class Evidence:
             for fold in np.unique(block.fold):
                 self._units.append((index, np.where(block.fold == fold, weight, 0.0)))
         self.blocks = blocks
-        self.is_train = np.array([index < len(self.train) for index, _ in self._units])
+        self.of = np.array([index for index, _ in self._units])
+        self.is_train = self.of < len(self.train)
         self.shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed), rules)
-        self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-        self._base = [self._unit_base(index, weight) for index, weight in self._units]
-        self._splits = self._make_splits()
+        self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
+        self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+        bases = [self._unit_base(index, weight) for index, weight in self._units]
+        self._base = [np.array(part) for part in zip(*bases, strict=True)]
+        self._fits, self._judged = self._make_splits()
+        self._losses = self._judged.loss(self._fits.step[:, :, None])[:, 0]
 
     # -- the present model ------------------------------------------------------------------------------------
 
     def _unit_base(self, index: int, weight: Float) -> tuple[Float, Float, float]:
         block = self.blocks[index]
-        weighted = block.columns * weight[:, :, None]
-        gram = np.einsum("jkp,jkq->pq", weighted, block.columns, optimize=True)
-        return gram, np.einsum("jkp,jk->p", weighted, block.residual), float(np.sum(weight * block.residual**2))
+        columns = block.columns.reshape(-1, block.columns.shape[2])
+        weighted, residual = columns * weight.ravel()[:, None], block.residual.ravel()
+        return weighted.T @ columns, weighted.T @ residual, float(np.sum(weight * block.residual**2))
 
-    def summed(self, units: Sequence[int]) -> tuple[Float, Float, float]:
-        """Return G, b and c of several units together."""
-        parts = [self._base[u] for u in units]
-        return np.sum([p[0] for p in parts], axis=0), np.sum([p[1] for p in parts], axis=0), sum(p[2] for p in parts)
+    def pooled(self, units: np.ndarray) -> tuple[Float, Float, Float]:
+        """Return G (S, P, P), b (S, P) and c (S,) of the units that are one in each of `units` (S, U)."""
+        gram, slope, constant = (np.tensordot(units * 1.0, part, 1) for part in self._base)
+        return gram, slope, constant
 
-    def _normal(self, units: Sequence[int]) -> tuple[Float, Float]:
-        """Return G⁻¹, the prior included, and b of several units that are fitted together."""
-        gram, slope, _ = self.summed(units)
-        return inverse_of(gram + np.diag(self.prior)), slope
+    def judged(self, units: np.ndarray) -> Judged:
+        """Return the units that are one in each of `units` (S, U) as what is judged."""
+        return Judged(units * 1.0, *self.pooled(units))
 
-    def _make_splits(self) -> list[tuple[list[int], list[int], Float, Float, tuple[Float, Float, float], float]]:
-        """Return (fit units, judged units, G⁻¹, base step, judged Gram, judged loss) of every split."""
-        training = [u for u in range(len(self._units)) if self.is_train[u]]
-        judged = [u for u in range(len(self._units)) if not self.is_train[u]]
-        count = min(len(training), self.rules.most_folds)
-        groups = [training[k::count] for k in range(count)]
-        self.folds = count
-        splits = [([u for u in training if u not in held], held) for held in groups]
-        if judged:
-            splits.append((training, judged))
-        out = []
-        for fit, held in splits:
-            inverse, b = self._normal(fit)
-            step = inverse @ b
-            g, b, c = self.summed(held)
-            loss = float(c - 2.0 * step @ b + step @ g @ step)
-            out.append((fit, held, inverse, step, (g, b, c), loss))
-        return out
+    def fits(self, units: np.ndarray) -> Fits:
+        """Return the present model fitted to the units that are one in each of `units` (S, U)."""
+        gram, slope, _ = self.pooled(units)
+        inverse = inverse_of(gram + np.diag(self.prior))
+        return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
+
+    def _make_splits(self) -> tuple[Fits, Judged]:
+        """Return what is fitted and what is judged in every split; the last are the verification recordings."""
+        training = np.flatnonzero(self.is_train)
+        self.folds = min(len(training), self.rules.most_folds)
+        held = np.zeros((self.folds + (not self.is_train.all()), len(self._units)))
+        for k in range(self.folds):
+            held[k, training[k :: self.folds]] = 1.0
+        held[self.folds :] = ~self.is_train
+        return self.fits(self.is_train * (1.0 - held)), self.judged(held)
+
+    @cached_property
+    def _together(self) -> Fits:
+        """The present model fitted to all training units."""
+        return self.fits(self.is_train[None])
+
+    @cached_property
+    def _alone(self) -> Fits:
+        """The present model fitted to each recording alone."""
+        return self.fits(self.of == np.arange(len(self.blocks))[:, None])
 
     @property
     def fold_losses(self) -> Float:
         """Weighted loss (F,) of the present model on each held-out training unit, refitted on the others."""
-        return np.array([s[5] for s in self._splits[: self.folds]])
+        return self._losses[: self.folds]
 
     def portion(self, joints: Sequence[int]) -> float:
         """Return how much of the weighted squared residual of the training recordings is that of `joints`."""
@@ -161,77 +237,78 @@ class Evidence:
     @property
     def unseen_loss(self) -> float:
         """Weighted loss of the present model on the verification recordings; 0 where there are none."""
-        return self._splits[-1][5] if len(self._splits) > self.folds else 0.0
+        return float(self._losses[-1]) if len(self._losses) > self.folds else 0.0
 
     # -- candidates -------------------------------------------------------------------------------------------
 
-    def plain(self, columns: Sequence[Columns]) -> list[Gram]:
+    def plain(self, columns: Sequence[Columns]) -> Gram:
         """Return the Gram blocks of a candidate, one entry D per node of its shape parameters; no placebos."""
-        out = []
-        for index, weight in self._units:
-            block, x = self.blocks[index], columns[index]
-            joints = list(x.joints)
-            weighted = x.flat * weight[joints].ravel()
-            nodes, width, samples = weighted.shape
+        g, h, a = [], [], []
+        for unit, (index, _) in enumerate(self._units):
+            part, weight, own = self._own(unit, columns[index].joints)
+            x = columns[index].within(part)
+            nodes, width, samples = x.shape
             # Plain products: for so many small ones the overhead of einsum was the larger part.
-            own = np.column_stack([block.columns[joints].reshape(samples, -1), block.residual[joints].ravel()])
-            both = (weighted.reshape(-1, samples) @ own).reshape(nodes, width, -1)
-            g, a = np.swapaxes(both[:, :, :-1], 1, 2), both[:, :, -1]
-            out.append(Gram(g, weighted @ np.swapaxes(x.flat, 1, 2), a))
-        return out
+            both = (x.reshape(-1, samples) @ own).reshape(nodes, width, -1).transpose(2, 1, 0)
+            g.append(both[:-1])
+            a.append(both[-1])
+            h.append(((x * weight) @ np.swapaxes(x, 1, 2)).transpose(1, 2, 0))
+        return Gram(np.array(g), np.array(h), np.array(a))
 
-    def shifted(self, columns: Sequence[Columns], node: int) -> list[Gram]:
+    def _own(self, unit: int, joints: tuple[int, ...]) -> tuple[slice, Float, Float]:
+        """Return the samples that a unit reaches, their weights (A·K,) at `joints`, and the weighted columns and
+        residual (A·K, P + 1) of the present model there.
+        """
+        if (unit, joints) not in self._kept:
+            index, weight = self._units[unit]
+            block, rows = self.blocks[index], list(joints)
+            live = np.flatnonzero(weight.any(axis=0))
+            part = slice(int(live[0]), int(live[-1]) + 1) if live.size else slice(0, 0)
+            w = weight[rows, part].ravel()
+            both = np.concatenate([block.columns[rows, part], block.residual[rows, part, None]], axis=2)
+            self._kept[unit, joints] = part, w, w[:, None] * both.reshape(w.size, -1)
+        return self._kept[unit, joints]
+
+    def shifted(self, columns: Sequence[Columns], node: int) -> Gram:
         """Return the Gram blocks of one node (first) and of its circularly shifted placebos."""
-        return [self._shifted_unit(unit, columns[self._units[unit][0]], node) for unit in range(len(self._units))]
+        units = [self._shifted_unit(unit, columns[self.of[unit]], node) for unit in range(len(self._units))]
+        return Gram(*(np.array(part) for part in zip(*units, strict=True)))
 
-    def _shifted_unit(self, unit: int, columns: Columns, node: int) -> Gram:
+    def _shifted_unit(self, unit: int, columns: Columns, node: int) -> tuple[Float, Float, Float]:
         index, _ = self._units[unit]
         take = np.concatenate([[0], self.shifts[index]])
         _, _, samples, width = columns.values.shape
-        g = np.zeros((take.size, self.blocks[index].columns.shape[2], width))
-        h, a = np.zeros((take.size, width, width)), np.zeros((take.size, width))
+        first, second = np.triu_indices(width)
+        both = np.zeros((self.blocks[index].columns.shape[2] + 1, width, take.size))
+        square = np.zeros((first.size, take.size))
         for joint, x in zip(columns.joints, columns.values[node], strict=True):
-            base, residual, weight = self._transform(unit, joint)
-            fx = np.conj(np.fft.rfft(x, axis=0))
-            for m in range(width):
-                g[:, :, m] += np.fft.irfft(fx[:, m, None] * base, samples, axis=0)[take]
-                a[:, m] += np.fft.irfft(fx[:, m] * residual, samples)[take]
-                for n in range(m, width):
-                    product = np.conj(np.fft.rfft(x[:, m] * x[:, n]))
-                    h[:, m, n] += np.fft.irfft(product * weight, samples)[take]
-        for m in range(width):
-            for n in range(m):
-                h[:, m, n] = h[:, n, m]
-        return Gram(g, h, a)
+            rows = np.ascontiguousarray(x.T)
+            base, weight = self._transform(unit, joint)
+            spectra = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
+            both += np.fft.irfft(spectra[:width] * base[:, None], samples)[:, :, take]
+            square += np.fft.irfft(spectra[width:] * weight, samples)[:, take]
+        h = np.empty((width, width, take.size))
+        h[first, second] = h[second, first] = square
+        return both[:-1], h, both[-1]
 
-    def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray]:
         if (unit, joint) not in self._transforms:
             index, weight = self._units[unit]
             block, w = self.blocks[index], weight[joint]
-            self._transforms[unit, joint] = (
-                np.fft.rfft(w[:, None] * block.columns[joint], axis=0),
-                np.fft.rfft(w * block.residual[joint]),
-                np.fft.rfft(w),
-            )
+            both = np.concatenate([block.columns[joint].T, block.residual[[joint]]])
+            self._transforms[unit, joint] = np.fft.rfft(w * both), np.fft.rfft(w)
         return self._transforms[unit, joint]
 
-    def gain(self, grams: Sequence[Gram], ridge: float | None = None) -> Gain:
-        """Return what a candidate with these Gram blocks (one per unit) gains on units it was not fitted on.
+    def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
+        """Return what a candidate with these Gram blocks gains on units it was not fitted on.
 
         `ridge` is relative to the candidate's own Gram matrix, by default that of `rules`.
         """
-        folds, unseen, coefficients = [], None, None
-        count = self.folds
-        for number, split in enumerate(self._splits):
-            fall, fitted = _split_gain(split, grams, self.ridge(ridge))
-            if number < count:
-                folds.append(fall)
-            else:
-                unseen, coefficients = fall, fitted
-        if coefficients is None:
-            coefficients = self._fit_all(grams, ridge)[0]
-            unseen = np.zeros(len(coefficients))
-        return Gain(np.array(folds), np.asarray(unseen), coefficients)
+        coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
+        falls = self._losses[:, None] - self._judged.loss_beside(grams, coefficients, step)
+        if len(falls) > self.folds:
+            return Gain(falls[:-1], falls[-1], coefficients[-1].T)
+        return Gain(falls, np.zeros(falls.shape[1]), self._together.candidate(grams, self.ridge(ridge))[0][0].T)
 
     @property
     def count(self) -> int:
@@ -242,79 +319,68 @@ class Evidence:
         """Return the recording index and the weights (J, K) of a unit."""
         return self._units[number]
 
-    def held_out_fits(self, grams: Sequence[Gram], ridge: float | None = None) -> list[tuple[int, Float, Float]]:
+    def held_out_fits(self, grams: Gram, ridge: float | None = None) -> list[tuple[int, Float, Float]]:
         """Return (unit, base step (P,), candidate coefficients (m,)) for every judged unit, fitted on the others."""
-        out = []
-        for fit, held, inverse, step, _, _ in self._splits:
-            coefficients, base, _ = fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))
-            out += [(unit, base[0], coefficients[0]) for unit in held]
-        return out
+        coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
+        return [(int(u), step[s, :, 0], coefficients[s, :, 0]) for s, u in np.argwhere(self._judged.units)]
 
-    def leave_one_out(self, grams: Sequence[Gram], ridge: float | None = None) -> Float:
+    def leave_one_out(self, grams: Gram, ridge: float | None = None) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""
-        count = self.folds
-        return np.array([_split_gain(split, grams, self.ridge(ridge))[1][0] for split in self._splits[:count]])
+        return self._fits.candidate(grams, self.ridge(ridge))[0][: self.folds, :, 0]
 
-    def recording_gain(self, grams: Sequence[Gram], index: int) -> tuple[Float, Float]:
-        """Return coefficients (D, m) and gain (D,) when only recording `index` is fitted, base and candidate alike."""
-        units = self._units_of(index)
-        inverse, slope = self._normal(units)
-        step = inverse @ slope
-        return fit_candidate(inverse, step, [grams[u] for u in units], self.ridge(None))[::2]
+    def recording_gains(self, grams: Gram) -> tuple[Float, Float]:
+        """Return coefficients (R, m, D) and gain (R, D), each recording fitted alone, base and candidate alike."""
+        return self._alone.candidate(grams, self.ridge())[::2]
 
-    def gain_once(self, grams: Sequence[Gram], index: int, step: Float) -> Float:
-        """Return the gain (D,) on recording `index` of a candidate's only column as it is, nothing fitted, the model's
-        own numbers moved by `step` (D, P).
+    def gains_once(self, grams: Gram, step: Float) -> Float:
+        """Return the gain (R, ...) on each recording of a candidate's only column as it is, nothing fitted, the model's
+        own numbers moved by `step` (P, ...); both may have axes of their own in D.
         """
-        parts = [grams[u] for u in self._units_of(index)]
-        return np.sum([2.0 * (u.a[:, 0] - np.sum(step * u.g[:, :, 0], axis=1)) - u.h[:, 0, 0] for u in parts], axis=0)
+        each = grams.of(self._alone.units)
+        return np.asarray(2.0 * (each.a[:, 0] - np.einsum("p...,rp...->r...", step, each.g[:, :, 0])) - each.h[:, 0, 0])
 
-    def step_beside(self, grams: Sequence[Gram]) -> Float:
-        """Return how the model's own numbers move (D, P) when all training units are fitted beside a candidate."""
-        fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse, slope = self._normal(fit)
-        return fit_candidate(inverse, inverse @ slope, [grams[u] for u in fit], self.ridge())[1]
+    def step_beside(self, grams: Gram) -> Float:
+        """Return how the model's own numbers move (P, D) when all training units are fitted beside a candidate."""
+        return self._together.candidate(grams, self.ridge())[1][0]
 
-    def _units_of(self, index: int) -> list[int]:
-        return [u for u in range(len(self._units)) if self._units[u][0] == index]
+    def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
+        """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D)."""
+        entries, of = np.arange(nodes.shape[1]), nodes[self.of]
+        parts = (
+            np.stack([unit[..., chosen, entries] for unit, chosen in zip(each, of, strict=True)])
+            for each in (grams.g, grams.h, grams.a)
+        )
+        return Gram(*parts)
 
-    def pick(self, grams_by_node: Sequence[Sequence[Gram]], nodes: np.ndarray) -> list[Gram]:
-        """Return Gram blocks made of node `nodes` (R, D) of each recording; `grams_by_node` is [node][unit]."""
-        out = []
-        for unit, (index, _) in enumerate(self._units):
-            chosen, entries = nodes[index], np.arange(nodes.shape[1])
-            stacked = [np.stack([getattr(node[unit], k) for node in grams_by_node]) for k in ("g", "h", "a")]
-            out.append(Gram(*(values[chosen, entries] for values in stacked)))
-        return out
-
-    def novelty(self, grams: Sequence[Gram]) -> Float:
+    def novelty(self, grams: Gram) -> Float:
         """Return the share (D,) of the candidate that the present model cannot imitate, its weakest direction."""
-        fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse, _ = self._normal(fit)
-        g, h = sum(grams[u].g for u in fit), sum(grams[u].h for u in fit)
-        scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
-        norm = scale[:, :, None] * scale[:, None, :]
-        left = (h - np.swapaxes(g, 1, 2) @ inverse @ g) / norm
+        train = grams.of(self._together.units)
+        g, h = train.g[0], train.h[0]
+        scale = np.sqrt(np.maximum(np.einsum("mmd->md", h), 1e-300))
+        norm = scale[:, None] * scale[None]
+        lean = (self._together.inverse[0] @ g.reshape(len(g), -1)).reshape(g.shape)
+        left = (h - np.einsum("pmd,pnd->mnd", g, lean)) / norm
         whole = np.where(np.isfinite(h / norm), h / norm, 0.0)
         # Two columns of one entry may resemble each other; what counts is that the best of them is new.
-        return np.linalg.eigvalsh(left)[:, -1] / np.maximum(np.linalg.eigvalsh(whole)[:, -1], 1e-300)
+        return largest_eigenvalue(left) / np.maximum(largest_eigenvalue(whole), 1e-300)
 
     def ridge(self, ridge: float | None = None) -> tuple[float, float]:
         """Return the relative ridge and the least scale it is relative to."""
         return self.rules.ridge if ridge is None else ridge, self.rules.least_scale
 
-    def fitted(self, grams: Sequence[Gram], ridge: float | None = None) -> tuple[Float, Float]:
+    def fitted(self, grams: Gram, ridge: float | None = None) -> tuple[Float, Float]:
         """Return a candidate's coefficients (m,) and the step (P,) of the model's own numbers, both fitted to all
         training units (first entry of D).
         """
-        coefficients, base = self._fit_all(grams, ridge)
-        return coefficients[0], base[0]
+        coefficients, step, _ = self._together.candidate(grams, self.ridge(ridge))
+        return coefficients[0, :, 0], step[0, :, 0]
 
-    def _fit_all(self, grams: Sequence[Gram], ridge: float | None) -> tuple[Float, Float]:
-        fit = [u for u in range(len(self._units)) if self.is_train[u]]
-        inverse, slope = self._normal(fit)
-        step = inverse @ slope
-        return fit_candidate(inverse, step, [grams[u] for u in fit], self.ridge(ridge))[:2]
+
+def largest_eigenvalue(matrices: Float) -> Float:
+    """Return the largest eigenvalue (D,) of symmetric matrices (m, m, D)."""
+    if len(matrices) == 1:
+        return np.asarray(matrices[0, 0])
+    return np.asarray(np.linalg.eigvalsh(np.moveaxis(matrices, -1, 0))[:, -1])
 
 
 def pooled_scale(parts: Sequence[tuple[Float, np.ndarray]]) -> Float:
@@ -354,48 +420,8 @@ def _draw_shifts(
     return out
 
 
-def inverse_of(gram: Float) -> Float:
-    """Return the inverse of a Gram matrix, pseudo where columns depend on each other; scaled first."""
-    scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    norm = np.outer(scale, scale)
-    return np.linalg.pinv(gram / norm, rcond=1e-11, hermitian=True) / norm
-
-
-def fit_candidate(
-    inverse: Float, step: Float, grams: Sequence[Gram], ridge: tuple[float, float]
-) -> tuple[Float, Float, Float]:
-    """Return candidate coefficients (D, m), the base step (D, P) refitted with them, and the gain (D,) on the fit."""
-    g = sum(gram.g for gram in grams)
-    h = sum(gram.h for gram in grams)
-    a = sum(gram.a for gram in grams)
-    # Without products of one small matrix for each draw: NumPy takes longer to begin them than to do them.
-    lean = np.tensordot(np.swapaxes(g, 1, 2), inverse, 1)  # (D, m, P); the inverse is symmetric
-    schur = h - np.einsum("dmp,dpn->dmn", lean, g)
-    scale = np.sqrt(np.maximum(np.einsum("dmm->dm", h), 1e-300))
-    # A column that the fitted units hardly show must not escape the ridge by being small.
-    scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
-    normal = schur / (scale[:, :, None] * scale[:, None, :]) + ridge[0] * np.eye(schur.shape[1])
-    right = a - step @ g
-    if right.shape[1] == 1:
-        coefficients = right / scale / normal[:, 0] / scale
-    else:
-        coefficients = np.linalg.solve(normal, (right / scale)[:, :, None])[:, :, 0] / scale
-    base = step - np.einsum("dmp,dm->dp", lean, coefficients)
-    return coefficients, base, np.sum(coefficients * right, axis=1)
-
-
-def _split_gain(split: tuple, grams: Sequence[Gram], ridge: tuple[float, float]) -> tuple[Float, Float]:
-    fit, held, inverse, step, (gram, slope, constant), loss = split
-    coefficients, base, _ = fit_candidate(inverse, step, [grams[u] for u in fit], ridge)
-    g = sum(grams[u].g for u in held)
-    h = sum(grams[u].h for u in held)
-    a = sum(grams[u].a for u in held)
-    after = (
-        constant
-        - 2.0 * base @ slope
-        - 2.0 * np.sum(coefficients * a, axis=1)
-        + np.sum((base @ gram) * base, axis=1)
-        + 2.0 * np.sum(base * np.einsum("dpm,dm->dp", g, coefficients), axis=1)
-        + np.sum(coefficients * np.einsum("dmn,dn->dm", h, coefficients), axis=1)
-    )
-    return loss - after, coefficients
+def inverse_of(grams: Float) -> Float:
+    """Return the inverses of Gram matrices (..., P, P), pseudo where columns depend on each other; scaled first."""
+    scale = np.sqrt(np.maximum(np.einsum("...pp->...p", grams), 1e-300))
+    norm = scale[..., :, None] * scale[..., None, :]
+    return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)

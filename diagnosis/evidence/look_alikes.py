@@ -97,9 +97,7 @@ def _gains_beside(
     return share - best[0].share > evidence.rules.another * rival.share
 
 
-def block_losses(
-    evidence: Evidence, grams: Sequence[Gram], columns: Sequence[Columns], ridge: float | None = None
-) -> Float:
+def block_losses(evidence: Evidence, grams: Gram, columns: Sequence[Columns], ridge: float | None = None) -> Float:
     """Return the held-out loss of a candidate in blocks of time, over all units of all splits."""
     out = []
     for unit, step, coefficients in evidence.held_out_fits(grams, ridge):

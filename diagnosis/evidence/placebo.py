@@ -9,7 +9,7 @@ import numpy as np
 
 from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, Gain
+from diagnosis.evidence.gain import Evidence, Gain, Gram
 from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 from symbolic.motion import Float
 
@@ -24,12 +24,11 @@ def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Sco
     null = np.full(evidence.draws, -np.inf)
     for v in nodes:
         null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(evidence.shifted(columns, int(v)))))
-    groups = groups_of(candidate)
-    by_node = {v: evidence.shifted(columns, int(v)) for group in groups for v in group}
-    for group in groups:
-        stacked = [by_node[v] for v in group]
-        chosen = own_nodes(evidence, candidate, stacked)
-        null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(evidence.pick(stacked, chosen))))
+    for group in groups_of(candidate):
+        each = [evidence.shifted(columns, int(v)) for v in group]
+        grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
+        chosen = evidence.pick(grams, own_nodes(evidence, candidate, grams))
+        null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(chosen)))
     seen = score.share * float(evidence.fold_losses.sum())
     beaten = int(np.count_nonzero(null >= seen))
     return replace(score, p_value=(1 + beaten) / (1 + evidence.draws))

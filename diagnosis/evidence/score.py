@@ -17,6 +17,8 @@ from symbolic.motion import Float
 
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
+TOGETHER = 10_000
+"""Nodes times placebos that are fitted at once: more need memory, and wait for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +166,7 @@ def groups_of(candidate: Candidate) -> list[np.ndarray]:
     return [moving[label.ravel() == k] for k in range(label.max() + 1)]
 
 
-def _choices(
-    evidence: Evidence, candidate: Candidate, grams: Sequence[Gram], alive: np.ndarray
-) -> list[tuple[np.ndarray, Gain]]:
+def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.ndarray) -> list[tuple[np.ndarray, Gain]]:
     """Return (nodes (R,), Gain) of what the search may choose: of the nodes that are common to all recordings the best
     with an admissible sign and the best with another, and the best of every group.
     """
@@ -180,35 +180,36 @@ def _choices(
             v = int(side[np.argmax(gain.total[side])])
             one = Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1])
             out.append((np.full(recordings, v), one))
-    groups = groups_of(candidate)
-    if not groups:
-        return out
-    by_node = [[Gram(u.g[v : v + 1], u.h[v : v + 1], u.a[v : v + 1]) for u in grams] for v in range(len(alive))]
-    for group in groups:
-        nodes = group[own_nodes(evidence, candidate, [by_node[v] for v in group])[:, 0]]
-        out.append((nodes, evidence.gain(evidence.pick(by_node, nodes[:, None]))))
+    for group in groups_of(candidate):
+        part = grams.entries(group[:, None])
+        nodes = own_nodes(evidence, candidate, part)
+        out.append((group[nodes[:, 0]], evidence.gain(evidence.pick(part, nodes))))
     return out
 
 
-def own_nodes(evidence: Evidence, candidate: Candidate, by_node: Sequence[Sequence[Gram]]) -> np.ndarray:
-    """Return which node (R, D) each recording chooses for itself; `by_node` are the Gram blocks of every node.
+def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
+    """Return which node (R, D) each recording chooses for itself; D of `grams` is (V, D).
 
     A recording is fitted alone, base and candidate alike. Not where the candidate is a change of the model's torque: a
     delay would hide behind friction that all recordings share. There the model's numbers are those of all recordings,
     and the choice is repeated beside what was chosen.
     """
-    step: Float = np.zeros((1, len(evidence.prior)))
-    nodes = np.zeros((len(evidence.blocks), len(by_node[0][0].a)), dtype=int)
-    for _ in range(ROUNDS if candidate.change else 1):
-        for recording in range(len(nodes)):
-            gains = []
-            for grams in by_node:
-                if candidate.change:
-                    gains.append(evidence.gain_once(grams, recording, step))
-                    continue
-                coefficients, gain = evidence.recording_gain(grams, recording)
-                gains.append(np.where(admissible(candidate, coefficients, evidence.rules), gain, -np.inf))
-            nodes[recording] = np.argmax(gains, axis=0)
-        if candidate.change:
-            step = evidence.step_beside(evidence.pick(by_node, nodes))
-    return nodes
+    if not candidate.change:
+        nodes, entries = grams.a.shape[2:]
+        parts = np.array_split(np.arange(entries), -(-nodes * entries // TOGETHER))
+        chosen = [_best_alone(evidence, candidate, grams.entries(slice(None), part)) for part in parts]
+        return np.concatenate(chosen, axis=1)
+    step: Float = np.zeros((len(evidence.prior), 1))
+    for _ in range(ROUNDS):
+        nodes = np.argmax(evidence.gains_once(grams, step[:, None]), axis=1)
+        step = evidence.step_beside(evidence.pick(grams, nodes))
+    return np.asarray(nodes)
+
+
+def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
+    """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
+    shape = grams.a.shape[2:]
+    flat = Gram(*(each.reshape(*each.shape[:-2], -1) for each in (grams.g, grams.h, grams.a)))
+    coefficients, gain = evidence.recording_gains(flat)
+    right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
+    return np.asarray(np.argmax(np.where(right, gain, -np.inf).reshape(-1, *shape), axis=1))

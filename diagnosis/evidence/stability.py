@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 from math import comb
 
 import numpy as np
@@ -18,7 +18,7 @@ import numpy as np
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, Gram, fit_candidate, inverse_of
+from diagnosis.evidence.gain import Evidence, Fits, inverse_of
 from diagnosis.evidence.score import Score, admissible
 from diagnosis.rules import Rules
 from symbolic.motion import Float
@@ -45,27 +45,6 @@ def splits_of(recordings: int, aside: int, rules: Rules, seed: int = 0) -> tuple
     return tuple(sorted(drawn))
 
 
-@dataclass(frozen=True, eq=False)
-class _Split:
-    """Units that are fitted and judged; of the fitted ones G⁻¹, G, b and the step of the model's own numbers, of the
-    judged ones (G, b, c).
-    """
-
-    aside: tuple[int, ...]
-    fit: list[int]
-    judged: list[int]
-    inverse: Float
-    step: Float
-    normal: Float
-    slope: Float
-    held: tuple[Float, Float, float]
-
-    def loss(self, step: Float) -> float:
-        """Return the loss of the judged units after a step (P,) of the model's own numbers."""
-        gram, slope, constant = self.held
-        return float(constant - 2.0 * step @ slope + step @ gram @ step)
-
-
 class Splits:
     """The model of `evidence` fitted in every split, ready to judge terms in each of them.
 
@@ -73,40 +52,35 @@ class Splits:
     """
 
     def __init__(self, evidence: Evidence) -> None:
-        aside = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
+        self.aside = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
         self.evidence, self.rules = evidence, evidence.rules
-        of = [evidence.unit(u)[0] for u in range(evidence.count)]
-        self.parts = []
-        for held in aside:
-            fit = [u for u, recording in enumerate(of) if recording not in held]
-            judged = [u for u, recording in enumerate(of) if recording in held]
-            gram, slope, _ = evidence.summed(fit)
-            normal = gram + np.diag(evidence.prior)
-            inverse = inverse_of(normal)
-            step = inverse @ slope
-            self.parts.append(_Split(tuple(held), fit, judged, inverse, step, normal, slope, evidence.summed(judged)))
+        held = np.array([np.isin(evidence.of, aside) for aside in self.aside], dtype=bool).reshape(-1, evidence.count)
+        self.fits, self.judged = evidence.fits(~held), evidence.judged(held)
+        self.losses = self.judged.loss(self.fits.step[:, :, None])[:, 0]
+
+    @cached_property
+    def _pooled(self) -> Fits:
+        """The model fitted to everything."""
+        return self.evidence.fits(np.ones((1, self.evidence.count)))
 
     def candidate(self, score: Score, columns: Sequence[Columns]) -> Agreement:
         """Return in how many splits the candidate of `score`, with its columns (one node), helps."""
-        grams = self.evidence.plain(columns)
-        everything = range(self.evidence.count)
-        gram, slope, _ = self.evidence.summed(everything)
-        inverse = inverse_of(gram + np.diag(self.evidence.prior))
-        ridge = self.evidence.ridge()
-        pooled = fit_candidate(inverse, inverse @ slope, grams, ridge)[0][0]
-        rows, values = [], []
-        for part in self.parts:
-            fitted, held = [grams[u] for u in part.fit], _total([grams[u] for u in part.judged])
-            own, base, _ = fit_candidate(part.inverse, part.step, fitted, ridge)
-            g, h, _ = _total(fitted)
-            lean = part.inverse @ g
-            seen = h - g.T @ lean
-            shown = held[1] - 2.0 * held[0].T @ lean + lean.T @ part.held[0] @ lean
-            gain = part.loss(part.step) - part.loss(base[0]) - _extra(base[0], own[0], held)
-            right = bool(admissible(score.candidate, own, self.rules)[0])
-            rows.append((gain if right else -np.inf, pooled @ shown @ pooled, pooled @ seen @ pooled))
-            values.append(own[0])
-        return self._agreement(np.array(rows), _ranges(tuple(score.candidate.term.effect.coefficients), values))
+        grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
+        pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
+        own, step, _ = self.fits.candidate(grams, ridge)
+        gain = self.losses - self.judged.loss_beside(grams, own, step)[:, 0]
+        right = admissible(score.candidate, own[:, :, 0], self.rules)
+        fitted, held = grams.of(self.fits.units), grams.of(self.judged.units)
+        torque = fitted.g[..., 0] @ pooled
+        taken = np.einsum("spq,sq->sp", self.fits.inverse, torque)  # by the model's own numbers
+        seen = np.einsum("m,smn,n->s", pooled, fitted.h[..., 0], pooled) - np.einsum("sp,sp->s", taken, torque)
+        expected = (
+            np.einsum("m,smn,n->s", pooled, held.h[..., 0], pooled)
+            - 2.0 * np.einsum("sp,sp->s", taken, held.g[..., 0] @ pooled)
+            + np.einsum("sp,spq,sq->s", taken, self.judged.gram, taken)
+        )
+        rows = np.column_stack([np.where(right, gain, -np.inf), expected, seen])
+        return self._agreement(rows, _ranges(tuple(score.candidate.term.effect.coefficients), own[:, :, 0]))
 
     def term(self, fitted: FittedModel, name: str) -> Agreement:
         """Return in how many splits the accepted term `name` of the model helps, and the ranges of its numbers."""
@@ -119,19 +93,19 @@ class Splits:
         off = linear if linear.any() else mine & (np.cumsum(mine) == 1)
         rest = ~mine
         rows, values = [], []
-        for part in self.parts:
+        grams, slopes, _ = self.evidence.pooled(self.fits.units)
+        for number, (gram, slope) in enumerate(zip(grams + np.diag(self.evidence.prior), slopes, strict=True)):
             gone = np.where(off, -now, 0.0)
             without = gone.copy()
-            right = part.slope[rest] - part.normal[np.ix_(rest, mine)] @ gone[mine]
-            reduced = inverse_of(part.normal[np.ix_(rest, rest)])
-            without[rest] = reduced @ right
+            reduced = inverse_of(gram[np.ix_(rest, rest)])
+            without[rest] = reduced @ (slope[rest] - gram[np.ix_(rest, mine)] @ gone[mine])
             lean = np.zeros(now.size)
             lean[mine] = now[mine] * off[mine]
-            lean[rest] = -reduced @ part.normal[np.ix_(rest, mine)] @ lean[mine]
-            gain = part.loss(without) - part.loss(part.step)
-            numbers = now + part.step
+            lean[rest] = -reduced @ gram[np.ix_(rest, mine)] @ lean[mine]
+            gain = self.judged.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
+            numbers = now + self.fits.step[number]
             admitted = self._possible(fitted, name, numbers)
-            rows.append((gain if admitted else -np.inf, lean @ part.held[0] @ lean, lean @ part.normal @ lean))
+            rows.append((gain if admitted else -np.inf, lean @ self.judged.gram[number] @ lean, lean @ gram @ lean))
             values.append(numbers)
         known = [p.name.removeprefix(f"{name}.") for p in model.parameters]
         known += [s.name.removeprefix(f"{name}.") for s in model.shapes]
@@ -157,23 +131,13 @@ class Splits:
         agrees = gain >= np.maximum(self.rules.split_keeps * expected, 0.0)
         order = np.argsort(gain)
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
-        against = tuple(dict.fromkeys(r for k in worst for r in self.parts[k].aside))
+        against = tuple(dict.fromkeys(r for k in worst for r in self.aside[k]))
         return Agreement(int((tells & agrees).sum()), int(tells.sum()), ranges, against)
 
 
-def _ranges(names: Sequence[str], values: Sequence[Float]) -> dict[str, tuple[float, float]]:
+def _ranges(names: Sequence[str], values: Sequence[Float] | Float) -> dict[str, tuple[float, float]]:
     """Return from where to where each number went over the splits; {} without splits."""
-    if not values or len(names) != len(values[0]):
+    if not len(values) or len(names) != len(values[0]):
         return {}
     low, high = np.min(values, axis=0), np.max(values, axis=0)
     return {name: (float(a), float(b)) for name, a, b in zip(names, low, high, strict=True)}
-
-
-def _total(grams: Sequence[Gram]) -> tuple[Float, Float, Float]:
-    return sum(u.g[0] for u in grams), sum(u.h[0] for u in grams), sum(u.a[0] for u in grams)
-
-
-def _extra(base: Float, own: Float, held: tuple[Float, Float, Float]) -> float:
-    """Return what a candidate's columns add to the loss of the judged units, the model's own step being `base`."""
-    g, h, a = held
-    return float(2.0 * base @ (g @ own) - 2.0 * own @ a + own @ h @ own)
