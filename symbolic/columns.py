@@ -25,6 +25,7 @@ from symbolic.evaluation import (
     shape_values,
     shaped,
     torque_values,
+    transformed_torque,
     vector,
 )
 from symbolic.language.deflection import STATES
@@ -46,6 +47,13 @@ def model_columns(model: Model, motion: Motion, shape: Float | None = None, refe
     """
     shapes = vector(shape, model.typical_shape, "shape")
     linear = carrying(motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
+    out = _untransformed(model, motion, shapes, linear)
+    apply_transforms(model, out, shapes, motion)
+    return out
+
+
+def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -> Float:
+    """Return the regressor (J, N, P) before terms that act on whole torques."""
     at = shape_values(model, shapes)
     place = places(model)
     out = np.zeros((len(model.joints), len(motion), len(place)))
@@ -56,7 +64,6 @@ def model_columns(model: Model, motion: Motion, shape: Float | None = None, refe
     plain = [term for term in model.terms if term.effect.derive is None and not is_transform(term)]
     for term in plain:
         _add(term, {**env, **shaped(term, at)}, motion, out, place)
-    apply_transforms(model, out, shapes, motion)
     return out
 
 
@@ -65,7 +72,9 @@ def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None 
     values = np.asarray(linear, dtype=float)
     if values.shape != (len(model.parameters),):
         raise ValueError(f"linear has shape {values.shape}, the model has {len(model.parameters)} parameters")
-    return np.asarray((model_columns(model, motion, shape, values) @ carrying(motion, values)).T)
+    shapes, carried = vector(shape, model.typical_shape, "shape"), carrying(motion, values)
+    columns = _untransformed(model, motion, shapes, carried)
+    return transformed_torque(model, columns, carried, shapes, motion).T
 
 
 def needs_reference(model: Model) -> bool:

@@ -100,6 +100,18 @@ def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) ->
         _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
 
 
+def transformed_torque(model: Model, columns: Float, linear: Float, shapes: Float, motion: Motion) -> Float:
+    """Return the torque (J, N) of columns (J, N, P) not yet transformed; transforms are linear, so each acts once."""
+    out = columns @ linear
+    transforms = [term for term in model.terms if is_transform(term)]
+    if transforms:
+        base, at, env = base_places(model), shape_values(model, shapes), motion_words(motion)
+        total, whole = (columns[:, :, base] @ linear[base])[:, :, None], out[:, :, None]
+        for term in transforms:
+            _transform(term, total, [0], {**env, **shaped(term, at)}, motion, whole)
+    return np.asarray(out)
+
+
 def torque_values(torque: Torque, env: dict[str, Float | float], motion: Motion, count: int | None = None) -> Float:
     """Return the torque (N,) at its joint for the words in `env`.
 

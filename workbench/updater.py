@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.watching.estimator import CREDIT, ROBUST
+from diagnosis.watching.estimator import ROBUST, constants
+from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, filled
 from diagnosis.watching.front import COMMON_ORDER, HALF, ORDER, SIGN_WIDTH, SPIKE, Filters
 from diagnosis.watching.updater import first_estimator
 from diagnosis.watching.window import LEAST_WEIGHT
@@ -41,20 +42,20 @@ def write_updater(
     start = first_estimator(model, linear, unit, filters.working / filters.stride)
     joints, count = len(model.joints), len(model.parameters)
     values = {
-        "name": name, "guard": f"{name}_updater_h".upper(), "J": joints, "P": count, "W": count + 2,
+        "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "TYPE": f"{name}_updater", "name": name,
+        "guard": f"{name}_updater_h".upper(), "J": joints, "P": count, "W": count + 2,
         "MODEL": in_comment(model.name),
         "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),
         "JOINTS": ", ".join(model.joint_names), "TS": repr(sample_time), "RATE": repr(filters.rate),
         "HALF": HALF, "RING": 2 * HALF + 1, "SPIKE": repr(SPIKE), "ORDER": ORDER, "COMMON": COMMON_ORDER,
         "KEEP": repr(filters.keep), "SECOND": repr(filters.common), "FACTOR": filters.factor,
         "STRIDE": filters.stride, "STICK": repr(STICK), "REACH": repr(filters.reach), "SIGN": repr(SIGN_WIDTH),
-        "LEAST": repr(LEAST_WEIGHT), "ROBUST": repr(ROBUST), "CREDIT": repr(CREDIT), "BLOCK": start.block,
-        "FOLLOW": repr(start.follow), "DELAY": f"{filters.delay:.3g}",
+        "LEAST": repr(LEAST_WEIGHT), **constants(start), "DELAY": f"{filters.delay:.3g}",
         "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.forget),
         "UNIT": _list(unit), "BODY": _body(function, joints),
         "OPERATIONS": _operations(function, joints, count, filters),
     }  # fmt: skip
-    return {f"{name}_updater.h": _fill(_HEADER, values), f"{name}_updater.c": _fill(_SOURCE, values)}
+    return {f"{name}_updater.h": filled(_HEADER, values), f"{name}_updater.c": filled(_SOURCE, values)}
 
 
 def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:
@@ -113,12 +114,6 @@ def _list(values: np.ndarray) -> str:
     return ", ".join(repr(float(v)) for v in values)
 
 
-def _fill(text: str, values: dict[str, Any]) -> str:
-    for key, value in values.items():
-        text = text.replace(f"@{key}@", str(value))
-    return text
-
-
 _HEADER = """/* @MODEL@:
  * its numbers, followed while it runs. Written by exoid; do not edit.
  *
@@ -136,15 +131,12 @@ extern "C" {
 #endif
 
 typedef struct @name@_updater {
-  double linear[@P@];   /* the numbers as they are now */
-  double variance[@P@]; /* as white noise of the first scale would have it; intervals: *_spread below */
-  double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@];
-  double scale[@J@], blocks;
+@FIELDS@
   double angle[@RING@][@J@], torque[@RING@][@J@];
   double first[@ORDER@][2 * @J@], smooth[3][2 * @J@];
   double second[@COMMON@][@J@][@W@];
   long samples, filtered;
-  int next, working, kept, inside;
+  int next, working, kept;
 } @name@_updater;
 
 /* Begins at the identified numbers. */
@@ -171,9 +163,6 @@ _SOURCE = """/* Written by exoid; do not edit. See @name@_updater.h. */
 
 enum { J = @J@, P = @P@, W = @W@, RING = @RING@ };
 
-static const double forget[P] = {@FORGET@};
-static const double unit[J] = {@UNIT@};
-
 static void regressor(double t, const double q[J], const double dq[J], const double ddq[J], const double sign[J],
                       double columns[J * P]) {
   (void)t;
@@ -187,16 +176,19 @@ static void regressor(double t, const double q[J], const double dq[J], const dou
 void @name@_updater_init(@name@_updater *u) {
   static const double linear[P] = {@LINEAR@};
   static const double spread[P] = {@SPREAD@};
+  static const double forget[P] = {@FORGET@};
+  static const double unit[J] = {@UNIT@};
   static const @name@_updater empty; /* all zero */
   int k;
   *u = empty;
   for (k = 0; k < P; ++k) {
     u->linear[k] = linear[k];
+    u->forget[k] = forget[k];
     u->variance[k] = spread[k] * spread[k];
     u->root[k][k] = 1.0 / spread[k];
     u->right[k] = linear[k] / spread[k];
   }
-  for (k = 0; k < J; ++k) u->scale[k] = unit[k];
+  for (k = 0; k < J; ++k) u->scale[k] = u->unit[k] = unit[k];
 }
 
 static double median(const double values[RING]) {
@@ -210,103 +202,7 @@ static double median(const double values[RING]) {
   return sorted[RING / 2];
 }
 
-static double weight_of(const @name@_updater *u, int j, double left) {
-  const double size = fabs(left) > 1e-300 ? fabs(left) : 1e-300, inside = @ROBUST@ * u->scale[j] / size;
-  return (inside < 1.0 ? inside : 1.0) / (unit[j] * unit[j]);
-}
-
-static void rotate(@name@_updater *u, const double given[P], double value, double weight) {
-  double row[P];
-  int k, m;
-  for (k = 0; k < P; ++k) row[k] = given[k] * weight;
-  value *= weight;
-  for (k = 0; k < P; ++k) {
-    double size, c, s, old;
-    if (row[k] == 0.0) continue;
-    size = hypot(u->root[k][k], row[k]);
-    c = u->root[k][k] / size;
-    s = row[k] / size;
-    for (m = k; m < P; ++m) {
-      old = u->root[k][m];
-      u->root[k][m] = c * old + s * row[m];
-      row[m] = c * row[m] - s * old;
-    }
-    old = u->right[k];
-    u->right[k] = c * old + s * value;
-    value = c * value - s * old;
-  }
-}
-
-static void invert(const double root[P][P], double inverse[P][P]) {
-  int i, k, m;
-  for (k = 0; k < P; ++k) {
-    for (i = 0; i < P; ++i) inverse[i][k] = 0.0;
-    inverse[k][k] = 1.0 / root[k][k];
-    for (i = k - 1; i >= 0; --i) {
-      double sum = 0.0;
-      for (m = i + 1; m <= k; ++m) sum += root[i][m] * inverse[m][k];
-      inverse[i][k] = -sum / root[i][i];
-    }
-  }
-}
-
-static int estimate(@name@_updater *u, double columns[J][P], const double tau[J], const int use[J]) {
-  double inverse[P][P], kept[P], mean = 0.0;
-  int j, k, m, any = 0;
-  for (j = 0; j < J; ++j) {
-    double left = tau[j], most, square;
-    if (!use[j]) continue;
-    any = 1;
-    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
-    rotate(u, columns[j], tau[j], sqrt(weight_of(u, j, left)));
-    square = u->scale[j] * u->scale[j];
-    most = left * left < 9.0 * square ? left * left : 9.0 * square;
-    u->scale[j] = sqrt(square + @FOLLOW@ * (most - square));
-  }
-  if (!any) return 0;
-  invert((const double(*)[P])u->root, inverse);
-  for (k = 0; k < P; ++k) {
-    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * forget[k], lost;
-    for (m = k; m < P; ++m) {
-      value += inverse[k][m] * u->right[m];
-      variance += inverse[k][m] * inverse[k][m];
-    }
-    u->linear[k] = value;
-    gain = 1.0 - variance / u->variance[k];
-    gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
-    u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
-    lost = forget[k] < u->credit[k] ? forget[k] : u->credit[k];
-    u->credit[k] -= lost;
-    kept[k] = 1.0 - lost;
-    mean += kept[k] / P;
-    u->variance[k] = variance / kept[k];
-  }
-  for (k = 0; k < P; ++k) {
-    u->right[k] = 0.0;
-    for (m = k; m < P; ++m) {
-      u->root[k][m] *= sqrt(kept[m]);
-      u->right[k] += u->root[k][m] * u->linear[m];
-    }
-    for (m = 0; m < P; ++m) u->meat[k][m] *= kept[k] * kept[m];
-  }
-  for (j = 0; j < J; ++j) {
-    double left = tau[j];
-    if (!use[j]) continue;
-    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
-    left *= weight_of(u, j, left);
-    for (k = 0; k < P; ++k) u->score[k] += left * columns[j][k];
-  }
-  u->blocks *= mean * mean;
-  if (++u->inside == @BLOCK@) {
-    for (k = 0; k < P; ++k)
-      for (m = 0; m < P; ++m) u->meat[k][m] += u->score[k] * u->score[m];
-    for (k = 0; k < P; ++k) u->score[k] = 0.0;
-    u->inside = 0;
-    u->blocks += 1.0;
-  }
-  return 1;
-}
-
+@ESTIMATION@
 int @name@_updater_step(@name@_updater *u, double t, const double q[J], const double tau[J]) {
   double x[2 * J], pose[J], speed[J], rise[J], sign[J], flat[J * P], columns[J][P], torque[J];
   int use[J], j, k, p, place, before;

@@ -11,6 +11,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -176,16 +178,20 @@ def _feeds_back(term: Term) -> bool:
 
 def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    if candidate.tangent:
-        raw = _tangent(candidate.term, one, fitted)[None]
-    elif candidate.change:
-        raw = _changes(candidate.term, one, fitted, nodes)
-    elif candidate.term.effect.derive is not None:
-        raw = _derived(candidate.term, one, fitted, nodes)
-    else:
-        raw = _texts(candidate, nodes, one, fitted)
+    raw = unfiltered_columns(candidate, nodes, one, fitted)
     filtered = one.smooth_rows(np.ascontiguousarray(raw), candidate.joints, 1)  # (V, A, m, N), all in one pass
     return Columns(candidate.joints, np.swapaxes(filtered, 2, 3))
+
+
+def unfiltered_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
+    """Return the columns (V, A, m, N) of a candidate on all samples of a recording, as `candidate_columns` filters."""
+    if candidate.tangent:
+        return _tangent(candidate.term, one, fitted)[None]
+    if candidate.change:
+        return _changes(candidate.term, one, fitted, nodes)
+    if candidate.term.effect.derive is not None:
+        return _derived(candidate.term, one, fitted, nodes)
+    return _texts(candidate, nodes, one, fitted)
 
 
 def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
@@ -227,8 +233,19 @@ def _at_node(
         return np.full(len(motion), np.nan)
 
 
+_OWN: WeakKeyDictionary[PreparedRecording, tuple[ref[FittedModel], dict[str, Float]]] = WeakKeyDictionary()
+"""What `own_torques` gave last for a recording, and for which model."""
+
+
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
     """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured)."""
+    known = _OWN.get(one)
+    if known is None or known[0]() is not fitted:
+        known = _OWN[one] = ref(fitted), _own_torques(fitted, one)
+    return known[1]
+
+
+def _own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
     base = fitted.model.base()
     count, rigid = len(base.parameters), len(base.inertial)
     columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
@@ -239,9 +256,14 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
     return out
 
 
+@lru_cache(maxsize=256)
+def _extended(model: Model, term: Term) -> Model:
+    return model.with_effect(term.effect, term.joint)
+
+
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
     """Return ∂τ/∂(the term's number) (A, 1, N) at zero; the model gets the term with a small value of it."""
-    extended = fitted.model.with_effect(term.effect, term.joint)
+    extended = _extended(fitted.model, term)
     entries = [s.shape for s in extended.shapes[len(fitted.model.shapes) :]]
     step = TANGENT_STEP * (entries[0].max - entries[0].min)
     sides = []
@@ -254,7 +276,7 @@ def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
 
 def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
     """Return by how much the term changes the model's torque (V, A, 1, N) at `nodes` (V, S) of its numbers."""
-    extended = fitted.model.with_effect(term.effect, term.joint)
+    extended = _extended(fitted.model, term)
     still = fitted.model.torque(one.motion, fitted.linear, fitted.shape)
     joints = list(term.reaches)
     different, back = np.unique(nodes, axis=0, return_inverse=True)
@@ -264,7 +286,7 @@ def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
     """Return the new columns (V, A, m, N) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
-    extended = fitted.model.with_effect(term.effect, term.joint)
+    extended = _extended(fitted.model, term)
     new = len(extended.parameters) - len(fitted.model.parameters)
     reference = np.concatenate([fitted.linear, np.zeros(new)])
     shapes = np.column_stack([np.tile(fitted.shape, (len(nodes), 1)), nodes])

@@ -12,12 +12,17 @@ Intervals are those of sums of scores over blocks of time, longer than residuals
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from ctypes import c_long, c_void_p
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from scipy.linalg.lapack import dgeqrf, dtrtri
 from scipy.stats import t as student
 
+from diagnosis.watching.estimator_c import kernel, layout
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -41,6 +46,14 @@ class Pace:
     scale: float = 10.0
 
 
+def constants(estimator: Estimator) -> dict[str, Any]:
+    """Return what the C text names, {key: text}."""
+    return {
+        "P": estimator.linear.size, "J": len(estimator.unit), "ROBUST": repr(ROBUST), "CREDIT": repr(CREDIT),
+        "BLOCK": estimator.block, "FOLLOW": repr(estimator.follow),
+    }  # fmt: skip
+
+
 @dataclass(eq=False)
 class Estimator:
     """The state of the estimation of P parameters from J joints; `step` takes one sample.
@@ -55,12 +68,12 @@ class Estimator:
     forget: Float
     block: int
     follow: float
-    unit: Float
+    unit: list[float]
     root: Float
     right: Float
     linear: Float
     variance: Float
-    scale: Float = field(init=False)
+    scale: list[float] = field(init=False)
     credit: Float = field(init=False)
     score: Float = field(init=False)
     meat: Float = field(init=False)
@@ -69,7 +82,7 @@ class Estimator:
 
     def __post_init__(self) -> None:
         count = self.linear.size
-        self.scale = self.unit.copy()
+        self.scale = list(self.unit)
         self.credit, self.score, self.meat = np.zeros(count), np.zeros(count), np.zeros((count, count))
 
     @classmethod
@@ -86,40 +99,37 @@ class Estimator:
         seconds = np.where(np.arange(linear.size) < inertial, pace.inertia, pace.rest)
         return cls(
             tuple(names), tuple(units), 1.0 / (seconds * rate), max(1, round(pace.block * rate)),
-            1.0 / (pace.scale * rate), np.array(scale, dtype=float), np.diag(1.0 / spread), linear / spread,
+            1.0 / (pace.scale * rate), [float(x) for x in scale], np.diag(1.0 / spread), linear / spread,
             np.array(linear, dtype=float), spread**2,
         )  # fmt: skip
 
     def step(self, columns: Float, tau: Float, use: Sequence[bool] | np.ndarray) -> None:
         """Take one sample: `columns` (J, P), torque (J,) N·m and which joints can be used."""
-        if not any(use):
+        used = [j for j in range(len(tau)) if use[j]]
+        if not used:
             return
-        rows = []
-        for j, row in enumerate(columns):
-            if use[j]:
-                left = tau[j] - row @ self.linear
-                rows.append(np.append(row, tau[j]) * np.sqrt(self._weight(j, left)))
-                self.scale[j] = np.sqrt(
-                    self.scale[j] ** 2 + self.follow * (min(left**2, (3.0 * self.scale[j]) ** 2) - self.scale[j] ** 2)
-                )
-        self._rotate(rows)
-        inverse = np.linalg.inv(self.root)
+        columns, tau = columns[used], tau[used]
+        left = (tau - columns @ self.linear).tolist()
+        weights = [self._weight(j, value) for j, value in zip(used, left, strict=True)]
+        for j, value in zip(used, left, strict=True):
+            most = min(value**2, (3.0 * self.scale[j]) ** 2)
+            self.scale[j] = math.sqrt(self.scale[j] ** 2 + self.follow * (most - self.scale[j] ** 2))
+        inverse = self._rotate(np.column_stack([columns, tau]) * np.sqrt(weights)[:, None])
         self.linear = inverse @ self.right
-        variance = np.sum(inverse**2, axis=1)
-        gain = np.clip(1.0 - variance / self.variance, 0.0, 1.0)
-        self.credit = np.minimum(self.credit + gain, CREDIT * self.forget)
-        lost = np.minimum(self.forget, self.credit)
-        self.credit -= lost
+        variance = np.einsum("kp,kp->k", inverse, inverse)
+        gain = np.maximum(1.0 - variance / self.variance, 0.0)
+        credit = np.minimum(self.credit + gain, CREDIT * self.forget)
+        lost = np.minimum(self.forget, credit)
+        self.credit = credit - lost
         kept = 1.0 - lost
         self.root = self.root * np.sqrt(kept)
         self.right = self.root @ self.linear
         self.variance = variance / kept
-        for j, row in enumerate(columns):
-            if use[j]:
-                left = tau[j] - row @ self.linear
-                self.score = self.score + self._weight(j, left) * left * row
-        self.meat = self.meat * np.outer(kept, kept)
-        self.blocks *= float(kept.mean()) ** 2
+        left = (tau - columns @ self.linear).tolist()
+        pull = [self._weight(j, value) * value for j, value in zip(used, left, strict=True)]
+        self.score = self.score + pull @ columns
+        self.meat = self.meat * (kept[:, None] * kept)
+        self.blocks *= (float(kept.sum()) / kept.size) ** 2
         self.inside += 1
         if self.inside == self.block:
             self.meat += np.outer(self.score, self.score)
@@ -127,17 +137,36 @@ class Estimator:
             self.inside = 0
             self.blocks += 1.0
 
-    def _weight(self, joint: int, left: float) -> float:
-        scale = float(self.scale[joint])
-        return min(1.0, ROBUST * scale / max(abs(left), 1e-300)) / self.unit[joint] ** 2
+    def steps(self, columns: Float, tau: Float, use: np.ndarray) -> None:
+        """Take samples in a row: `columns` (N, J, P), torque (N, J) N·m and `use` (N, J); compiled where that works."""
+        compiled = kernel(constants(self))
+        if compiled is None:
+            for row, value, usable in zip(columns, tau, use, strict=True):
+                self.step(row, value, usable)
+            return
+        state = np.zeros((), layout(self.linear.size, len(self.unit)))
+        for name in state.dtype.names or ():
+            state[name] = getattr(self, name)
+        kinds = ((columns, float), (tau, float), (use, np.intc))
+        given = [np.ascontiguousarray(values, kind) for values, kind in kinds]
+        compiled(state.ctypes.data_as(c_void_p), c_long(len(tau)), *(x.ctypes.data_as(c_void_p) for x in given))
+        for name in state.dtype.names or ():
+            plain = name in ("scale", "unit", "blocks", "inside")
+            setattr(self, name, state[name].tolist() if plain else state[name].copy())
 
-    def _rotate(self, rows: Sequence[Float]) -> None:
-        """Rotate weighted rows (P + 1,) of columns and torque into the triangle."""
+    def _weight(self, joint: int, left: float) -> float:
+        return min(1.0, ROBUST * self.scale[joint] / max(abs(left), 1e-300)) / self.unit[joint] ** 2
+
+    def _rotate(self, rows: Float) -> Float:
+        """Rotate weighted rows (K, P + 1) of columns and torque into the triangle; return its inverse."""
         count = self.right.size
-        whole = np.vstack([np.column_stack([self.root, self.right]), *rows])
-        triangle = np.array(np.linalg.qr(whole, mode="r"))[:count]
+        whole = np.empty((count + len(rows), count + 1), order="F")
+        whole[:count, :count], whole[:count, count], whole[count:] = self.root, self.right, rows
+        # LAPACK directly: for matrices this small, what NumPy does around it takes most of the time.
+        triangle = np.triu(dgeqrf(whole, overwrite_a=1)[0][:count])
         triangle *= np.where(np.diag(triangle) < 0.0, -1.0, 1.0)[:, None]
         self.root, self.right = triangle[:, :count], triangle[:, count]
+        return np.asarray(dtrtri(self.root)[0])
 
     def covariance(self) -> Float:
         """Return the covariance (P, P) of the parameters, valid under autocorrelation."""

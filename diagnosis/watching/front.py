@@ -229,8 +229,10 @@ class FrontEnd:
         self.count = whole
         near = np.minimum(np.searchsorted(rows[:, 0], grid - 1e-3 * step), len(rows) - 1)
         exact = np.abs(rows[near, 0] - grid) < 2e-3 * step
-        even = np.column_stack([np.interp(grid, rows[:, 0], rows[:, k]) for k in range(1, rows.shape[1])])
-        even[exact] = rows[near[exact], 1:]
+        even = rows[near, 1:]
+        if not exact.all():
+            at = grid[~exact]
+            even[~exact] = np.column_stack([np.interp(at, rows[:, 0], rows[:, k]) for k in range(1, rows.shape[1])])
         after = np.clip(np.searchsorted(rows[:, 0], grid), 1, max(1, len(rows) - 1))
         hole = np.zeros(grid.size) if len(rows) < 2 else (rows[after, 0] - rows[after - 1, 0] > HOLE * step) & ~exact
         return self._filter(np.column_stack([grid, even, hole]))
@@ -270,7 +272,7 @@ class FrontEnd:
 def despiked(tau: Float) -> Float:
     """Return the torque (N - 2 HALF, J) with spikes replaced by the median of their neighbours."""
     windows = np.lib.stride_tricks.sliding_window_view(tau, 2 * HALF + 1, axis=0)
-    middle = np.median(windows, axis=-1)
-    scale = np.median(np.abs(windows - middle[..., None]), axis=-1) / 0.6745
+    middle = np.sort(windows, axis=-1)[..., HALF]
+    scale = np.sort(np.abs(windows - middle[..., None]), axis=-1)[..., HALF] / 0.6745
     own = tau[HALF : len(tau) - HALF]
     return np.where(np.abs(own - middle) > SPIKE * scale, middle, own)

@@ -66,10 +66,10 @@ class Asked(Candidate):
             return "load"
         return "sensor" if self.term.effect.family == "sensor" else "effect"
 
-    def load(self, model: Model, base: Float) -> Float:
-        """Return the columns (V, J, K) of 1 kg at each of `PLACES`, from the model's (J, K, P)."""
+    def load(self, model: Model, base: Float, places: Sequence[float] = PLACES) -> Float:
+        """Return the columns (V, J, K) of 1 kg at each of `places`, from the model's (J, K, P)."""
         assert self.link is not None
-        added = np.array([Payload(1.0, along, self.link).numbers(model.thigh_length) for along in PLACES])
+        added = np.array([Payload(1.0, along, self.link).numbers(model.thigh_length) for along in places])
         return np.moveaxis(base[:, :, : added.shape[1]] @ added.T, 2, 0)
 
 

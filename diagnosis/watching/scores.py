@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import candidate_columns
+from diagnosis.evidence.candidates import unfiltered_columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import RecordingEvidence, robust_weight
-from diagnosis.watching.questions import Asked, Questions
+from diagnosis.watching.questions import PLACES, Asked, Questions
 from diagnosis.watching.window import Window
 from symbolic.motion import Float
 
@@ -44,23 +44,26 @@ def watched(questions: Questions) -> tuple[Watched, ...]:
 
 
 def columns_of(questions: Sequence[Watched], window: Window, base: Float, now: FittedModel) -> Float:
-    """Return all watched columns (C, J, K) on one window; `base` (J, K, P) are those of the model there."""
-    joints, samples, _ = base.shape
-    out = []
+    """Return all watched columns (C, J, K) on one window: effects, then numbers, then loads.
+
+    `base` (J, K, P) are the columns of the model there.
+    """
+    joints = base.shape[0]
+    own, loads, effects = [], [], []
     for one in questions:
         asked = one.asked
         if asked.number is not None:
-            out.append(base[None, :, :, asked.number])
-            continue
-        if asked.link is not None:
-            from_load = asked.load(now.model, base)
-            out.append(from_load[[len(from_load) // 2]])
-            continue
-        own = candidate_columns(replace(asked, nodes=one.nodes[None]), one.nodes, window, now)
-        whole = np.zeros((*own.values.shape[:1], own.values.shape[3], joints, samples))
-        whole[:, :, list(own.joints)] = own.values.transpose(0, 3, 1, 2)
-        out.append(whole.reshape(-1, joints, samples))
-    return np.concatenate(out)
+            own.append(base[None, :, :, asked.number])
+        elif asked.link is not None:
+            loads.append(asked.load(now.model, base, PLACES[len(PLACES) // 2 :][:1]))
+        else:
+            found = unfiltered_columns(asked, one.nodes, window, now)  # (V, A, m, N)
+            whole = np.zeros((found.shape[0] * found.shape[2], joints, found.shape[3]))
+            whole[:, list(asked.joints)] = np.moveaxis(found, 1, 2).reshape(len(whole), -1, found.shape[3])
+            effects.append(whole)
+    # All effects pass the filter together.
+    filtered = [window.smooth_rows(np.concatenate(effects), range(joints), 1)] if effects else []
+    return np.concatenate([*filtered, *own, *loads])
 
 
 @dataclass(frozen=True, eq=False)

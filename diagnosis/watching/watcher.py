@@ -224,8 +224,7 @@ class Watcher:
         assert self.estimator is not None
         width = self.estimator.linear.size
         columns = np.moveaxis(block.columns[:, :, :width], 0, 1)
-        for row, tau, use in zip(columns, one.tau, one.use, strict=True):
-            self.estimator.step(row, tau, use)
+        self.estimator.steps(columns, one.tau, one.use)
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates

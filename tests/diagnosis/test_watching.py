@@ -165,3 +165,16 @@ def test_a_file_that_is_rotated_is_read_on(tmp_path) -> None:  # type: ignore[no
     fresh = next(text for text in texts if text is None)
     assert fresh is None
     assert "1,0,0,0,0" in (next(texts) or "")
+
+
+def test_compiled_estimation_is_that_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(4)
+    rows = _regressor(rng, 120)
+    tau = rows @ np.array([2.0, -1.0]) + rng.standard_normal((120, 1))
+    use = rng.random((120, 1)) < 0.8
+    compiled, plain = _estimator(), _estimator()
+    compiled.steps(rows, tau, use)
+    monkeypatch.setattr("diagnosis.watching.estimator.kernel", lambda values: None)
+    plain.steps(rows, tau, use)
+    for name in ("linear", "variance", "root", "right", "credit", "score", "meat", "scale", "blocks", "inside"):
+        np.testing.assert_allclose(getattr(compiled, name), getattr(plain, name), rtol=1e-9, atol=1e-12)

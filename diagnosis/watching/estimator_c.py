@@ -1,0 +1,157 @@
+"""The recursive estimator in C99, for the controller (`exoid export --updater`) and for `Estimator.steps`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from symbolic.codegen.compiler import EXACT
+
+_LOADED: dict[str, CompiledLibrary | None] = {}
+
+
+def filled(text: str, values: Mapping[str, Any]) -> str:
+    """Return `text` with a value for every @KEY@."""
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", str(value))
+    return text
+
+
+def layout(count: int, joints: int) -> np.dtype[Any]:
+    """Return `FIELDS` as NumPy sees them, for `count` parameters."""
+    p, j, square = (count,), (joints,), (count, count)
+    shapes = {"linear": p, "variance": p, "root": square, "right": p, "credit": p, "score": p, "meat": square,
+              "forget": p, "scale": j, "unit": j, "blocks": ()}  # fmt: skip
+    return np.dtype([*((name, "f8", shape) for name, shape in shapes.items()), ("inside", np.intc)], align=True)
+
+
+def kernel(values: Mapping[str, Any]) -> Any:
+    """Return the compiled function for the constants `values`; None without a compiler."""
+    text = filled(_KERNEL, {"FIELDS": FIELDS, "ESTIMATION": ESTIMATION, "TYPE": "exoid_estimator", **values})
+    if text not in _LOADED:
+        _LOADED[text] = load_library("estimator", text, EXACT, lambda: GeneratedC(text, EXACT, {}))
+    found = _LOADED[text]
+    return None if found is None else found.c.exoid_estimate
+
+
+FIELDS = """  double linear[@P@];   /* the numbers as they are now */
+  double variance[@P@]; /* as white noise of the first scale would have it, not valid for intervals */
+  double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@], forget[@P@];
+  double scale[@J@], unit[@J@], blocks;
+  int inside;
+"""
+
+_KERNEL = """#include <math.h>
+
+enum { J = @J@, P = @P@ };
+
+typedef struct @TYPE@ {
+@FIELDS@} @TYPE@;
+
+@ESTIMATION@
+void exoid_estimate(@TYPE@ *u, long count, double *columns, const double *tau, const int *use) {
+  long k;
+  for (k = 0; k < count; ++k) estimate(u, (double(*)[P])(columns + k * J * P), tau + k * J, use + k * J);
+}
+"""
+
+ESTIMATION = """static double weight_of(const @TYPE@ *u, int j, double left) {
+  const double size = fabs(left) > 1e-300 ? fabs(left) : 1e-300, inside = @ROBUST@ * u->scale[j] / size;
+  return (inside < 1.0 ? inside : 1.0) / (u->unit[j] * u->unit[j]);
+}
+
+static void rotate(@TYPE@ *u, const double given[P], double value, double weight) {
+  double row[P];
+  int k, m;
+  for (k = 0; k < P; ++k) row[k] = given[k] * weight;
+  value *= weight;
+  for (k = 0; k < P; ++k) {
+    double size, c, s, old;
+    if (row[k] == 0.0) continue;
+    size = hypot(u->root[k][k], row[k]);
+    c = u->root[k][k] / size;
+    s = row[k] / size;
+    for (m = k; m < P; ++m) {
+      old = u->root[k][m];
+      u->root[k][m] = c * old + s * row[m];
+      row[m] = c * row[m] - s * old;
+    }
+    old = u->right[k];
+    u->right[k] = c * old + s * value;
+    value = c * value - s * old;
+  }
+}
+
+static void invert(const double root[P][P], double inverse[P][P]) {
+  int i, k, m;
+  for (k = 0; k < P; ++k) {
+    for (i = 0; i < P; ++i) inverse[i][k] = 0.0;
+    inverse[k][k] = 1.0 / root[k][k];
+    for (i = k - 1; i >= 0; --i) {
+      double sum = 0.0;
+      for (m = i + 1; m <= k; ++m) sum += root[i][m] * inverse[m][k];
+      inverse[i][k] = -sum / root[i][i];
+    }
+  }
+}
+
+static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J]) {
+  double inverse[P][P], kept[P], mean = 0.0;
+  int j, k, m, any = 0;
+  for (j = 0; j < J; ++j) {
+    double left = tau[j], most, square;
+    if (!use[j]) continue;
+    any = 1;
+    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
+    rotate(u, columns[j], tau[j], sqrt(weight_of(u, j, left)));
+    square = u->scale[j] * u->scale[j];
+    most = left * left < 9.0 * square ? left * left : 9.0 * square;
+    u->scale[j] = sqrt(square + @FOLLOW@ * (most - square));
+  }
+  if (!any) return 0;
+  invert((const double(*)[P])u->root, inverse);
+  for (k = 0; k < P; ++k) {
+    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * u->forget[k], lost;
+    for (m = k; m < P; ++m) {
+      value += inverse[k][m] * u->right[m];
+      variance += inverse[k][m] * inverse[k][m];
+    }
+    u->linear[k] = value;
+    gain = 1.0 - variance / u->variance[k];
+    gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
+    u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
+    lost = u->forget[k] < u->credit[k] ? u->forget[k] : u->credit[k];
+    u->credit[k] -= lost;
+    kept[k] = 1.0 - lost;
+    mean += kept[k] / P;
+    u->variance[k] = variance / kept[k];
+  }
+  for (k = 0; k < P; ++k) {
+    u->right[k] = 0.0;
+    for (m = k; m < P; ++m) {
+      u->root[k][m] *= sqrt(kept[m]);
+      u->right[k] += u->root[k][m] * u->linear[m];
+    }
+    for (m = 0; m < P; ++m) u->meat[k][m] *= kept[k] * kept[m];
+  }
+  for (j = 0; j < J; ++j) {
+    double left = tau[j];
+    if (!use[j]) continue;
+    for (k = 0; k < P; ++k) left -= columns[j][k] * u->linear[k];
+    left *= weight_of(u, j, left);
+    for (k = 0; k < P; ++k) u->score[k] += left * columns[j][k];
+  }
+  u->blocks *= mean * mean;
+  if (++u->inside == @BLOCK@) {
+    for (k = 0; k < P; ++k)
+      for (m = 0; m < P; ++m) u->meat[k][m] += u->score[k] * u->score[m];
+    for (k = 0; k < P; ++k) u->score[k] = 0.0;
+    u->inside = 0;
+    u->blocks += 1.0;
+  }
+  return 1;
+}
+"""
