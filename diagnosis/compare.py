@@ -19,7 +19,7 @@ from diagnosis.evidence.remainder import Remainder, remainders, variables
 from diagnosis.plots import against, over_time
 from diagnosis.where import Where, samples_of, where_it_sits
 from ground.html import table
-from ground.plain import plain_dict
+from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
@@ -83,7 +83,7 @@ class Comparison:
             "per_recording": {name: rms.tolist() for name, rms in self.per_recording},
             "filter": self.cutoff,
             "parameters": {e.name: e for e in self.fit.estimates},
-            "thigh_length": None if self.thigh_length is None else self.thigh_length.to_json(),
+            "thigh_length": self.thigh_length,
             "audit": self.audit,
         })
 
@@ -209,15 +209,13 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(AsJson):
     """RMS error (J,) in N·m on unseen recordings of the Huber and of the SSE parameters: the paper's check."""
+
+    JSON = "verify_rms=huber sse_verify_rms=sse"
 
     huber: Float
     sse: Float
-
-    def to_json(self) -> dict[str, Any]:
-        """Return both in plain types."""
-        return plain_dict({"verify_rms": self.huber, "sse_verify_rms": self.sse})
 
 
 def verification(fit: Fit, prepared: Prepared) -> Verification | None:

@@ -12,7 +12,7 @@ from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
 from ground.html import bullets, lines
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -32,8 +32,10 @@ WORTH = 0.002
 
 
 @dataclass(frozen=True, eq=False)
-class Waterfall:
+class Waterfall(AsJson):
     """The error from model to model: `steps` with RMS (J,) in N·m, down to the `noise_floor` (J,)."""
+
+    JSON = "steps noise_floor stopped_because"
 
     steps: tuple[Step, ...]
     noise_floor: Float
@@ -44,14 +46,6 @@ class Waterfall:
     def fit(self) -> Fit:
         """The fit of the last model."""
         return self.fits[-1]
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the steps in plain types."""
-        return plain_dict({
-            "steps": self.steps,
-            "noise_floor": self.noise_floor,
-            "stopped_because": self.stopped_because,
-        })
 
     def to_frame(self) -> Any:
         """Return one row per step."""
@@ -81,8 +75,10 @@ class Waterfall:
 
 
 @dataclass(frozen=True, eq=False)
-class Addition:
+class Addition(AsJson):
     """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
+
+    JSON = "helped sentence backend biased"
 
     model: Model
     before: Fit
@@ -95,14 +91,8 @@ class Addition:
 
     def to_json(self) -> dict[str, Any]:
         """Return the addition in plain types."""
-        return {
-            "helped": self.helped,
-            "sentence": self.sentence,
-            "backend": self.backend,
-            "biased": list(self.biased),
-            "parameters": {e.name: e.to_json() for e in self.after.estimates},
-            **self.waterfall.to_json(),
-        }
+        parameters = {e.name: e.to_json() for e in self.after.estimates}
+        return {**super().to_json(), "parameters": parameters, **self.waterfall.to_json()}
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.errors import ExoidError
+from ground.plain import AsJson
 from measurement.bench.seal import Truth
 
 SCHEMA = "exoid.discovery/"
@@ -22,8 +23,10 @@ class ScoreError(ExoidError):
 
 
 @dataclass(frozen=True)
-class HiddenParameter:
+class HiddenParameter(AsJson):
     """A hidden number: its `true` value, the estimate and its 95 % interval."""
+
+    JSON = "* inside"
 
     name: str
     true: float
@@ -38,7 +41,7 @@ class HiddenParameter:
 
 
 @dataclass(frozen=True)
-class GradedEffect:
+class GradedEffect(AsJson):
     """One hidden effect: `outcome` is "found", "in a class" or "missed"; `by` the accepted one that answers for it."""
 
     name: str
@@ -48,8 +51,10 @@ class GradedEffect:
 
 
 @dataclass(frozen=True)
-class Grade:
+class Grade(AsJson):
     """How a diagnosis did: every hidden effect, the `extra` ones it accepted, its `verdict`, and if it was right."""
+
+    JSON = "right verdict extra hidden"
 
     hidden: tuple[GradedEffect, ...]
     extra: tuple[str, ...]
@@ -79,26 +84,6 @@ class Grade:
         if not self.hidden and self.verdict != "adequate":
             said.append(f"nothing was hidden, and the verdict is {self.verdict}")
         return (*said, "the diagnosis was right" if self.right else "the diagnosis was wrong")
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the score under the names of its fields."""
-        return {
-            "right": self.right,
-            "verdict": self.verdict,
-            "extra": list(self.extra),
-            "hidden": [
-                {
-                    "name": one.name,
-                    "outcome": one.outcome,
-                    "by": one.by,
-                    "numbers": {
-                        n.name: {"true": n.true, "value": n.value, "low": n.low, "high": n.high, "inside": n.inside}
-                        for n in one.numbers
-                    },
-                }
-                for one in self.hidden
-            ],
-        }
 
 
 def match(hidden: Sequence[str], accepted: Sequence[tuple[str, Sequence[str]]]) -> dict[str, str | None]:

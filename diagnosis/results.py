@@ -15,6 +15,7 @@ from diagnosis.evidence.remainder import Remainder
 from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
 from ground.html import lines, table
+from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.thigh_length import ThighLength
@@ -30,7 +31,7 @@ SCHEMA = "exoid.discovery/1"
 
 
 @dataclass(frozen=True)
-class Suspect:
+class Suspect(AsJson):
     """A catalogue entry with its evidence.
 
     `explained_share`: of the weighted error of the joints it acts on, on motion it was not fitted to.
@@ -48,21 +49,15 @@ class Suspect:
         """Full name, e.g. "stribeck:knee"."""
         return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under the names of the schema."""
-        return {
-            "effect": self.effect,
-            "joint": self.joint,
-            "explained_share": self.explained_share,
-            "p_value": self.p_value,
-            "look_alikes": list(self.look_alikes),
-            "caution": self.caution,
-        }
-
 
 @dataclass(frozen=True, eq=False)
-class Accepted:
+class Accepted(AsJson):
     """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m)."""
+
+    JSON = (
+        "effect joint parameters look_alikes never_separable p_value rms_before rms_after sentence "
+        "accepted_in=agreement.share splits=agreement.of ranges=agreement.ranges against stability"
+    )
 
     effect: str
     joint: str | None
@@ -81,25 +76,6 @@ class Accepted:
         """Full name, e.g. "stribeck:knee"."""
         return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under the names of the schema."""
-        return {
-            "effect": self.effect,
-            "joint": self.joint,
-            "parameters": {name: e.to_json() for name, e in self.parameters.items()},
-            "look_alikes": list(self.look_alikes),
-            "never_separable": list(self.never_separable),
-            "p_value": self.p_value,
-            "rms_before": self.rms_before.tolist(),
-            "rms_after": self.rms_after.tolist(),
-            "sentence": self.sentence,
-            "accepted_in": self.agreement.share,
-            "splits": self.agreement.of,
-            "ranges": {name: list(ends) for name, ends in self.agreement.ranges.items()},
-            "against": list(self.against),
-            "stability": self.stability,
-        }
-
     @property
     def stability(self) -> str:
         """In how many splits of the recordings it is accepted, with which values; "" where none can tell."""
@@ -107,11 +83,13 @@ class Accepted:
 
 
 @dataclass(frozen=True, eq=False)
-class Possible:
+class Possible(AsJson):
     """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
 
     `parameters` have the range over the splits as `low` and `high`.
     """
+
+    JSON = "effect joint accepted_in=agreement.share splits=agreement.of parameters explained_share reason"
 
     effect: str
     joint: str | None
@@ -130,18 +108,6 @@ class Possible:
         """The effect and why it is only possible, in words."""
         return f"{self.name}: {self.reason}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under the names of the schema."""
-        return {
-            "effect": self.effect,
-            "joint": self.joint,
-            "accepted_in": self.agreement.share,
-            "splits": self.agreement.of,
-            "parameters": {name: e.to_json() for name, e in self.parameters.items()},
-            "explained_share": self.explained_share,
-            "reason": self.reason,
-        }
-
 
 def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = ()) -> str:
     """Return e.g. "accepted in 83 of 84 splits, c = 0.0031 to 0.0042 kg·m²", and which recordings disagree."""
@@ -159,8 +125,10 @@ def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequen
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Step(AsJson):
     """One model on the way down: RMS (J,) in N·m after the common filter, on the same samples at every step."""
+
+    JSON = "model=label train_rms verify_rms sentence"
 
     label: str
     train_rms: Float
@@ -176,15 +144,6 @@ class Step:
     def judged_rms(self) -> Float:
         """The error (J,) on that motion, N·m."""
         return self.train_rms if self.verify_rms is None else self.verify_rms
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under the names of the schema."""
-        return {
-            "model": self.label,
-            "train_rms": self.train_rms.tolist(),
-            "verify_rms": None if self.verify_rms is None else self.verify_rms.tolist(),
-            "sentence": self.sentence,
-        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,29 +186,29 @@ class Diagnosis:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in the schema `exoid.discovery/1`."""
-        return {
+        return plain_dict({
             "schema": SCHEMA,
             "verdict": self.verdict,
-            "joints": list(self.joints),
+            "joints": self.joints,
             "rule": self.rule,
             "sentence": self.sentence,
-            "accepted": [a.to_json() for a in self.accepted],
-            "suspects": [s.to_json() for s in self.suspects],
-            "possible": [p.to_json() for p in self.possible],
-            "steps": [s.to_json() for s in self.steps],
-            "noise_floor": self.noise_floor.tolist(),
+            "accepted": self.accepted,
+            "suspects": self.suspects,
+            "possible": self.possible,
+            "steps": self.steps,
+            "noise_floor": self.noise_floor,
             "unexplained": self._unexplained_json(),
-            "model_error": None if self.error is None else self.error.to_json(),
+            "model_error": self.error,
             "next_experiment": self.next_experiment,
-            "biased": list(self.biased),
-            "differing": [d.to_json() for d in self.differing],
+            "biased": self.biased,
+            "differing": self.differing,
             "filter": self.cutoff,
             "stopped_because": self.stopped_because,
-            "parameters": {e.name: e.to_json() for e in self.fit.estimates},
-            "thigh_length": None if self.thigh_length is None else self.thigh_length.to_json(),
-            "audit": [f.to_json() for f in self.audit],
+            "parameters": {e.name: e for e in self.fit.estimates},
+            "thigh_length": self.thigh_length,
+            "audit": self.audit,
             "seconds": self.seconds,
-        }
+        })
 
     def _unexplained_json(self) -> dict[str, Any]:
         one = self.unexplained

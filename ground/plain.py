@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 
 def plain(value: Any) -> Any:
@@ -36,8 +37,19 @@ def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 class AsJson:
-    """A dataclass whose JSON is its fields under their names."""
+    """A dataclass whose JSON is told by `JSON`: "*" for all fields, a name for a field or property, "key=name" (or
+    "key=name.of.its") where the key is another.
+    """
+
+    JSON: ClassVar[str] = "*"
 
     def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        return plain_dict({f.name: getattr(self, f.name) for f in fields(self)})  # type: ignore[arg-type]
+        """Return what `JSON` names in plain types."""
+        out: dict[str, Any] = {}
+        for word in self.JSON.split():
+            if word == "*":
+                out |= {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+            else:
+                key, _, place = word.partition("=")
+                out[key] = attrgetter(place or key)(self)
+        return plain_dict(out)

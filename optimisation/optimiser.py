@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from ground.html import table
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from optimisation.fitting.plots import run_figure
 from optimisation.linear.problem import Problem
 from symbolic.motion import Float
@@ -87,13 +87,15 @@ BOUNDARIES: Mapping[str, Callable[[Float, Float, Float], Float]] = MappingProxyT
 
 
 @dataclass(frozen=True, eq=False)
-class OptimiserRun:
+class OptimiserRun(AsJson):
     """One run: best `x` (physical parameters, (P,)), its `fitness`, and how it got there.
 
     `history` (G,) is the best fitness after `counts` (G,) evaluations; `found_at` (K,) are the evaluations that found
     something better, and `found` (K,) what they found. `gap` is the relative distance of the fitness to a certified
     optimum where one is known.
     """
+
+    JSON = "name parameters=x loss=fitness evaluations seconds seed gap"
 
     name: str
     x: Float
@@ -121,18 +123,6 @@ class OptimiserRun:
     def _repr_html_(self) -> str:
         head = ("optimiser", "loss", "relative gap", "evaluations", "seconds", "seed")
         return table(head, [(self.name, self.fitness, self.gap, self.evaluations, self.seconds, self.seed)])
-
-    def to_json(self) -> dict[str, Any]:
-        """Return everything but the history in plain types."""
-        return plain_dict({
-            "name": self.name,
-            "parameters": self.x,
-            "loss": self.fitness,
-            "evaluations": self.evaluations,
-            "seconds": self.seconds,
-            "seed": self.seed,
-            "gap": self.gap,
-        })
 
 
 def minimise(

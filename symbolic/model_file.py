@@ -23,7 +23,7 @@ from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint, check_joints, parents
 from symbolic.model import TABLE_1, Limits, Model
-from symbolic.quantity import JOINTS
+from symbolic.quantity import JOINTS, Estimate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -150,15 +150,16 @@ def _identified_content(model: Model, fit: Identified) -> dict[str, Any]:
     content: dict[str, Any] = {}
     estimates = {estimate.name: estimate for estimate in fit.estimates}
     for group, names in (("parameters", model.parameters), ("shape", model.shapes)):
-        found = {entry.name: estimates[entry.name].to_json() for entry in names if entry.name in estimates}
-        content[group] = {name: {k: _plain(v) for k, v in numbers.items()} for name, numbers in found.items()}
+        content[group] = {entry.name: _ends(estimates[entry.name]) for entry in names if entry.name in estimates}
     if fit.delta is not None:
         content["delta"] = [float(value) for value in fit.delta]
     return {key: value for key, value in content.items() if value}
 
 
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, str) else float(value)
+def _ends(estimate: Estimate) -> dict[str, Any]:
+    """Return an estimate as the file keeps it; an interval that nothing determines stays infinite."""
+    value, low, high = map(float, (estimate.value, estimate.low, estimate.high))
+    return {"value": value, "unit": estimate.unit, "low": low, "high": high}
 
 
 def _load(path: str | Path) -> Table:

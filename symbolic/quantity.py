@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+
+from ground.plain import AsJson
 
 JOINTS = ("hip", "knee")
 """Joint names in the order of every axis of length J = 2."""
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Estimate(AsJson):
     """An estimated parameter: `value` in `unit`, with the 95 % interval [`low`, `high`]."""
+
+    JSON = "value unit low high"
 
     name: str
     value: float
     unit: str
     low: float
     high: float
-
-    def to_json(self) -> dict[str, Any]:
-        """Return value, unit, low and high; the name is the key under which it is stored."""
-        return {"value": self.value, "unit": self.unit, "low": self.low, "high": self.high}
 
     def __str__(self) -> str:
         return f"{self.name} = {self.value:.4g} {self.unit} (95 %: {self.low:.4g} to {self.high:.4g})"

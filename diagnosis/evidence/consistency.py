@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
 from diagnosis.rules import Rules
+from ground.plain import AsJson
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
 from symbolic.joints import UNITS
 from symbolic.model import Model
@@ -25,12 +25,14 @@ from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
-class Differing:
+class Differing(AsJson):
     """A number `name` that recording `recording` wants to be `value` and the others `others`, both in `unit`.
 
     `half_width` is that of the difference (95 % for all questions asked together), `share` what the difference explains
     of the recording's weighted squared error.
     """
+
+    JSON = "recording parameter=name value others half_width unit explained_share=share sentence"
 
     recording: str
     name: str
@@ -55,19 +57,6 @@ class Differing:
             f"{self.recording}: {self.name} is {self.value:.3g} there, {self.others:.3g}{unit} in the others "
             f"(difference known to ± {self.half_width:.2g})"
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        return {
-            "recording": self.recording,
-            "parameter": self.name,
-            "value": self.value,
-            "others": self.others,
-            "half_width": self.half_width,
-            "unit": self.unit,
-            "explained_share": self.share,
-            "sentence": self.sentence,
-        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.repeats import Repeats, repeats
 from diagnosis.rules import RULES, Rules
+from ground.plain import AsJson
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
-class ModelError:
+class ModelError(AsJson):
     """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it.
 
     `random` is one that the sensors do not explain, and that does not come again when the motion does.
     """
+
+    JSON = "joint times_noise=times repeating sentence"
 
     joint: str
     times: float
@@ -27,15 +29,6 @@ class ModelError:
     advice: str
     repeating: float | None = None
     random: bool = False
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields; `repeating` is the share of it that comes again where the motion does, None if unknown."""
-        return {
-            "joint": self.joint,
-            "times_noise": self.times,
-            "repeating": self.repeating,
-            "sentence": self.sentence,
-        }
 
 
 def sensor_noise(prepared: Prepared) -> Float:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ground.errors import ExoidError
+from ground.plain import AsJson
 from symbolic.identifiability import Tangents, structural_look_alikes, tangents
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -28,7 +29,7 @@ SAME = 1e-7
 
 
 @dataclass(frozen=True)
-class Same:
+class Same(AsJson):
     """Two rivals that no motion can distinguish, and why (`second` is empty where the model contains `first`)."""
 
     first: str
@@ -52,10 +53,6 @@ class Same:
         if not self.second:
             return f"{self.first} is contained in the model as it is ({self.relation}); no motion shows it"
         return f"{self.first} and {self.second} make the same torque ({self.relation}); no motion can distinguish them"
-
-    def to_json(self) -> dict[str, object]:
-        """Return the fields."""
-        return {"first": self.first, "second": self.second, "relation": self.relation, "ways": list(self.ways)}
 
 
 def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:

@@ -13,7 +13,7 @@ import hashlib
 import json
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from ground.delivery import where
 from ground.errors import ExoidError
 from ground.files import sha256_file, write_whole
 from ground.inputs import read_input
+from ground.plain import AsJson
 
 NOTE = "Sealed truth of blind recordings. Diagnose first; then: exoid reveal"
 KIND = "exoid seal 1"
@@ -39,7 +40,7 @@ class SealError(ExoidError):
 
 
 @dataclass(frozen=True)
-class HiddenTruth:
+class HiddenTruth(AsJson):
     """One hidden effect: `id`, `joint` (None: both) and its `values` by name."""
 
     id: str
@@ -53,7 +54,7 @@ class HiddenTruth:
 
 
 @dataclass(frozen=True)
-class Truth:
+class Truth(AsJson):
     """What the bench knows: the leg, its `base` parameters (8,), the hidden effects, and the `seed` of the
     runs.
     """
@@ -67,10 +68,6 @@ class Truth:
     def terms(self) -> tuple[str, ...]:
         """Names of the hidden terms, () when nothing is hidden."""
         return tuple(effect.term for effect in self.effects)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return every field under its own name."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ground.plain import AsJson
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.model import TABLE_1, Limits
 from symbolic.motion import Float
@@ -47,14 +48,21 @@ def margin(harmonics: int, grid: int) -> float:
 
 
 @dataclass(frozen=True)
-class Use:
+class Use(AsJson):
     """What a motion makes of one limit: `low` to `high` can be reached at no time beyond, `limit` is (low, high)."""
+
+    JSON = "* unit holds"
 
     joint: str
     quantity: str
     low: float
     high: float
     limit: tuple[float, float]
+
+    @property
+    def unit(self) -> str:
+        """The unit of the limit and of what is reached."""
+        return UNITS[self.quantity]
 
     @property
     def share(self) -> float:
@@ -66,10 +74,6 @@ class Use:
     def holds(self) -> bool:
         """Whether the limit is proven to hold at all times."""
         return self.share <= 1.0 + 1e-12
-
-    def to_json(self) -> dict[str, object]:
-        """Return the fields, the unit, and whether the limit holds."""
-        return {**self.__dict__, "limit": list(self.limit), "unit": UNITS[self.quantity], "holds": self.holds}
 
 
 def uses(trajectory: Fourier, limits: Mapping[str, Limits] = TABLE_1, grid: int = FINE) -> tuple[Use, ...]:

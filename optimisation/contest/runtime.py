@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ground.plain import AsJson, plain_dict
+from ground.plain import AsJson
 from symbolic.motion import Float
 
 RESAMPLES = 2000
@@ -24,8 +23,10 @@ LEVEL = 0.95
 
 
 @dataclass(frozen=True)
-class Runtime:
+class Runtime(AsJson):
     """Expected running time `ert` to `target` in evaluations, with its interval; `hits` of `runs` came there."""
+
+    JSON = "* success"
 
     target: float
     ert: float
@@ -38,10 +39,6 @@ class Runtime:
     def success(self) -> float:
         """Share of the runs that came to the target."""
         return self.hits / self.runs
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields and the success rate in plain types."""
-        return plain_dict({**self.__dict__, "success": self.success})
 
 
 @dataclass(frozen=True)

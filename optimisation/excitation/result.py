@@ -31,8 +31,10 @@ MEANING = {
 
 
 @dataclass(frozen=True, eq=False)
-class DesignedMotion:
+class DesignedMotion(AsJson):
     """A motion that a search ended with: its criterion `value`, `evaluations` (IPOPT: iterations), its last word."""
+
+    JSON = "name value evaluations seconds status"
 
     name: str
     trajectory: Fourier
@@ -40,10 +42,6 @@ class DesignedMotion:
     evaluations: int
     seconds: float
     status: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the figures without the motion."""
-        return plain_dict({key: value for key, value in self.__dict__.items() if key != "trajectory"})
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.html import bullets, lines, table
-from ground.plain import plain_dict
+from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
 from optimisation.fitting.assemble import FittableModel
 from optimisation.fitting.plots import fit_figure
@@ -28,8 +28,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class FitStage:
+class FitStage(AsJson):
     """One of the two stages ("sse", "huber"): parameters, loss, the optimisers' runs, IPOPT, the proof."""
+
+    JSON = "kind parameters=linear shape delta loss runs reference certificate"
 
     kind: str
     linear: Float
@@ -39,19 +41,6 @@ class FitStage:
     runs: Mapping[str, OptimiserRun]
     reference: Reference | None
     certificate: Certificate
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the stage in plain types."""
-        return plain_dict({
-            "kind": self.kind,
-            "parameters": self.linear,
-            "shape": self.shape,
-            "delta": self.delta,
-            "loss": self.loss,
-            "runs": self.runs,
-            "reference": self.reference,
-            "certificate": self.certificate,
-        })
 
 
 @dataclass(frozen=True, eq=False)

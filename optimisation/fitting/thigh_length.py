@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from ground.plain import AsJson
 from measurement.finding import Finding
 from optimisation.fitting.assemble import is_paper_leg
 from optimisation.linear.problem import LinearData
@@ -36,12 +37,14 @@ VAGUE = 2.0
 
 
 @dataclass(frozen=True)
-class ThighLength:
+class ThighLength(AsJson):
     """The thigh length in m that was `assumed`, and the `value` that the data want with its 95 % interval.
 
     `high` is infinite where the data set no limit. `gain` (J,) is the share by which a free length lowers the squared
     error.
     """
+
+    JSON = "assumed value low high told wrong sentence"
 
     assumed: float
     value: float
@@ -86,17 +89,6 @@ class ThighLength:
             consequence="Φ1 to Φ4 and every torque of weight are wrong" if self.wrong else "",
             confidence="likely" if self.wrong else "certain",
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types, what is not finite as None."""
-        numbers = {"value": self.value, "low": self.low, "high": self.high}
-        return {
-            "assumed": self.assumed,
-            **{name: float(x) if math.isfinite(x) else None for name, x in numbers.items()},
-            "told": bool(self.told),
-            "wrong": bool(self.wrong),
-            "sentence": self.sentence,
-        }
 
 
 def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from symbolic.motion import Float
@@ -27,13 +27,15 @@ TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(AsJson):
     """`primal` loss, lower bound `dual`, relative `gap`, relative `kkt` residual, `infeasibility` of the
     bound.
 
     `kkt` is |Qᵀ clip(r, δ)| / |clip(r, δ)|: the cosine between the clipped residual and what the model could
     still explain. `holds` says whether the gap is at most `tolerance`. `scope` says for what it holds.
     """
+
+    JSON = "* holds"
 
     primal: float
     dual: float
@@ -47,10 +49,6 @@ class Certificate:
     def holds(self) -> bool:
         """Whether the claimed optimum is proven."""
         return bool(self.gap <= self.tolerance)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields and `holds` in plain types."""
-        return plain_dict({**self.__dict__, "holds": self.holds})
 
     def __str__(self) -> str:
         word = "certified optimum" if self.holds else "NOT the optimum"

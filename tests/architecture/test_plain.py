@@ -17,6 +17,24 @@ class Inner(AsJson):
     value: float
 
 
+@dataclass(frozen=True)
+class Outer(AsJson):
+    JSON = "title=name * inner_value=inner.value whole"
+
+    name: str
+    inner: Inner
+
+    @property
+    def whole(self):
+        return ("x", float("inf"))
+
+
+def test_a_record_names_its_json_in_one_line():
+    assert Outer("a", Inner("b", 2.0)).to_json() == {
+        "title": "a", "name": "a", "inner": {"name": "b", "value": 2.0}, "inner_value": 2.0, "whole": ["x", None],
+    }  # fmt: skip
+
+
 def test_everything_of_ours_becomes_what_json_has():
     given = {
         "array": np.array([1.0, np.inf]), "number": np.float64(2.0), "whole": np.int64(3), "flag": np.bool_(True),

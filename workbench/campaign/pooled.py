@@ -11,9 +11,10 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
+from ground.plain import AsJson
 from workbench.campaign.plan import Plan
 
 LEAST_DEVICES = 3
@@ -24,7 +25,7 @@ Z = 1.959963984540054
 
 
 @dataclass(frozen=True)
-class Outlier:
+class Outlier(AsJson):
     """A device whose `value` is `distance` standard deviations from the mean of the others; `p` after Holm."""
 
     device: str
@@ -34,7 +35,7 @@ class Outlier:
 
 
 @dataclass(frozen=True)
-class Pooled:
+class Pooled(AsJson):
     """A parameter over `devices`: `mean` with its 95 % interval, `spread` (τ, standard deviation between devices)."""
 
     parameter: str
@@ -45,10 +46,6 @@ class Pooled:
     high: float
     spread: float
     outliers: tuple[Outlier, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under their names."""
-        return asdict(self)
 
 
 def pool(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Pooled]:
