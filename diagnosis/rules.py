@@ -128,6 +128,9 @@ class Rules:
     )
     close: float = _rule(ALIKE, 0.5, "part of the best gain from which a candidate is compared at all, for speed")
     another: float = _rule(ALIKE, 0.5, "part of its gain kept beside the best: another effect called a look-alike")
+    dominant: float = _rule(
+        ALIKE, 2.0, "times the gain of one that too few splits support: a part of it is accepted in its place"
+    )
     refinements: int = _rule(ALIKE, 3, "rounds of refinement of a shape value: a coarse grid decides nothing")
 
     most_terms: int = _rule(SEARCH, 6, "terms added at most; a model that needs more has another problem")

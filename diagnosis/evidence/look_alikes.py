@@ -77,7 +77,7 @@ def look_alikes(
     reference = block_losses(evidence, evidence.plain(best[1]), best[1])
     out: dict[str, float] = {}
     for score, columns in rivals:
-        if _gains_beside(evidence, best, score, columns):
+        if gains_beside(evidence, best, score, columns):
             continue
         difference = block_losses(evidence, evidence.plain(columns), columns) - reference
         spread = max(float(np.sqrt(np.sum((difference - difference.mean()) ** 2))), 1e-12 * float(reference.sum()))
@@ -89,9 +89,10 @@ def look_alikes(
     return out
 
 
-def _gains_beside(
+def gains_beside(
     evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
 ) -> bool:
+    """Whether `rival` keeps enough of its gain beside the best one to be another effect."""
     together = [stacked([b, c], len(evidence.sigma)) for b, c in zip(best[1], columns, strict=True)]
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
     return share - best[0].share > evidence.rules.another * rival.share

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
-from diagnosis.evidence.look_alikes import columns_at, look_alikes
+from diagnosis.evidence.look_alikes import columns_at, gains_beside, look_alikes
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension
@@ -37,6 +38,9 @@ def choose(
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
+        if context.note_doubt(extension, good[0], _overshadowed(context, extension, evidence, good[0], scores)):
+            failed |= {good[0].name}
+            continue
         out = banned | failed
         # A rival need not beat its own placebos: that something is missing is certain, the question is what.
         rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
@@ -47,6 +51,28 @@ def choose(
             return Choice(found, failed)
         failed |= {near[0].name}
     return Choice(None, failed)
+
+
+def _overshadowed(
+    context: SearchContext, extension: Extension, evidence: Evidence, score: Score, scores: Sequence[Score]
+) -> str:
+    """Return that a candidate takes up part of what another one explains far better, which most splits support, but too
+    few to accept it; "" where none does. What is missing is then not known, and the lesser one is hardly it.
+    """
+    rules = context.rules
+    own: tuple[Score, list[Columns]] | None = None
+    for lead in scores:
+        if lead.steady or lead.caution or not lead.helps or lead.share <= rules.dominant * score.share:
+            continue
+        if lead.agreement is None or not (lead.agreement.share or 0.0) > 0.5:
+            continue
+        own = own or context.refined(evidence, extension, score)
+        if not gains_beside(evidence, context.refined(evidence, extension, lead), *own):
+            return (
+                f"explains {100 * score.share:.1f} %, and {lead.name} explains {100 * lead.share:.1f} % and that too, "
+                f"supported by {lead.agreement.accepted} of {lead.agreement.of} splits of the recordings"
+            )
+    return ""
 
 
 def shortlist(

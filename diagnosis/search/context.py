@@ -140,8 +140,12 @@ class SearchContext:
     def doubt(self, before: Extension, after: Extension) -> str:
         """Return why the term added last must not be accepted, and remember it; "" where nothing speaks against it."""
         text = doubt(before, after, self.noise(before), self.rules)
-        if text and after.added is not None:
-            self.doubts[self.key(before), after.added.name] = text
+        return text if after.added is None else self.note_doubt(before, after.added, text)
+
+    def note_doubt(self, before: Extension, score: Score, text: str) -> str:
+        """Remember `text`, why a candidate must not be accepted, unless it is ""; and return it."""
+        if text:
+            self.doubts[self.key(before), score.name] = text
         return text
 
     def noise(self, extension: Extension) -> Float:

@@ -7,7 +7,9 @@ from dataclasses import replace
 import pytest
 from synthetic import search, state_with
 
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.rules import RULES
+from diagnosis.search.choice import choose
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.engine import run_search
@@ -147,3 +149,17 @@ def test_a_small_gain_far_above_the_noise_is_only_possible():
     context = search(hidden, ["torque_offset:knee"], rules=replace(RULES, small_gain=0.9))
     found = run_search(context, state_with(context).last)
     assert found.state.names == ()
+
+
+def test_no_part_of_a_larger_unsteady_effect_is_accepted_in_its_place():
+    context = search(STRIBECK, ["stribeck:hip", "viscous_quadratic:hip", "torque_offset:knee"])
+    start = state_with(context).last
+    evidence, scores = context.rank(start, 1)
+    by_name = {score.name: score for score in scores}
+    lead = replace(by_name["stribeck:hip"], steady=False, significant=False, agreement=Agreement(3, 4))
+    part = replace(by_name["viscous_quadratic:hip"], share=0.3 * lead.share, significant=True, steady=True)
+    assert choose(context, start, evidence, [lead, part], frozenset()).found is None
+    assert "supported by 3 of 4 splits" in context.doubts.pop((context.key(start), part.name))
+    hardly = replace(lead, agreement=Agreement(1, 4))
+    choose(context, start, evidence, [hardly, part], frozenset())
+    assert "splits" not in context.doubts.get((context.key(start), part.name), "")
