@@ -144,6 +144,21 @@ def _moved(motion: Motion, field: str, joint: int) -> list[tuple[float, Motion, 
     return kept[field, joint]
 
 
+def transformed(model: Model, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
+    """Return what a transform that is added to `model` adds to its torque, (V, J, N), at V rows of the transform's own
+    shapes `nodes` (V, S); other arguments as of `model_torque`.
+    """
+    bare, at = rigid_model(model), shape_values(model, shapes)
+    own = np.array([at[entry.name] for entry in bare.shapes])
+    torque = model_torque(bare, motion, linear[base_places(model)], own)
+    words = motion_words(motion) | {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
+    words |= {key: nodes[:, [k]] for k, key in enumerate(term.effect.shape)}
+    out = np.zeros((len(nodes), torque.shape[1], len(motion)))
+    for text in torques(term):
+        out[:, text.joint] += torque_values(text, words, motion, count=len(nodes))
+    return out
+
+
 def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Float) -> Float:
     """Return the columns (V, J, m, N) of the model's last effect alone, one that changes the mechanism, at V rows of
     `shapes` (V, S); other arguments as of `columns`.

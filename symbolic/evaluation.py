@@ -115,8 +115,7 @@ def transformed_torque(model: Model, columns: Float, linear: Float, shapes: Floa
 def torque_values(torque: Torque, env: dict[str, Float | float], motion: Motion, count: int | None = None) -> Float:
     """Return the torque (N,) at its joint for the words in `env`.
 
-    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N); for texts
-    without memory.
+    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N).
     """
     values = to_numpy(torque.node, env, signs(motion))
     whole = (len(motion),) if count is None else (count, len(motion))

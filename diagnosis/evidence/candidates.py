@@ -12,7 +12,7 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from weakref import WeakKeyDictionary, ref
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -22,11 +22,11 @@ from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.catalogue import catalogue
-from symbolic.columns import derived_columns, slopes_of
+from symbolic.columns import derived_columns, slopes_of, transformed
 from symbolic.effect import Effect, Shape
 from symbolic.evaluation import carrying, motion_words, torque_values
-from symbolic.language.instant import split_memory
-from symbolic.language.torque import Torque, part_of, torques
+from symbolic.language.deflection import SLOPES
+from symbolic.language.torque import Torque, is_transform, part_of, torques
 from symbolic.language.words import FEEDBACK
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -38,6 +38,8 @@ FINE = 50
 """Nodes from which on columns that depend on the model's numbers are not computed at every step."""
 QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
 """Where on a joint's path a position is tried (and mirrored for the other end)."""
+TOGETHER = 150_000
+"""Values that are computed and filtered at once: more no longer fit into a processor's cache."""
 MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
 """Moments after the end of a recording that are tried, in its lengths (and mirrored, before its beginning)."""
 
@@ -178,9 +180,13 @@ def _feeds_back(term: Term) -> bool:
 
 def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    raw = unfiltered_columns(candidate, nodes, one, fitted)
-    filtered = one.smooth_rows(np.ascontiguousarray(raw), candidate.joints, 1)  # (V, A, m, N), all in one pass
-    return Columns(candidate.joints, np.swapaxes(filtered, 2, 3))
+    width = len(candidate.joints) * max(1, len(candidate.term.effect.coefficients))
+    parts = -(-len(nodes) * width * len(one.motion) // TOGETHER)
+    done = []
+    for some in np.array_split(nodes, min(len(nodes), parts)):
+        raw = np.ascontiguousarray(unfiltered_columns(candidate, some, one, fitted))
+        done.append(one.smooth_rows(raw, candidate.joints, 1))  # (V, A, m, K)
+    return Columns(candidate.joints, np.swapaxes(np.concatenate(done), 2, 3))
 
 
 def unfiltered_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
@@ -199,8 +205,7 @@ def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: F
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
     if _feeds_back(term):
-        words |= own_torques(fitted, one)
-        words |= slopes_of(fitted.model, (term,), motion, carrying(motion, fitted.linear), fitted.shape)
+        words |= _fed_back(term, one, fitted)
     out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
     for torque in torques(term):
         place = candidate.joints.index(torque.joint)
@@ -215,8 +220,6 @@ def _at_nodes(
     torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
 ) -> Float:
     """Return a torque (V, N) at every node; NaN where it is not finite."""
-    if split_memory(torque.node, torque.joint, 0)[1]:  # operators with memory take one number at a time
-        return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
     shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
     try:
         return torque_values(torque, {**words, **shaped}, motion, count=len(nodes))
@@ -233,27 +236,29 @@ def _at_node(
         return np.full(len(motion), np.nan)
 
 
-_OWN: WeakKeyDictionary[PreparedRecording, tuple[ref[FittedModel], dict[str, Float]]] = WeakKeyDictionary()
-"""What `own_torques` gave last for a recording, and for which model."""
+_FED_BACK: WeakKeyDictionary[FittedModel, WeakKeyDictionary[PreparedRecording, dict[str, Float]]] = WeakKeyDictionary()
+"""Torques of models that are still in use, and their slopes: several candidates are made of the same ones."""
+
+
+def _fed_back(term: Term, one: PreparedRecording, fitted: FittedModel) -> dict[str, Float]:
+    """Return the words for the model's own torque and its slopes that the texts of `term` speak of, and others."""
+    kept = own_torques(fitted, one)
+    if not kept.keys() >= {name for torque in torques(term) for name in torque.names & SLOPES}:
+        kept |= slopes_of(fitted.model, (term,), one.motion, carrying(one.motion, fitted.linear), fitted.shape)
+    return kept
 
 
 def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
     """Return tau_rigid and tau_model (N,) of all joints, from the parameters of the model (never measured)."""
-    known = _OWN.get(one)
-    if known is None or known[0]() is not fitted:
-        known = _OWN[one] = ref(fitted), _own_torques(fitted, one)
-    return known[1]
-
-
-def _own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]:
-    base = fitted.model.base()
-    count, rigid = len(base.parameters), len(base.inertial)
-    columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
-    out = {}
-    for j in range(len(columns)):
-        out[f"tau_rigid{j + 1}"] = columns[j][:, :rigid] @ numbers[:rigid]
-        out[f"tau_model{j + 1}"] = columns[j] @ numbers
-    return out
+    kept = _FED_BACK.setdefault(fitted, WeakKeyDictionary()).setdefault(one, {})
+    if not kept:
+        base = fitted.model.base()
+        count, rigid = len(base.parameters), len(base.inertial)
+        columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
+        for j in range(len(columns)):
+            kept[f"tau_rigid{j + 1}"] = columns[j][:, :rigid] @ numbers[:rigid]
+            kept[f"tau_model{j + 1}"] = columns[j] @ numbers
+    return kept
 
 
 @lru_cache(maxsize=256)
@@ -262,26 +267,26 @@ def _extended(model: Model, term: Term) -> Model:
 
 
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
-    """Return ∂τ/∂(the term's number) (A, 1, N) at zero; the model gets the term with a small value of it."""
-    extended = _extended(fitted.model, term)
-    entries = [s.shape for s in extended.shapes[len(fitted.model.shapes) :]]
-    step = TANGENT_STEP * (entries[0].max - entries[0].min)
-    sides = []
-    for sign in (1.0, -1.0):
-        value = [sign * step, *(s.typical or 0.5 * (s.min + s.max) for s in entries[1:])]
-        sides.append(extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, value])))
-    slope = (sides[0] - sides[1]) / (2.0 * step)
-    return slope.T[list(term.reaches)][:, None]
+    """Return ∂τ/∂(the term's number) (A, 1, N) at zero, from a small value of it to either side."""
+    first, *rest = term.effect.shape.values()
+    step = TANGENT_STEP * (first.max - first.min)
+    typical = [s.typical or 0.5 * (s.min + s.max) for s in rest]
+    changes = _changes(term, one, fitted, np.array([[step, *typical], [-step, *typical]]))
+    return (changes[0] - changes[1]) / (2.0 * step)
 
 
 def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
     """Return by how much the term changes the model's torque (V, A, 1, N) at `nodes` (V, S) of its numbers."""
-    extended = _extended(fitted.model, term)
-    still = fitted.model.torque(one.motion, fitted.linear, fitted.shape)
     joints = list(term.reaches)
     different, back = np.unique(nodes, axis=0, return_inverse=True)
-    torques = [extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, node])) for node in different]
-    return np.stack([(torque - still).T[joints] for torque in torques])[back.ravel()][:, :, None]
+    if is_transform(term):
+        changes = transformed(fitted.model, term, one.motion, fitted.linear, fitted.shape, different)[:, joints]
+    else:
+        extended = _extended(fitted.model, term)
+        still = fitted.model.torque(one.motion, fitted.linear, fitted.shape)
+        found = [extended.torque(one.motion, fitted.linear, np.concatenate([fitted.shape, node])) for node in different]
+        changes = np.stack([(torque - still).T[joints] for torque in found])
+    return changes[back.ravel()][:, :, None]
 
 
 def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:

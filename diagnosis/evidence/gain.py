@@ -131,6 +131,11 @@ class Gain:
         """Sum over the held-out training units (D,)."""
         return self.folds.sum(axis=0)
 
+    def entry(self, index: int) -> Gain:
+        """Return one entry alone."""
+        some = slice(index, index + 1)
+        return Gain(self.folds[:, some], self.unseen[some], self.coefficients[some])
+
 
 class Evidence:
     """Gram blocks of the present model on training and verification recordings, ready to weigh candidates.
@@ -344,8 +349,8 @@ class Evidence:
         return self._together.candidate(grams, self.ridge())[1][0]
 
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
-        """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D)."""
-        entries, of = np.arange(nodes.shape[1]), nodes[self.of]
+        """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D), or (V, 1)."""
+        entries, of = np.arange(nodes.shape[1]) % grams.a.shape[-1], nodes[self.of]
         parts = (
             np.stack([unit[..., chosen, entries] for unit, chosen in zip(each, of, strict=True)])
             for each in (grams.g, grams.h, grams.a)

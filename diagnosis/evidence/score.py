@@ -178,12 +178,12 @@ def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.nd
     for side in (common[right], common[~right]):
         if side.size:
             v = int(side[np.argmax(gain.total[side])])
-            one = Gain(gain.folds[:, v : v + 1], gain.unseen[v : v + 1], gain.coefficients[v : v + 1])
-            out.append((np.full(recordings, v), one))
-    for group in groups_of(candidate):
-        part = grams.entries(group[:, None])
-        nodes = own_nodes(evidence, candidate, part)
-        out.append((group[nodes[:, 0]], evidence.gain(evidence.pick(part, nodes))))
+            out.append((np.full(recordings, v), gain.entry(v)))
+    groups = groups_of(candidate)
+    if groups:
+        nodes = np.column_stack([v[own_nodes(evidence, candidate, grams.entries(v[:, None]))[:, 0]] for v in groups])
+        gain = evidence.gain(evidence.pick(grams.entries(slice(None), None), nodes))
+        out += [(own, gain.entry(k)) for k, own in enumerate(nodes.T)]
     return out
 
 

@@ -28,14 +28,17 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
     """Return the values (N,) of the torque, or a scalar where nothing in it varies.
 
     `env` maps names to signals (N,) or numbers, with the time stamps `t` (N,) in s for operators with
-    memory; `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no
-    value or the torque is not a finite number.
+    memory; where shapes are columns (V, 1), one number for each of V trials, so are the values: (V, N).
+    `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no value or
+    the torque is not a finite number.
     """
 
     def remember(word: str) -> Callable[..., Any]:
         def apply(x: Any, *parameter: Any) -> Float:
             t = np.asarray(_known("t", env), dtype=float)
-            return MEMORY[word](t, np.broadcast_to(x, t.shape), *(_scalar(word, p) for p in parameter))
+            return MEMORY[word](
+                t, np.broadcast_to(x, (*np.shape(x)[:-1], t.size)), *(_constant(word, p) for p in parameter)
+            )
 
         return apply
 
@@ -141,15 +144,16 @@ def _known(name: str, env: Mapping[str, Any]) -> Any:
     )
 
 
-def _scalar(word: str, parameter: Any) -> float:
+def _constant(word: str, parameter: Any) -> Float | float:
+    """Return a number, or one (V, 1) for each of V trials."""
     value = np.asarray(parameter)
-    if value.ndim:
+    if value.ndim and (value.ndim < 2 or value.shape[-1] > 1):
         raise ExpressionError(
             f"the second argument of {word} varies with the motion",
             where=word,
             remedy="give a number or a shape parameter",
         )
-    return float(value)
+    return value if value.ndim else float(value)
 
 
 def _power(base: Any, exponent: float, root: Callable[[Any], Any]) -> Any:

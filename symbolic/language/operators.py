@@ -1,4 +1,6 @@
-"""The words of the torque language that have a memory. Each works on one recording, on its own clock.
+"""The words of the torque language that have a memory. Each works on one recording, on its own clock `t` (N,).
+
+The signal x is (N,), or (V, N) where it differs between V trials; the parameter is a number, or (V, 1).
 
 play(x, h)      what follows x through a gap of half-width h (backlash)
 dahl(x, σ)      friction state z with dz/dx = σ (1 - z sgn dx), between -1 and 1 (Dahl, 1968)
@@ -10,33 +12,37 @@ ddt(x)          derivative with respect to time, of second order on an uneven cl
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import accumulate
 
 import numpy as np
 
 from ground.errors import EffectError
 from symbolic.motion import Float
 
+FORGOTTEN = 1e-30
+"""What is left of a state that no longer counts."""
 
-def play(t: Float, x: Float, h: float) -> Float:
-    """Return the play (backlash) operator (N,) of x (N,): at rest until x leaves [w - h, w + h]; w starts at
-    x[0].
+
+def play(t: Float, x: Float, h: Float | float) -> Float:
+    """Return the play (backlash) operator of x: at rest until x leaves [w - h, w + h]; w starts at x[0].
 
     EffectError for a negative h.
     """
     _not_negative("play", "the half-width h", h)
+    low, high = x - h, x + h
+    low[..., 0] = high[..., 0] = x[..., 0]
+    # Every sample confines w to [x - h, x + h], and confined twice is confined once: after each pass a sample knows
+    # what twice as many have done.
+    reach = 1
+    while reach < x.shape[-1] and not np.array_equal(low, high):
+        own = low[..., reach:].copy(), high[..., reach:].copy()
+        for side in (low, high):
+            side[..., reach:] = np.minimum(np.maximum(side[..., :-reach], own[0]), own[1])
+        reach *= 2
+    return np.asarray(low)
 
-    def follow(w: float, value: float) -> float:
-        if value - h > w:
-            return value - h
-        return value + h if value + h < w else w
 
-    values = x.tolist()
-    return np.fromiter(accumulate(values, follow), dtype=float, count=len(values))
-
-
-def dahl(t: Float, x: Float, sigma: float) -> Float:
-    """Return the Dahl friction state z (N,) along x (N,) of stiffness `sigma` (1/unit of x), from z = 0.
+def dahl(t: Float, x: Float, sigma: Float | float) -> Float:
+    """Return the Dahl friction state z along x of stiffness `sigma` (1/unit of x), from z = 0.
 
     Between two samples x is taken to move one way, for which the equation is solved exactly:
     z -> s + (z - s) exp(-σ |Δx|), s = sgn Δx. EffectError for a negative sigma.
@@ -45,34 +51,39 @@ def dahl(t: Float, x: Float, sigma: float) -> Float:
     step = np.diff(x)
     path = sigma * np.abs(step)
     keep = np.exp(-path)
-    gain = -np.sign(step) * np.expm1(-path)
-    out = np.zeros(len(x))
-    z = 0.0
-    states = []
-    for k, g in zip(keep.tolist(), gain.tolist(), strict=True):
-        z = k * z + g
-        states.append(z)
-    out[1:] = states
-    return out
+    z = -np.sign(step) * np.expm1(-path)
+    reach = 1
+    while reach < z.shape[-1] and keep.any():
+        z[..., reach:] += keep[..., reach:] * z[..., :-reach]
+        keep[..., reach:] *= keep[..., :-reach].copy()
+        keep[keep < FORGOTTEN] = 0.0
+        reach *= 2
+    return np.concatenate([np.zeros((*z.shape[:-1], 1)), z], axis=-1)
 
 
-def delay(t: Float, x: Float, d: float) -> Float:
-    """Return x (N,) as it was `d` seconds before (a negative d looks ahead)."""
-    return np.interp(t - d, t, x)
+def delay(t: Float, x: Float, d: Float | float) -> Float:
+    """Return x as it was `d` seconds before (a negative d looks ahead)."""
+    at, rows = np.broadcast_arrays(t - d, x)
+    if rows.ndim == 1:
+        return np.interp(at, t, rows)
+    return np.stack([np.interp(when, t, row) for when, row in zip(at, rows, strict=True)])
 
 
 def ddt(t: Float, x: Float) -> Float:
-    """Return dx/dt (N,) by parabolas through three neighbours; zero where there is only one sample."""
+    """Return dx/dt by parabolas through three neighbours; zero where there is only one sample."""
     if len(t) < 2:
-        return np.zeros(len(t))
-    return np.asarray(np.gradient(x, t, edge_order=2 if len(t) > 2 else 1))
+        return np.zeros(x.shape)
+    return np.asarray(np.gradient(x, t, edge_order=2 if len(t) > 2 else 1, axis=-1))
 
 
-def slow(t: Float, x: Float, f: float) -> Float:
-    """Return x (N,) smoothed by a Gaussian that halves the power at `f` Hz, on an uneven clock too.
+def slow(t: Float, x: Float, f: Float | float) -> Float:
+    """Return x smoothed by a Gaussian that halves the power at `f` Hz, on an uneven clock too.
 
     Beyond the ends x is continued by its odd reflection. EffectError where f is not positive.
     """
+    if np.ndim(f) or np.ndim(x) > 1:
+        rows = np.broadcast_arrays(x, np.asarray(f, dtype=float))
+        return np.stack([slow(t, row, float(each[0])) for row, each in zip(*rows, strict=True)])
     if not f > 0.0:
         raise EffectError(f"the frequency f is {f!r}", where="slow", remedy="give a positive number of Hz")
     step = (t[-1] - t[0]) / max(len(t) - 1, 1)
@@ -91,6 +102,6 @@ MEMORY: Mapping[str, Callable[..., Float]] = {"play": play, "dahl": dahl, "delay
 """Word of the language -> function of (t, x, parameter)."""
 
 
-def _not_negative(word: str, what: str, value: float) -> None:
-    if not value >= 0.0:
+def _not_negative(word: str, what: str, value: Float | float) -> None:
+    if not np.all(np.asarray(value) >= 0.0):
         raise EffectError(f"{what} is {value!r}", where=word, remedy="give a number that is not negative")
