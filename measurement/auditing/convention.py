@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ground.minimum import minimum
 from measurement.auditing.channels import place
 from measurement.auditing.non_negative import non_negative
 from measurement.auditing.rough import Smooth, columns, smooth
@@ -244,7 +245,6 @@ def _geared_readings(turning: Sequence[int]) -> list[ConventionHypothesis]:
 
 def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
     """Return a reading with gears whose ratio is searched between its neighbours on the grid."""
-    from scipy.optimize import minimize_scalar
 
     def at(change: float) -> ConventionHypothesis:
         names = []
@@ -257,12 +257,10 @@ def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> Con
     grid = np.linspace(-step, step, 41)
     left = [float(_left(sets, [at(float(np.exp(x)))])[0]) for x in grid]
     near, wide = float(grid[int(np.argmin(left))]), float(grid[1] - grid[0])
-    found = minimize_scalar(
-        lambda x: float(_left(sets, [at(float(np.exp(x)))])[0]), bounds=(near - wide, near + wide), method="bounded"
-    )
-    best = at(float(np.exp(found.x)))
+    change, least = minimum(lambda x: float(_left(sets, [at(float(np.exp(x)))])[0]), near - wide, near + wide, 1e-5)
+    best = at(float(np.exp(change)))
     rounded = _rounded(best)
-    return rounded if _left(sets, [rounded])[0] <= AS_GOOD * float(found.fun) else best
+    return rounded if _left(sets, [rounded])[0] <= AS_GOOD * least else best
 
 
 def _rounded(one: ConventionHypothesis) -> ConventionHypothesis:

@@ -17,6 +17,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ground.errors import RecordingError
+from ground.minimum import minimum
 from measurement.signals.conditioning import EvenSignals, noise_density
 from symbolic.motion import Float
 
@@ -94,8 +95,6 @@ def fourier(even: EvenSignals, band: float, where: str) -> Smoothed:
 
 def find_period(even: EvenSignals) -> float | None:
     """Return the period in s after which both joints are where they were; None where there are not two of them."""
-    from scipy.optimize import minimize_scalar
-
     step = max(1, int(even.rate // 50))
     q = even.q[::step] - even.q.mean(axis=0)
     rate = even.rate / step
@@ -122,8 +121,7 @@ def find_period(even: EvenSignals) -> float | None:
         rest = q - basis @ np.linalg.lstsq(basis, q, rcond=None)[0]
         return float(np.sum(rest**2))
 
-    span = (first - 1.5 / rate, first + 1.5 / rate)
-    return float(minimize_scalar(miss, bounds=span, method="bounded", options={"xatol": 1e-6}).x)
+    return minimum(miss, first - 1.5 / rate, first + 1.5 / rate, 1e-6)[0]
 
 
 def _highest(weights: Float, harmonics: int, deviation: Float) -> int:

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from optimisation.linear.factor import Factors
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from symbolic.joints import Joint
@@ -78,6 +79,7 @@ class Assembly:
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
         self._smooth: list[Float | None] = [None] * len(self.prepared)
+        self._factors = Factors()
         self._tau = np.concatenate([one.tau for one in self.prepared]).T
         self._use = np.concatenate([one.use for one in self.prepared]).T
         self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.tau) for one in self.prepared])
@@ -92,6 +94,7 @@ class Assembly:
             names=tuple(p.name for p in self.model.parameters),
             units=tuple(p.unit for p in self.model.parameters),
             use=self._use,
+            factoriser=self._factors,
         )
 
     def _torque(self, columns: Sequence[Float]) -> Float:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from ground.minimum import minimum
 from optimisation.linear.loss import huber
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -30,6 +31,8 @@ HALVINGS = 5
 """Times a step is halved before it is given up."""
 DIFFERENCE = 1e-4
 """Step of a derivative, as a share of the range of the shape."""
+NUDGE = 2e-4
+"""To what share of its reach a recording's own value is moved."""
 SETTLED = 1e-6
 """Relative fall of the loss below which a descent stops."""
 
@@ -80,20 +83,13 @@ def _scan(loss: Callable[[Float], float], shape: Float, index: int, trials: Floa
     """Return `shape` with value `index` at the best of `trials`, refined between its neighbours."""
     k = int(np.argmin([loss(_with(shape, index, v)) for v in trials]))
     low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
-    return _with(shape, index, _minimum(lambda v: loss(_with(shape, index, v)), low, high))
+    return _with(shape, index, minimum(lambda v: loss(_with(shape, index, v)), low, high, NUDGE * (high - low))[0])
 
 
 def _with(shape: Float, index: int, value: float) -> Float:
     out = shape.copy()
     out[index] = value
     return out
-
-
-def _minimum(function: Callable[[float], float], low: float, high: float) -> float:
-    from scipy.optimize import minimize_scalar
-
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 2e-4 * (high - low)})
-    return float(found.x)
 
 
 class ShapeProblem(Protocol):
@@ -194,8 +190,9 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
             return _own_loss(model, one, linear, _with(base, index, v), delta)
 
         at = float(best[index])
-        found = _minimum(loss, max(entry.min, at - far[index]), min(entry.max, at + far[index]))
-        best = _with(best, index, found) if loss(found) < loss(at) else best
+        low, high = max(entry.min, at - far[index]), min(entry.max, at + far[index])
+        found, least = minimum(loss, low, high, NUDGE * (high - low))
+        best = _with(best, index, found) if least < loss(at) else best
     return best
 
 

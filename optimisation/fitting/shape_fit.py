@@ -87,7 +87,7 @@ def solve_shape(
         return best, solved(best), best, None
     search = search_shape(loss, shapes, starts, method)
     # Far apart again, so that what they agree on is agreed on by starts of their own.
-    leaders = search.leaders(6) if method.apart <= 0.0 else [search.best, *search.began]
+    leaders = search.valleys if method.apart <= 0.0 else [search.best, *search.began]
     return search.best, solved(search.best), leaders, search.agreeing
 
 

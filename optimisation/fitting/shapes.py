@@ -14,7 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ground.minimum import minimum
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import Optimiser, minimise
 from symbolic.effect import Shape
@@ -26,6 +28,8 @@ STARTS = 3
 """Valleys refined by the local search."""
 POPULATION, GENERATIONS = 20, 20
 """Of a population that searches instead of the grid: as many evaluations as the grid has nodes."""
+PRECISION = 1e-7
+"""To what share of its range a shape value is refined."""
 SAME = 1e-6
 """Relative difference of losses up to which two starts have ended in the same valley."""
 
@@ -34,7 +38,7 @@ SAME = 1e-6
 class ShapeSearch:
     """Best shape values `best` (S,), their `value`, every node tried (T, S) with its value (T,).
 
-    The local searches `began` at (R, S) and `reached` values (R,).
+    The local searches `began` at (R, S), ended at `ends` (R, S) and `reached` values (R,).
     """
 
     best: Float
@@ -42,18 +46,23 @@ class ShapeSearch:
     nodes: Float
     values: Float
     began: Float
+    ends: Float
     reached: Float
 
     @property
     def agreeing(self) -> tuple[int, int]:
         """How many starts ended at the best value, and how many there were."""
-        same = self.reached <= self.value + SAME * max(abs(self.value), np.finfo(float).tiny)
-        return int(np.count_nonzero(same)), len(self.reached)
+        return int(np.count_nonzero(self._same)), len(self.reached)
 
-    def leaders(self, count: int) -> list[Float]:
-        """Return the `count` best nodes, the refined best first."""
-        order = np.argsort(self.values, kind="stable")[:count]
-        return [self.best, *(self.nodes[i] for i in order)]
+    @property
+    def valleys(self) -> list[Float]:
+        """The best shape values, and where the searches ended that did not agree."""
+        return [self.best, *self.ends[~self._same]]
+
+    @property
+    def _same(self) -> NDArray[np.bool_]:
+        return np.asarray(self.reached <= self.value + SAME * max(abs(self.value), np.finfo(float).tiny))
+
 
 
 def to_unit(shape: Shape, value: float) -> float:
@@ -73,24 +82,46 @@ def from_unit(shape: Shape, unit: float) -> float:
 
 def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
     """Return the nodes of the search, each with one value per shape."""
+    return list(itertools.product(*_axes(shapes)))
+
+
+def _axes(shapes: Sequence[Shape]) -> list[Sequence[float]]:
+    """Return the values of each shape that are tried, in every combination."""
     points = [len(s.choices) or max(2, s.points) for s in shapes]
     while np.prod(points) > MAX_NODES:
         finest = max(range(len(points)), key=lambda i: 0 if shapes[i].choices else points[i])
         if shapes[finest].choices or points[finest] <= 2:
             break
         points[finest] -= 1
-    axes = [
+    return [
         s.choices or tuple(from_unit(s, u) for u in np.linspace(0.0, 1.0, n))
         for s, n in zip(shapes, points, strict=True)
     ]
-    return list(itertools.product(*axes))
+
+
+def _valleys(values: Float, shapes: Sequence[Shape], lengths: Sequence[int]) -> list[int]:
+    """Return the nodes of a grid with axes of `lengths` (S,) that no neighbour lies below, the best first.
+
+    Nodes next to each other would be refined to the same place. Choices are no neighbours of each other.
+    """
+    table = values.reshape(lengths)
+    lowest = np.isfinite(table)
+    for axis, shape in enumerate(shapes):
+        if not shape.choices:
+            padded = np.pad(table, [(int(k == axis),) * 2 for k in range(table.ndim)], constant_values=np.inf)
+            inner = [slice(None)] * table.ndim
+            for side in (slice(None, -2), slice(2, None)):
+                inner[axis] = side
+                lowest &= table <= padded[tuple(inner)]
+    return [int(k) for k in np.argsort(values, kind="stable") if lowest.flat[k]]
 
 
 @dataclass(frozen=True)
 class ShapeMethod:
     """How shapes are searched: by the grid, or by `optimiser`; of `starts` valleys found, `refined` (all) are refined.
 
-    `apart` is how far from each other these begin, as a share of the ranges; `seed` is that of the optimiser.
+    `apart` is how far from each other these begin, as a share of the ranges, 0 for valleys of the grid; `seed` is that
+    of the optimiser.
     """
 
     optimiser: Optimiser | None = None
@@ -117,14 +148,19 @@ def search_shape(
         values = np.array([evaluate(node) for node in nodes])
     values = np.where(np.isnan(values), np.inf, values)
     best, value = nodes[int(np.argmin(values))], float(values.min())
-    chosen = _apart(nodes, values, shapes, method)
-    reached = []
+    if starts is None and method.optimiser is None and method.apart <= 0.0:
+        chosen = _valleys(values, shapes, [len(axis) for axis in _axes(shapes)])[: method.starts]
+    else:
+        chosen = _apart(nodes, values, shapes, method)
+    ends, reached = [], []
     for index in chosen[: method.refined or method.starts]:
         found, low = _refine(evaluate, shapes, nodes[index])
+        ends.append(found)
         reached.append(low)
         if low < value:
             best, value = found, low
-    return ShapeSearch(best, value, nodes, values, nodes[chosen], np.array(reached))
+    places = np.array(ends).reshape(len(ends), len(shapes))
+    return ShapeSearch(best, value, nodes, values, nodes[chosen], places, np.array(reached))
 
 
 def _population(
@@ -175,8 +211,6 @@ def _apart(nodes: Float, values: Float, shapes: Sequence[Shape], method: ShapeMe
 
 def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: Float) -> tuple[Float, float]:
     """Refine the continuous shapes around `node`; choices stay as they are."""
-    from scipy.optimize import minimize, minimize_scalar
-
     free = [i for i, s in enumerate(shapes) if not s.choices]
     if not free:
         return node, evaluate(node)
@@ -191,8 +225,10 @@ def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: F
 
     if len(free) == 1:
         bounds = (max(0.0, middle[0] - reach[0]), min(1.0, middle[0] + reach[0]))
-        result = minimize_scalar(lambda u: evaluate(at(u)), bounds=bounds, method="bounded", options={"xatol": 1e-7})
-        return at(float(result.x)), float(result.fun)
+        unit, value = minimum(lambda u: evaluate(at(u)), *bounds, PRECISION)
+        return at(unit), value
+    from scipy.optimize import minimize
+
     corners = [np.array(middle)]
     for i, step in enumerate(reach):
         corner = np.array(middle)

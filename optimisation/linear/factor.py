@@ -37,14 +37,57 @@ class Factor:
         return int(self.basis.shape[1])
 
 
+class Factors:
+    """Factorises one regressor after another: columns that stay what they were are orthogonalised once."""
+
+    def __init__(self) -> None:
+        self._last: Float | None = None
+        self._moving = np.zeros(0, dtype=bool)
+        self._still: tuple[Float, Float] | None = None
+
+    def __call__(self, matrix: Float) -> Factor:
+        """Return what `factorise` returns, to rounding."""
+        last, self._last = self._last, matrix
+        if last is None or last.shape != matrix.shape:
+            self._moving, self._still = np.zeros(matrix.shape[1], dtype=bool), None
+            return factorise(matrix)
+        moving = self._moving | (matrix != last).any(axis=0)
+        if moving.sum() > self._moving.sum():
+            self._moving, self._still = moving, None
+        if 2 * moving.sum() > moving.size:
+            return factorise(matrix)
+        length = _lengths(matrix)
+        scaled = matrix / np.where(length > 0.0, length, 1.0)
+        if self._still is None:
+            self._still = np.linalg.qr(scaled[:, ~moving])
+        still, triangle = self._still
+        onto = still.T @ scaled[:, moving]
+        rest = scaled[:, moving] - still @ onto
+        again = still.T @ rest  # once more: what rounding left of the columns that stay
+        basis, corner = np.linalg.qr(rest - still @ again)
+        whole = np.zeros((moving.size, moving.size))
+        whole[: len(triangle), ~moving] = triangle
+        whole[: len(triangle), moving] = onto + again
+        whole[len(triangle) :, moving] = corner
+        return _factor(np.hstack([still, basis]), whole, length)
+
+
 def factorise(matrix: Float) -> Factor:
     """Factorise a regressor `matrix` (rows, P); columns of zeros and dependent columns are allowed."""
-    length = np.sqrt(np.einsum("kp,kp->p", matrix, matrix))
+    length = _lengths(matrix)
+    return _factor(*np.linalg.qr(matrix / np.where(length > 0.0, length, 1.0)), length)
+
+
+def _lengths(matrix: Float) -> Float:
+    return np.asarray(np.sqrt(np.einsum("kp,kp->p", matrix, matrix)))
+
+
+def _factor(basis: Float, triangle: Float, length: Float) -> Factor:
+    """Return the factor of `basis` (rows, P) · `triangle` (P, P) · diag(`length`)."""
     scale = np.where(length > 0.0, length, 1.0)
-    basis, triangle = np.linalg.qr(matrix / scale)
     left, size, right = np.linalg.svd(triangle)
     rank = int(np.sum(size > RANK_TOLERANCE * max(1.0, size[0]))) if size.size else 0
-    if rank == matrix.shape[1]:
+    if rank == triangle.shape[1]:
         forward = triangle * scale
         backward = np.linalg.inv(triangle) / scale[:, None]
         return Factor(basis, forward, backward, float(size[0] / size[-1]), (), ())

@@ -13,7 +13,7 @@ In physical coordinates it is the smallest box around that ball: half-width time
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,7 @@ class LinearData:
     """τ ≈ YΦ: `columns` (J, N, P), `tau` (J, N) N·m, `groups` (N,) recording index, `use` (J, N) usable
     samples.
 
+    `factoriser` is what finds `factor`: one that remembers (`Factors`) where columns come again.
     Rows that are not usable are set to zero in `columns` and `tau`: they then weigh nothing in any loss.
     Refuses shapes that do not match and usable values that are not finite.
     """
@@ -43,6 +44,7 @@ class LinearData:
     names: tuple[str, ...]
     units: tuple[str, ...]
     use: Bool = None  # type: ignore[assignment]
+    factoriser: Callable[[Float], Factor] = field(default=factorise, repr=False)
 
     def __post_init__(self) -> None:
         columns, tau = np.array(self.columns, dtype=float), np.array(self.tau, dtype=float)
@@ -90,7 +92,7 @@ class LinearData:
     @cached_property
     def factor(self) -> Factor:
         """The regressor in whitened coordinates, with its rank and condition number."""
-        return factorise(self.matrix)
+        return self.factoriser(self.matrix)
 
     @property
     def samples(self) -> int:
