@@ -30,6 +30,8 @@ from symbolic.motion import Float
 
 LEAST_CYCLES = 2.0
 """Cycles of the cut-off that the shortest recording must hold: below, the filter leaves a line."""
+UNDRIVEN = 0.5
+"""Part of the largest torque beyond which the torque of a joint that is said to be passive contradicts that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,8 @@ def prepare(
             remedy='use a recording with the base at rest and [base] motion = "fixed"',
         )
     recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
+    for one in (*recordings, *verify):
+        _refuse_driven(one)
     recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()
     even = [even_clock(r) for r in (*recordings, *verify)]
@@ -139,6 +143,26 @@ def prepare(
         misread=misread,
         joints=model.joints,
     )
+
+
+def _refuse_driven(recording: Recording) -> None:
+    """Refuse a joint that was declared passive and whose torque changes about as much as that of a driven one."""
+    turning = np.array([joint.turns for joint in recording.joints])  # a force is not compared with a torque
+    tau = recording.tau[recording.valid][:, turning]
+    called = [joint.name for joint in recording.joints if joint.turns]
+    idle = np.array([name in recording.passive for name in called])
+    if idle.all() or not idle.any() or not len(tau):
+        return
+    span = np.ptp(np.percentile(tau, [10, 90], axis=0), axis=0)
+    worst = int(np.argmax(np.where(idle, span, -1.0)))
+    if span[worst] > UNDRIVEN * span[~idle].max():
+        joint = called[worst]
+        raise RecordingError(
+            f"the {joint} is declared passive, and its torque spans {span[worst]:.2g} N·m, the largest of the others "
+            f"{span[~idle].max():.2g} N·m: it was driven",
+            where=recording.name,
+            remedy=f"leave --passive {joint} away, or check which column is which (--map)",
+        )
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[str]) -> tuple[Finding, ...]:

@@ -88,3 +88,8 @@ def test_the_torque_of_the_model_explains_nothing_where_no_drive_acts():
     tried = {(r.joint, r.variable) for r in remainders(now, now.evidence(seed=0, draws=20), placebos=0)}
     assert {("hip", "load"), ("hip", "ddq1"), ("knee", "ddq1")} < tried
     assert not {("knee", "load"), ("knee", "ddq2")} & tried
+
+
+def test_a_driven_joint_that_is_declared_passive_is_refused():
+    with pytest.raises(RecordingError, match="hip is declared passive, and its torque spans"):
+        prepare(Model.standard(), [recording(0).with_passive("hip")], cutoff=5.0)
