@@ -68,15 +68,25 @@ class RobotFile:
 
 @dataclass(frozen=True, eq=False)
 class PlanarMachine:
-    """The `model` of a planar machine, the names its joints have in the file, and what is worth saying about it."""
+    """The `model` of a planar machine, the names its joints have in the file, and what is worth saying about it.
+
+    `normal` (3,) is that of the plane, `along` (3,) each the direction of every link's axis at the file's zero.
+    """
 
     model: Model
     names: tuple[str, ...]
     notes: tuple[str, ...]
+    normal: Float
+    along: tuple[Float, ...]
 
 
 def read_robot(path: str | Path) -> RobotFile:
     """Read a URDF; RobotFileError says what is wrong with it."""
+    return parse_robot(read_bytes(path), str(path))
+
+
+def read_bytes(path: str | Path) -> bytes:
+    """Return the bytes of a URDF; RobotFileError where it cannot be read or is too large."""
     where = str(path)
     try:
         with open_input(path) as stream:
@@ -85,6 +95,11 @@ def read_robot(path: str | Path) -> RobotFile:
         raise RobotFileError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
     if len(data) > LARGEST:
         raise RobotFileError("is too large for a URDF", where=where, remedy="give the URDF, not a mesh")
+    return data
+
+
+def parse_robot(data: bytes, where: str = "URDF") -> RobotFile:
+    """Return the robot in the bytes of a URDF; RobotFileError says what is wrong with it."""
     root = _parsed(data, where)
     if root.tag != "robot":
         raise RobotFileError(f"is a <{root.tag[:40]}>, not a <robot>", where=where, remedy="give a URDF file")
@@ -147,7 +162,7 @@ def _placed(root: Element, where: str) -> RobotFile:
             frames[link] = np.zeros(3), np.eye(3)
         for link_below in reversed(way):
             place, turned = frames[_link(of_child[link_below], "parent", where)]
-            xyz, own = _origin(of_child[link_below], where)
+            xyz, own = origin_of(of_child[link_below], where)
             frames[link_below] = place + turned @ xyz, turned @ own
         return frames[way[0] if way else link]
 
@@ -156,7 +171,7 @@ def _placed(root: Element, where: str) -> RobotFile:
         child = _link(one, "child", where)
         place, turned = frame(child)
         axis = one.find("axis")
-        direction = _numbers(axis, "xyz", (1.0, 0.0, 0.0), where) if axis is not None else np.array([1.0, 0.0, 0.0])
+        direction = numbers_of(axis, "xyz", (1.0, 0.0, 0.0), where) if axis is not None else np.array([1.0, 0.0, 0.0])
         size = float(np.linalg.norm(direction))
         kind = one.get("type", "")
         if kind in MOVING and not size > 0.0:
@@ -172,7 +187,7 @@ def _placed(root: Element, where: str) -> RobotFile:
         mass = None if inertial is None else inertial.find("mass")
         if inertial is not None and mass is not None:
             place, turned = frame(link)
-            masses[link] = _numbers(mass, "value", (0.0,), where)[0], place + turned @ _origin(inertial, where)[0]
+            masses[link] = numbers_of(mass, "value", (0.0,), where)[0], place + turned @ origin_of(inertial, where)[0]
     return RobotFile(name, joints, masses, root)
 
 
@@ -183,7 +198,7 @@ def _link(joint: Element, which: str, where: str) -> str:
     return str(found.get("link"))
 
 
-def _numbers(element: Element, key: str, default: Sequence[float], where: str) -> Float:
+def numbers_of(element: Element, key: str, default: Sequence[float], where: str) -> Float:
     """Return the numbers of an attribute; RobotFileError where they are none."""
     text = element.get(key)
     if text is None:
@@ -199,13 +214,13 @@ def _numbers(element: Element, key: str, default: Sequence[float], where: str) -
     return values
 
 
-def _origin(element: Element, where: str) -> tuple[Float, Float]:
+def origin_of(element: Element, where: str) -> tuple[Float, Float]:
     """Return place (3,) and orientation (3, 3) of an element's <origin>."""
     origin = element.find("origin")
     if origin is None:
         return np.zeros(3), np.eye(3)
-    roll, pitch, yaw = _numbers(origin, "rpy", (0.0, 0.0, 0.0), where)
-    return _numbers(origin, "xyz", (0.0, 0.0, 0.0), where), _about(2, yaw) @ _about(1, pitch) @ _about(0, roll)
+    roll, pitch, yaw = numbers_of(origin, "rpy", (0.0, 0.0, 0.0), where)
+    return numbers_of(origin, "xyz", (0.0, 0.0, 0.0), where), _about(2, yaw) @ _about(1, pitch) @ _about(0, roll)
 
 
 def _about(axis: int, angle: float) -> Float:
@@ -247,7 +262,7 @@ def planar_machine(
         lengths = [float(np.linalg.norm(step - step @ normal * normal)) for step in below]
         made.append(
             Joint(
-                _plain(one.name),
+                plain_name(one.name),
                 "prismatic" if one.kind == "prismatic" else "revolute",
                 lengths[0] if lengths else None,
                 _carrier(k, parents[k], chosen),
@@ -262,17 +277,17 @@ def planar_machine(
             model = model.with_effect(f"com_offset:{made[k].name}")
             term = model.terms[-1].name
             notes.append(f"the mass of link {made[k].name} lies beside its axis: {term} is in the model")
-    return PlanarMachine(model, tuple(chosen), tuple(notes))
+    return PlanarMachine(model, tuple(chosen), tuple(notes), normal, tuple(directions))
 
 
 def _carrier(index: int, parent: int | None, names: Sequence[str]) -> str | None:
     """Return what `parent` a joint has in a model file; None where that is the joint before, or the first's base."""
     if parent is None:
         return "base" if index else None
-    return None if parent == index - 1 else _plain(names[parent])
+    return None if parent == index - 1 else plain_name(names[parent])
 
 
-def _plain(name: str) -> str:
+def plain_name(name: str) -> str:
     """Return a joint's name as a model can have it."""
     text = re.sub(r"[^A-Za-z0-9_]", "_", name)[:40]
     return text if JOINT_NAME.fullmatch(text) and text not in TAKEN else f"joint_{text}"[:40]
@@ -400,10 +415,10 @@ def _limits(one: RobotJoint, where: str) -> Limits | None:
     element = one.element.find("limit")
     if element is None:
         return None
-    low, high = (float(_numbers(element, key, (0.0,), where)[0]) for key in ("lower", "upper"))
+    low, high = (float(numbers_of(element, key, (0.0,), where)[0]) for key in ("lower", "upper"))
     if one.kind == "continuous" or not low < high:
         low, high = -math.inf, math.inf
-    velocity = float(_numbers(element, "velocity", (0.0,), where)[0])
+    velocity = float(numbers_of(element, "velocity", (0.0,), where)[0])
     if not velocity > 0.0 and math.isinf(low):
         return None
     return Limits((low, high), velocity if velocity > 0.0 else math.inf, math.inf)

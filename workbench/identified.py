@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.errors import ExoidError
-from symbolic.model import Model, require_leg
+from symbolic.model import Model
 from symbolic.model_file import Numbers, read_model, read_numbers
-from symbolic.quantity import JOINTS
 from workbench.reserved import is_taken
 
 
@@ -60,10 +59,12 @@ class ExportedOperator:
 
 @dataclass(frozen=True, eq=False)
 class Ready:
-    """The numbers are in. Functions take (t, q (2,), dq (2,), ddq (2,), sign (2,), memory (K,)); torques in N·m.
+    """The numbers are in. Functions take (t, q (J,), dq (J,), ddq (J,), sign (J,), memory (K,)), and `base` (5,) where
+    the base moves: angle rad, its derivatives, acceleration forwards and upwards m/s². Torques are in N·m, N where a
+    joint slides.
 
-    `torque` is all the drive has to supply, `rigid` without friction and effects, `mass` (4,) and `coriolis` (4,) are
-    row by row, `gravity` (2,). `forward` takes `tau` (2,) too and is None where an effect has memory. `linear` and
+    `torque` is all the drives have to supply, `rigid` without friction and effects, `mass` (J J,) and `coriolis` (J J,)
+    are row by row, `gravity` (J,). `forward` takes `tau` (J,) too and is None where an effect has memory. `linear` and
     `shape` are the numbers, by name.
     """
 
@@ -93,7 +94,6 @@ def read_ready(path: str) -> Ready:
 
 def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     """Put `numbers` into `model`; ExportError for a number that is missing or not finite."""
-    require_leg(model, "exoid export", where)
     import casadi as ca
 
     from symbolic.codegen.code import functions
@@ -102,23 +102,24 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
     shape = _complete([s.name for s in model.shapes], numbers.shape, "shape", where)
     x = model_expressions(model)
-    given = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory]
+    given = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, *([x.base_motion] if model.moving_base else [])]
+    names = ["t", "q", "dq", "ddq", "sign", "memory", *(["base"] if model.moving_base else [])]
     numeric = [ca.DM(list(linear.values())), ca.DM(list(shape.values()))]
 
     def put_in(expression: Any) -> Any:
         return ca.substitute([ca.densify(ca.SX(expression))], [x.linear, x.shape], [ca.SX(n) for n in numeric])[0]
 
     def function(name: str, expression: Any) -> Any:
-        return ca.Function(name, given, [put_in(expression)], _NAMES, [name], {"cse": True})
+        return ca.Function(name, given, [put_in(expression)], names, [name], {"cse": True})
 
     forward = None
     if not x.memories:
-        tau = ca.SX.sym("tau", 2)
-        state = ca.vertcat(x.t, x.q, x.dq, x.ddq, x.sign)
+        tau = ca.SX.sym("tau", len(model.joints))
+        state = ca.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion)
         made = functions(x)["forward_dynamics"]
         value = made(state, *map(ca.SX, numeric), x.memory, tau)
         forward = ca.Function(
-            "forward_dynamics", [*given, tau], [value], [*_NAMES, "tau"], ["acceleration"], {"cse": True}
+            "forward_dynamics", [*given, tau], [value], [*names, "tau"], ["acceleration"], {"cse": True}
         )
     memories = tuple(
         ExportedOperator(
@@ -148,12 +149,12 @@ def _refuse_overflow(made: Ready, where: str) -> None:
     """Refuse numbers with which the torque is not finite although the motion is inside its limits."""
     import casadi as ca
 
-    limits = [made.model.limits[joint] for joint in JOINTS]
+    limits = made.model.motion_limits.values()
     for share in (0.0, 1.0):
         q = [low + share * (high - low) for low, high in (limit.angle for limit in limits)]
         dq, ddq = ([share * getattr(limit, name) for limit in limits] for name in ("velocity", "acceleration"))
         memory = [share] * len(made.memories)
-        given = [0.0, q, dq, ddq, [share, share], memory]
+        given = [0.0, q, dq, ddq, [share] * len(q), memory, *([[share] * 5] if made.model.moving_base else [])]
         outputs = [f(*given) for f in (made.torque, made.rigid, made.mass, made.coriolis, made.gravity)]
         outputs += [m.argument(*given) for m in made.memories]
         if not all(ca.DM(out).is_regular() for out in outputs):
@@ -163,9 +164,6 @@ def _refuse_overflow(made: Ready, where: str) -> None:
                 where=where,
                 remedy=f"the largest is {largest[0]} = {largest[1]:g}; identify the model again",
             )
-
-
-_NAMES = ["t", "q", "dq", "ddq", "sign", "memory"]
 
 
 def _complete(names: list[str], known: Any, table: str, where: str) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""`exoid export`: the identified model as C for a controller, a CasADi function, a NumPy module, and URDF."""
+"""`exoid export`: the identified model as C for a controller, a CasADi function, a NumPy module, URDF and MJCF."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import argparse
 from pathlib import Path
 
 from workbench.command_line.deliver import check_places
-from workbench.command_line.files import make_folder, write_json, write_text
+from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
 
-HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF
+HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF
 
 exoid identify run1.csv run2.csv --write leg_identified.toml
 exoid export leg_identified.toml --out controller --sample-time 0.001
-exoid export leg_identified.toml --updater --sample-time 0.001     and what follows its numbers, in C"""
+exoid export leg_identified.toml --updater --sample-time 0.001     and what follows its numbers, in C
+exoid export leg_identified.toml --format mjcf --into robot.urdf   and the numbers in a copy of your own URDF"""
 
 DEFAULT_FOLDER = "exported"
 
@@ -39,6 +40,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--updater", action="store_true",
         help="write as well, in C, what follows the model's numbers while the controller runs; needs --sample-time",
+    )  # fmt: skip
+    parser.add_argument(
+        "--into", metavar="URDF",
+        help="write as well a copy of this URDF, of which the model was made, with the identified numbers in it",
     )  # fmt: skip
     add_common(parser, out=f"write into DIR (default: {DEFAULT_FOLDER})")
 
@@ -69,17 +74,29 @@ def run(args: argparse.Namespace) -> int:
         written["updater"] = write_updater(
             ready.model, numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
         )
+    notes: tuple[str, ...] = ()
+    own: dict[str, bytes] = {}
+    if args.into:
+        from workbench.into_urdf import into_urdf
+
+        content, notes = into_urdf(ready, args.into)
+        own[f"{Path(args.into).stem}_identified.urdf"] = content
     folder = make_folder(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
     for name, files in written.items():
         for file, text in files.items():
             screen.say(f"  {name:<7} {write_text(Path(folder) / file, text)}")
+    for file, content in own.items():
+        screen.say(f"  own     {write_bytes(Path(folder) / file, content)}")
+    for note in notes:
+        screen.say(f"  {note}", "faint")
     for name, why in refused.items():
         warn(f"not written as {name}: {why}")
     if args.json:
         write_json(args.json, {
             "schema": "exoid.export/1", "model": ready.model.name, "key": ready.model.key(), "folder": str(folder),
-            "files": {name: sorted(files) for name, files in written.items()}, "refused": refused,
+            "files": {name: sorted(files) for name, files in (*written.items(), *([("own", own)] if own else []))},
+            "refused": refused, "notes": list(notes),
             "numbers": {**ready.linear, **ready.shape},
         })  # fmt: skip
     return 1 if refused else 0

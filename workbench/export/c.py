@@ -1,4 +1,4 @@
-"""C99 for a controller: the identified torque of the leg, its gravity, M, C and forward dynamics.
+"""C99 for a controller: the identified torque of the machine, its gravity, M, C and forward dynamics.
 
 Nothing but math.h is needed, nothing is allocated, and there is no static state: effects with memory keep theirs in a
 struct that the caller owns. A sample that is not finite gives a torque that is not finite and is not remembered: every
@@ -11,17 +11,17 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from ground.text import in_comment
 from symbolic.codegen.instructions import PLAIN, scalar_c
-from symbolic.quantity import JOINTS
+from symbolic.joints import Joint, units
 from workbench.identified import ExportedOperator, ExportError, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 
 NEEDS_CLOCK = frozenset(("delay", "slow", "ddt"))
-_WORDS = {"t": "", "q": "angle", "dq": "velocity", "ddq": "acceleration"}
 
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
@@ -45,8 +45,8 @@ def _check(ready: Ready, options: Options) -> None:
 
 
 def _header(ready: Ready, options: Options) -> str:
-    n, guard = options.name, options.name.upper() + "_H"
-    memory = bool(ready.memories)
+    n, guard, size = options.name, options.name.upper() + "_H", len(ready.model.joints)
+    memory, moving = bool(ready.memories), ready.model.moving_base
     first = f"{n}_state *state, " if memory else ""
     numbers = "\n".join(
         f" *   {in_comment(name):<28} {value: .9g}" for name, value in (*ready.linear.items(), *ready.shape.items())
@@ -54,22 +54,24 @@ def _header(ready: Ready, options: Options) -> str:
     state = _state_struct(ready, options) if memory else ""
     init = f"\n/* Call once before the first step. */\nvoid {n}_init({n}_state *state);\n" if memory else ""
     step = " Call it once per period, in order: it remembers." if memory else ""
+    rates = dict.fromkeys(_ascii(joint.unit("ddq")) for joint in ready.model.joints)
     forward = (
         ""
         if ready.forward is None
         else f"""
-/* Acceleration ddq [rad/s^2] under the drive torques tau [N.m]. */
-void {n}_forward_dynamics(double t, const double q[2], const double dq[2], const double tau[2], double ddq[2]);
+/* Acceleration ddq [{", ".join(rates)}] under the drive torques tau [{_units(ready.model.joints, "tau")}]. */
+void {n}_forward_dynamics({_arguments("t q dq base tau > ddq", size, moving)});
 """
     )
+    motion = _arguments("t q dq ddq base > tau", size, moving)
+    sliding = "" if _turning(ready) else ", N for N.m and m for rad where a joint slides"
     return f"""/* {in_comment(ready.model.name)}:
- * torque of a leg with two joints, with identified numbers. Written by exoid.
+ * torque of a {_machine(ready)}, with identified numbers. Written by exoid.
  *
- * Joint order {", ".join(JOINTS)}. q in rad (hip from the downward vertical, knee relative to the thigh, flexion
- * negative), dq in rad/s, ddq in rad/s^2, t in s since the model's time began (only drifts use it).
- * A torque is what the drives have to supply, in N.m. Matrices are row by row.
+ * {_conventions(ready)}
+ * A torque is what the drives have to supply. Matrices are row by row.
  * sgn of a velocity is {_sign_text(options)}.
- * Model {ready.model.key()[:16]}, thigh {ready.model.thigh_length:g} m, g = {ready.model.gravity:g} m/s^2. Numbers:
+ * Model {ready.model.key()[:16]}, {_size(ready)}g = {ready.model.gravity:g} m/s^2. Numbers:
 {numbers}
  */
 #ifndef {guard}
@@ -80,17 +82,17 @@ extern "C" {{
 #endif
 {state}{init}
 /* All the drives have to supply for this motion.{step} */
-void {n}_torque({first}double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]);
+void {n}_torque({first}{motion});
 
 /* The rigid body alone: no friction, no effects. */
-void {n}_rigid_torque(double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]);
+void {n}_rigid_torque({motion});
 
-/* Gravity alone (to be fed forward while the leg is held). */
-void {n}_gravity(double t, const double q[2], double tau[2]);
+/* Gravity alone (to be fed forward while the joints are held). */
+void {n}_gravity({_arguments("t q base > tau", size, moving)});
 
-/* Mass matrix [kg.m^2] and Christoffel matrix [N.m.s/rad]. */
-void {n}_mass_matrix(const double q[2], double mass[4]);
-void {n}_coriolis(const double q[2], const double dq[2], double coriolis[4]);
+/* Mass matrix [kg.m^2] and Christoffel matrix [N.m.s/rad]{sliding}. */
+void {n}_mass_matrix({_arguments("q > mass", size, moving)});
+void {n}_coriolis({_arguments("q dq > coriolis", size, moving)});
 {forward}
 #ifdef __cplusplus
 }}
@@ -99,10 +101,66 @@ void {n}_coriolis(const double q[2], const double dq[2], double coriolis[4]);
 """
 
 
+def _arguments(words: str, size: int, moving: bool) -> str:
+    """Return the arguments of a function in C: what goes in, and behind ">" what comes out; `base` where it moves."""
+    given, _, made = words.partition(" > ")
+    lengths = {"base": 5, "mass": size * size, "coriolis": size * size}
+    named = [word for word in given.split() if word != "base" or moving]
+    texts = ["double t" if word == "t" else f"const double {word}[{lengths.get(word, size)}]" for word in named]
+    return ", ".join([*texts, f"double {made}[{lengths.get(made, size)}]"])
+
+
+def _conventions(ready: Ready) -> str:
+    """Return the order and the zero of the joints, and their units, as lines of the comment."""
+    model = ready.model
+    if not model.chain:
+        return (
+            f"Joint order {', '.join(model.joint_names)}. q in rad (hip from the downward vertical, knee relative to\n"
+            " * the thigh, flexion negative), dq in rad/s, ddq in rad/s^2, t in s since the model's time began (only\n"
+            " * drifts use it); torques in N.m."
+        )
+    lines = ["Joints, in order, with the units of q, dq, ddq and tau:"]
+    for joint in model.joints:
+        units = ", ".join(_ascii(joint.unit(quantity)) for quantity in ("q", "dq", "ddq", "tau"))
+        lines.append(f"  {joint.name:<12} {units}")
+    lines.append(
+        "An angle is that from the parent link, at the base from the downward vertical. t in s since the"
+    )
+    lines.append("model's time began (only drifts use it).")
+    if model.moving_base:
+        lines.append(
+            "base: angle rad (added to the angles at the base), rad/s, rad/s^2, acceleration forwards and"
+        )
+        lines.append("upwards m/s^2, without gravity.")
+    return "\n * ".join(lines)
+
+
+def _machine(ready: Ready) -> str:
+    size = len(ready.model.joints)
+    count = {1: "one joint", 2: "two joints"}.get(size, f"{size} joints")
+    return f"{'machine' if ready.model.chain else 'leg'} with {count}"
+
+
+def _size(ready: Ready) -> str:
+    return "" if ready.model.chain else f"thigh {ready.model.thigh_length:g} m, "
+
+
+def _turning(ready: Ready) -> bool:
+    return all(joint.turns for joint in ready.model.joints)
+
+
+def _ascii(unit: str) -> str:
+    return unit.replace("·", ".").replace("²", "^2")
+
+
+def _units(joints: Sequence[Joint], quantity: str) -> str:
+    return _ascii(units(joints, quantity))
+
+
 def _sign_text(options: Options) -> str:
     if options.sign_width == 0.0:
         return "a step, 0 at rest"
-    return f"tanh(dq / {options.sign_width:g} rad/s), which does not chatter at rest"
+    return f"tanh(dq / {options.sign_width:g}), which does not chatter at rest"
 
 
 def _state_struct(ready: Ready, options: Options) -> str:
@@ -114,8 +172,8 @@ def _state_struct(ready: Ready, options: Options) -> str:
     body = "\n".join(fields)
     name = options.name
     return f"""
-/* What the effects with memory remember. One per leg; yours to keep. A sample with a NaN or an infinity in it gives a
-   torque that is not finite; it is not remembered, and the next sample is good again. */
+/* What the effects with memory remember. One per machine; yours to keep. A sample with a NaN or an infinity in it gives
+   a torque that is not finite; it is not remembered, and the next sample is good again. */
 typedef struct {name}_state {{
 {body}
   int started;
@@ -142,16 +200,19 @@ def _source(ready: Ready, options: Options) -> str:
     ]
     if memory:
         parts.append(f"void {n}_init({n}_state *state) {{\n  const {n}_state empty = {{0}};\n  *state = empty;\n}}\n")
-    motion = "double t, const double q[2], const double dq[2], const double ddq[2], double tau[2]"
-    parts.append(_function(f"void {n}_torque({first}{motion})", ready.torque, "tau", _memory_steps(ready, options)))
-    parts.append(_function(f"void {n}_rigid_torque({motion})", ready.rigid, "tau"))
-    parts.append(_function(f"void {n}_gravity(double t, const double q[2], double tau[2])", ready.gravity, "tau"))
-    parts.append(_function(f"void {n}_mass_matrix(const double q[2], double mass[4])", ready.mass, "mass"))
-    both = "const double q[2], const double dq[2], double coriolis[4]"
-    parts.append(_function(f"void {n}_coriolis({both})", ready.coriolis, "coriolis"))
-    if ready.forward is not None:
-        given = "double t, const double q[2], const double dq[2], const double tau[2], double ddq[2]"
-        parts.append(_function(f"void {n}_forward_dynamics({given})", ready.forward, "ddq"))
+    size, moving = len(ready.model.joints), ready.model.moving_base
+    motion = _arguments("t q dq ddq base > tau", size, moving)
+    steps = _memory_steps(ready, options)
+    for name, function, words, before in (
+        ("torque", ready.torque, f"{first}{motion}", steps),
+        ("rigid_torque", ready.rigid, motion, ""),
+        ("gravity", ready.gravity, _arguments("t q base > tau", size, moving), ""),
+        ("mass_matrix", ready.mass, _arguments("q > mass", size, moving), ""),
+        ("coriolis", ready.coriolis, _arguments("q dq > coriolis", size, moving), ""),
+        ("forward_dynamics", ready.forward, _arguments("t q dq base tau > ddq", size, moving), ""),
+    ):
+        if function is not None:
+            parts.append(_function(f"void {n}_{name}({words})", function, before))
     return "\n".join(parts)
 
 
@@ -160,28 +221,24 @@ def _sign(options: Options) -> str:
     return f"static double sign_of(double dq) {{ return {value}; }}\n"
 
 
-_INPUTS = (
-    ("t",),
-    ("q[0]", "q[1]"),
-    ("dq[0]", "dq[1]"),
-    ("ddq[0]", "ddq[1]"),
-    ("sign0", "sign1"),
-)
+def _inputs(function: Any) -> list[tuple[str, ...]]:
+    """Return what the entries of a function's arguments are called in C."""
+    found: list[tuple[str, ...]] = []
+    for k, name in enumerate(function.name_in()):
+        entries = range(function.size1_in(k))
+        plain = name in ("sign", "memory")
+        found.append(("t",) if name == "t" else tuple(f"{name}{j}" if plain else f"{name}[{j}]" for j in entries))
+    return found
 
 
-def _inputs(count: int, forward: bool = False) -> list[tuple[str, ...]]:
-    memories = tuple(f"memory{k}" for k in range(count))
-    return [*_INPUTS, memories, *([("tau[0]", "tau[1]")] if forward else [])]
-
-
-def _function(head: str, function: Any, out: str, before: str = "") -> str:
-    forward = function.n_in() == 7
-    body = scalar_c(function, _inputs(function.size1_in(5), forward), f"{out}[{{k}}] = {{value}};", PLAIN)
+def _function(head: str, function: Any, before: str = "") -> str:
+    out = re.findall(r"double (\w+)\[\d+\]\)$", head)[0]
+    body = scalar_c(function, _inputs(function), f"{out}[{{k}}] = {{value}};", PLAIN)
     text = before + body
-    signs = "".join(f"  const double sign{j} = sign_of(dq[{j}]);\n" for j in (0, 1) if f"sign{j}" in text)
-    given = ("t", "q", "dq", "ddq") if "double t" in head else ("q", "dq", "ddq")
-    named = [g for g in given if f" {g}," in head or f" {g}[" in head]
-    unused = "".join(f"  (void){g};\n" for g in named if g != out and not _uses(signs + text, g))
+    size = function.size1_in(function.name_in().index("q"))
+    signs = "".join(f"  const double sign{j} = sign_of(dq[{j}]);\n" for j in range(size) if _uses(text, f"sign{j}"))
+    given = re.findall(r"const double (\w+)\[|double (t),", head)
+    unused = "".join(f"  (void){g};\n" for g in map("".join, given) if not _uses(signs + text, g))
     return f"{head} {{\n{unused}{signs}{before}{body}\n}}\n"
 
 
@@ -193,8 +250,7 @@ def _memory_steps(ready: Ready, options: Options) -> str:
     """Return the statements that bring every operator to this sample, in the order in which they feed each other."""
     lines: list[str] = []
     for k, memory in enumerate(ready.memories):
-        inside = scalar_c(memory.argument, _inputs(k), f"x{k} = {{value}};", PLAIN)
-        # What an argument does not use yet (later memories) must still have a name.
+        inside = scalar_c(memory.argument, _inputs(memory.argument), f"x{k} = {{value}};", PLAIN)
         lines += [f"  double x{k};", f"  double memory{k};", "  {", inside, "  }"]
         # x - x is 0 for every finite number, and NaN for every other.
         lines += [f"  const double gap{k} = x{k} - x{k};", f"  if (!(gap{k} == 0.0)) {{", f"    x{k} = state->last{k};"]

@@ -86,10 +86,11 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     """Return {file name: text}."""
     used = dict.fromkeys(m.operator for m in ready.memories)
     sign = "np.sign(dq)" if options.sign_width == 0.0 else f"np.tanh(dq / {options.sign_width!r})"
-    inputs: list[tuple[str, ...]] = [
-        ("t",), ("q[:, 0]", "q[:, 1]"), ("dq[:, 0]", "dq[:, 1]"), ("ddq[:, 0]", "ddq[:, 1]"),
-        ("sign[:, 0]", "sign[:, 1]"), tuple(f"memory{k}" for k in range(len(ready.memories))),
-    ]  # fmt: skip
+    model, moving = ready.model, ready.model.moving_base
+    size = len(model.joints)
+    inputs: list[tuple[str, ...]] = [("t",)]
+    inputs += [tuple(f"{x}[:, {j}]" for j in range(size)) for x in ("q", "dq", "ddq", "sign")]
+    inputs += [tuple(f"memory{k}" for k in range(len(ready.memories))), tuple(f"base[:, {k}]" for k in range(5))]
     body = []
     for k, memory in enumerate(ready.memories):
         body.append(scalar_c(memory.argument, inputs, f"x{k} = {{value}} + 0.0 * t", NUMPY))
@@ -99,19 +100,27 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     operators = "".join(OPERATORS[word] for word in used)
     first = operators.find(HELD)
     operators = operators[: first + len(HELD)] + operators[first + len(HELD) :].replace(HELD, "")
-    text = f'''"""{in_comment(ready.model.name)}: torque of a two-joint leg, with identified numbers. Written by exoid.
+    kind = "machine" if model.chain else "leg"
+    units_of = [", ".join(dict.fromkeys(joint.unit(q) for joint in model.joints)) for q in ("q", "dq", "ddq", "tau")]
+    swaying = (
+        " `base` (N, 5) is the base's angle\n    rad, its derivatives, and its acceleration forwards and upwards m/s²."
+        if moving
+        else ""
+    )
+    arguments = "t, q, dq, ddq, base" if moving else "t, q, dq, ddq"
+    text = f'''"""{in_comment(model.name)}: torque of a {kind}, with identified numbers. Written by exoid.
 
-Joint order hip, knee; rad, rad/s, rad/s², s, N·m. Model {ready.model.key()[:16]}.
+Joint order {", ".join(model.joint_names)}; s, {"; ".join(units_of)}. Model {model.key()[:16]}.
 """
 
 import numpy as np
 {operators}
 
-def torque(t, q, dq, ddq):
-    """Return the torque (N, 2) in N·m the drives have to supply along a motion: t (N,) s, q, dq, ddq (N, 2)."""
+def torque({arguments}):
+    """Return the torque (N, {size}) the drives supply along a motion: t (N,) s, q, dq, ddq (N, {size}).{swaying}"""
     t = np.asarray(t, dtype=float)
-    q, dq, ddq = (np.asarray(x, dtype=float) for x in (q, dq, ddq))
-    sign = {sign}
-    tau = np.empty((len(t), 2))
+    q, dq, ddq = (np.asarray(x, dtype=float).reshape(len(t), {size}) for x in (q, dq, ddq))
+{"    base = np.asarray(base, dtype=float)" + chr(10) if moving else ""}    sign = {sign}
+    tau = np.empty((len(t), {size}))
 '''
     return {f"{options.name}.py": text + "\n".join(body) + "\n    return tau\n"}

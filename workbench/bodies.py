@@ -1,0 +1,72 @@
+"""The links of an identified machine as a robot file has them: masses, centres of mass and inertias that reproduce its
+base parameters exactly, and what such a file cannot carry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ground.text import in_comment
+from optimisation.linear.links import LinkInertia, nearest_links, tree_of
+from symbolic.joints import Joint, parents
+from symbolic.term import Term
+from workbench.identified import ExportError, Ready
+
+ASIDE = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
+"""Effects that are a mass beside a link's axis, and the link, None where the joint says it."""
+
+
+def joints_of(ready: Ready) -> tuple[Joint, ...]:
+    """Return the joints of the machine, every length a number."""
+    return tree_of(ready.model)
+
+
+def link_names(ready: Ready) -> tuple[str, ...]:
+    """Return what the links are called in a file: thigh and shank of the leg, else after their joints."""
+    return tuple(f"{name}_link" for name in ready.model.joint_names) if ready.model.chain else ("thigh", "shank")
+
+
+def carriers(ready: Ready) -> tuple[int | None, ...]:
+    """Return which link carries each joint, None for the base."""
+    return parents(joints_of(ready))
+
+
+def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[LinkInertia, ...]:
+    """Return links with the identified numbers, nearest to `near`; ExportError where none have them."""
+    import numpy as np
+
+    model = ready.model
+    phi = np.array([ready.linear[p.name] for p in model.inertial])
+    across = np.zeros(len(model.joints))
+    for term in model.terms:
+        if term.effect.id in ASIDE:
+            link = ASIDE[term.effect.id]
+            across[term.first if link is None else link] = ready.linear[f"{term.name}.m_y"]
+    found = nearest_links(model, phi, across, near)
+    if found is None:
+        what = "machine" if model.chain else "leg"
+        numbers = ", ".join(
+            f"{p.name.replace('Phi', 'Φ')} = {v:g} {p.unit}" for p, v in zip(model.inertial, phi, strict=True)
+        )
+        raise ExportError(
+            f"no {what} of positive masses has {numbers}",
+            remedy="identify with --physical or on richer motion; the other formats carry these numbers",
+        )
+    return found
+
+
+def left_out(ready: Ready, carried: Sequence[str] = ()) -> str:
+    """Return the effects that a file cannot carry, for a comment; `carried` are ids of those it does."""
+    names = [term.name for term in ready.model.terms if term.effect.id not in (*ASIDE, *carried)]
+    return ", ".join(in_comment(name) for name in names) or "nothing"
+
+
+def terms_of(ready: Ready, effect: str) -> dict[str, Term]:
+    """Return {joint: term} of one effect of the catalogue."""
+    return {str(term.joint): term for term in ready.model.terms if term.effect.id == effect}
+
+
+def friction_of(ready: Ready, joint: str) -> tuple[float, float]:
+    """Return viscous and Coulomb friction of a joint, not below zero: robot files know no friction that pushes."""
+    viscous, coulomb = (max(0.0, ready.linear[f"{kind}:{joint}"]) for kind in ("viscous", "coulomb"))
+    return viscous, coulomb
