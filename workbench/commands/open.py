@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.command_line.deliver import check_places
-from workbench.command_line.options import add_common, add_model, add_recordings, count_to
+from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, count_to
 
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
 
@@ -21,6 +21,7 @@ LAST_PORT = 65535
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_recordings(parser, required=False)
+    add_derivative(parser)
     add_model(parser)
     parser.add_argument(
         "--port", metavar="N", type=count_to(LAST_PORT), default=0, help="port of the page (a free one)"
@@ -36,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.page.workspace import Workspace
 
     check_places(args)
-    workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff)
+    workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff, args.derivative)
     if args.out:
         from workbench.page.takeaway import free_for_session, keep_in
 
@@ -54,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
 def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
     from measurement.reading.sources import expand
-    from workbench.command_line.inputs import conventions_of, joins_of, passive_joints, refuse_repeats
+    from workbench.command_line.inputs import conventions_of, joins_of, passive_joints, payloads, refuse_repeats
     from workbench.command_line.options import merged
     from workbench.page.given import FIT, VERIFY
     from workbench.page.takeaway import is_session, reopen
@@ -75,10 +76,12 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
             (conventions_of, args.convention), (joins_of, args.join),
         )
     )  # fmt: skip
+    loads = payloads(args.payload, every)
     idle = passive_joints(args.passive, every, workspace.model.joint_names)
     for path in every:
         options = {**said, "convention": kept[path], "join": others[path]}
         workspace.add_file(
             Path(path), Path(path).name, VERIFY if path in unseen else FIT,
             options={name: value for name, value in options.items() if value}, passive=tuple(idle[path]),
+            payloads=tuple(loads.get(path, ())),
         )  # fmt: skip

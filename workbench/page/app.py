@@ -15,7 +15,6 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
-from ground.files import write_whole
 from ground.text import printable
 from workbench.page.given import FIT, error_json
 from workbench.page.guard import Guard
@@ -54,6 +53,7 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
         Route("/api/model", ask(_model)),
         Route("/api/export", ask(_export)),
         Route("/api/file", _served(workspace, _upload), methods=["PUT"]),
+        Route("/api/session", _served(workspace, _upload_session), methods=["PUT"]),
         *(Route(f"/api/{name}", _told(workspace, do), methods=["POST"]) for name, do in ACTIONS.items()),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
@@ -107,19 +107,15 @@ def _takeaway(workspace: Workspace, request: Request) -> Response:
 
 
 def _report(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import report
+    from workbench.page.takeaway import REPORT, report
 
-    page = report(workspace)
-    if workspace.saving is not None:
-        workspace.saving.mkdir(parents=True, exist_ok=True)
-        write_whole(workspace.saving / "report.html", page)
-    return _download(page, "report.html", "text/html")
+    return _download(report(workspace), REPORT, "text/html")
 
 
 def _model(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import model_toml
+    from workbench.page.takeaway import MODEL, model_toml
 
-    return _download(model_toml(workspace), "model.toml", "text/plain")
+    return _download(model_toml(workspace), MODEL, "text/plain")
 
 
 def _export(workspace: Workspace, request: Request) -> Response:
@@ -215,10 +211,21 @@ def _save(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
     return {"folder": str(save(workspace, Path(str(told["folder"]))))}
 
 
+def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
+    from workbench.page.takeaway import reopen
+
+    if workspace.given:
+        raise RecordingError("recordings are open already", remedy="close them first, or open the session by itself")
+    if "drop" in told:
+        reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
+    else:
+        reopen(workspace, Path(str(told["folder"])).expanduser())
+
+
 ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], dict[str, Any] | None]] = {
     "demo": _demo, "add": _add, "switch": _switch, "remove": _remove, "undo": _undo, "redo": _redo, "go": _go,
     "discover": _discover, "cancel": _cancel, "role": _role, "close": _close, "map": _map, "effect": _effect,
-    "brush": _brush, "save": _save,
+    "brush": _brush, "save": _save, "reopen": _reopen,
 }  # fmt: skip
 
 
@@ -227,15 +234,29 @@ async def _upload(workspace: Workspace, request: Request) -> Response:
     name = request.query_params.get("name", "")
     target = workspace.drop_place(name)
     try:
-        async with await anyio.open_file(target, "wb") as file:
-            async for part in request.stream():
-                await file.write(part)
+        await _written(request, target)
         take = workspace.use_model if target.suffix == ".toml" else workspace.add_file
         role = () if target.suffix == ".toml" else (request.query_params.get("role", FIT),)
         await anyio.to_thread.run_sync(lambda: take(target, name, *role))
     except (ExoidError, OSError) as error:
         return _problem(error)
     return JSONResponse({})
+
+
+async def _upload_session(workspace: Workspace, request: Request) -> Response:
+    """Take in one file of the folder of a session that was dropped; `reopen` opens it when all are here."""
+    try:
+        drop = _number(request, "drop")
+        await _written(request, workspace.session_place(drop, request.query_params.get("name", "")))
+    except (ExoidError, OSError) as error:
+        return _problem(error)
+    return JSONResponse({})
+
+
+async def _written(request: Request, target: Path) -> None:
+    async with await anyio.open_file(target, "wb") as file:
+        async for part in request.stream():
+            await file.write(part)
 
 
 async def _events(workspace: Workspace, request: Request) -> Response:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from measurement.reading.raw import RawTable
     from measurement.recording import Recording
     from symbolic.joints import Joint
+    from symbolic.mechanics.payload import Payload
 
 FIT, VERIFY = "fit", "verify"
 SHOWN = 8
@@ -27,7 +28,7 @@ class Given:
     """A file: its `name` as the user knows it, where it lies, whether it is fitted or held out, and what is in it.
 
     `told` is what was said of its columns, `options` what else `read_recordings` takes, `passive` the joints without a
-    drive, `error` why it cannot be used as it is.
+    drive, `payloads` the known masses on it, `error` why it cannot be used as it is.
     """
 
     id: int
@@ -38,6 +39,7 @@ class Given:
     convention: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
     passive: tuple[str, ...] = ()
+    payloads: tuple[Payload, ...] = ()
     recordings: tuple[Recording, ...] = ()
     error: ExoidError | None = None
     read: bool = False
@@ -82,6 +84,8 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
     except ExoidError as error:
         return replace(given, recordings=(), error=_without_path(error, given), read=True)
     recordings = tuple(one.with_passive(*given.passive) for one in recordings)
+    for load in given.payloads:
+        recordings = tuple(one.with_payload(load.mass, load.along, load.link) for one in recordings)
     stem = Path(given.name).stem or given.name
     if len(recordings) == 1:
         recordings = (replace(recordings[0], name=stem),)

@@ -8,20 +8,29 @@ import os
 import shlex
 import shutil
 import tempfile
+import threading
 import zipfile
+from dataclasses import astuple
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import RecordingError
 from ground.files import write_whole
+from ground.plain import plain
 from workbench.page.given import FIT, VERIFY, safe_name
 
 if TYPE_CHECKING:
+    from workbench.page.given import Given
     from workbench.page.workspace import Workspace
 
 SESSION = "session.json"
 SCHEMA = "exoid.session/1"
+MODEL = "model.toml"
+"""Name of the model file that is taken away."""
+DRAWING = threading.Lock()
+"""Matplotlib draws for one thread at a time."""
+REPORT = "report.html"
 
 
 def commands(workspace: Workspace) -> dict[str, str]:
@@ -49,7 +58,9 @@ def model_toml(workspace: Workspace) -> str:
 
 
 def report(workspace: Workspace) -> str:
-    """Return today's report of the present model as one page; RecordingError where nothing is open."""
+    """Return today's report of the present model as one page, and keep it where the session is kept; RecordingError
+    where nothing is open.
+    """
     from diagnosis.extend import Waterfall
     from workbench.report.material import Material, Steps, pictures_of
     from workbench.report.page import render_report
@@ -61,18 +72,21 @@ def report(workspace: Workspace) -> str:
     comparison = session.compare(names)
     path = [names[:k] for k in range(len(names) + 1)]
     steps = [session.step(p, f"+ {p[-1]}" if p else "base") for p in path]
-    fall = Waterfall(tuple(steps), session.prepared.noise_floor, "these effects were added by hand")
-    found = workspace.diagnosis
-    diagnosis = found[1] if found is not None and set(found[0]) == set(names) else None
+    said = workspace.verdict
+    origin = "these effects were added by hand" if said is None else said["stopped_because"]
+    fall = Waterfall(tuple(steps), session.prepared.noise_floor, origin)
+    diagnosis = workspace.diagnoses.get(frozenset(names))
     now = session.fitted(names)
     rms = ", ".join(
-        f"{joint} {error:.3g}" for joint, error in zip(session.model.joint_names, now.judged_rms, strict=True)
+        f"{joint.name} {error:.3g} {joint.unit('tau')}"
+        for joint, error in zip(session.model.joints, now.judged_rms, strict=True)
     )
     kind = "motion the fit has not seen" if session.prepared.verify else "the fitted motion"
+    answer = f"The model with {', '.join(names) or 'no further effect'} leaves {rms} (RMS) on {kind}."
     shown = diagnosis or fall
-    return render_report(Material(
+    material = Material(
         title="exoid open",
-        answer=f"The model with {', '.join(names) or 'no further effect'} leaves {rms} (RMS) on {kind}.",
+        answer=answer if said is None else f"{said['verdict']}: {said['sentence']}",
         recordings=session.recordings,
         verify=session.verify,
         model=now.model,
@@ -83,7 +97,13 @@ def report(workspace: Workspace) -> str:
         pictures=pictures_of(shown, section="suspects") + pictures_of(comparison, section="where"),
         command=_cli(workspace).splitlines()[-1],
         settings={"filter": session.prepared.choice.reason},
-    ))  # fmt: skip
+    )  # fmt: skip
+    with DRAWING:
+        page = render_report(material)
+    if workspace.saving is not None and (diagnosis is not None or said is None):  # or the one kept says more
+        workspace.saving.mkdir(parents=True, exist_ok=True)
+        write_whole(workspace.saving / REPORT, page)
+    return page
 
 
 def exported(workspace: Workspace, kind: str) -> bytes:
@@ -115,27 +135,30 @@ def save(workspace: Workspace, folder: Path) -> Path:
         runs.mkdir(parents=True, exist_ok=True)
         entries = []
         for one in workspace.given:
-            kept = runs / f"{one.id:02d}-{safe_name(one.name)}"
-            if not kept.exists() and one.path.is_file():
-                part = kept.with_name(kept.name + ".part")
-                shutil.copyfile(one.path, part)
-                part.replace(kept)
-            told = one.told
+            kept = _copied(one.path, runs / f"{one.id:02d}-{safe_name(one.name)}")
+            said = one.columns
+            joined = [
+                (f"recordings/{_copied(Path(file), runs / f'{one.id:02d}-joined-{safe_name(file)}').name}", lag)
+                for file, lag in said.get("join", ())
+            ]
             entries.append({
-                "file": f"recordings/{kept.name}", "name": one.name, "role": one.role, "convention": one.convention,
-                "columns": dict(told.columns) if told else {}, "units": dict(told.units) if told else {},
-                "leg": told.leg if told else "", "options": dict(one.options),
+                "file": f"recordings/{kept.name}", "name": one.name, "role": one.role, "join": joined,
+                "columns": said.get("columns", {}), "units": said.get("units", {}), "leg": said.get("leg", ""),
+                "convention": _conventions(one), "passive": list(one.passive),
+                "payloads": [astuple(load) for load in one.payloads],
             })  # fmt: skip
-        write_whole(target / "model.toml", model_toml(workspace))
+        write_whole(target / MODEL, model_toml(workspace))
         if workspace.model_path is not None:
             write_whole(target / "base.toml", workspace.model_path.read_bytes())
         # Last, and whole: what it names is there.
         content = {
             "schema": SCHEMA, "recordings": entries, "history": workspace.history.to_json(),
             "base": "base.toml" if workspace.model_path is not None else None, "model": workspace.model_name,
-            "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed,
+            "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed, "cutoff": workspace.cutoff,
+            "derivative": workspace.derivative,
+            "verdicts": [{"effects": sorted(names), "found": one} for names, one in workspace.verdicts.items()],
         }  # fmt: skip
-        write_whole(target / SESSION, json.dumps(content, indent=1, ensure_ascii=False))
+        write_whole(target / SESSION, json.dumps(plain(content), indent=1, ensure_ascii=False))
     except OSError as error:
         raise RecordingError(
             f"the session cannot be saved ({error.strerror or error})", where=str(target),
@@ -149,19 +172,20 @@ def save(workspace: Workspace, folder: Path) -> Path:
 def free_for_session(folder: Path) -> Path:
     """Return a folder in which a session may be kept; RecordingError where something else is there."""
     target = folder.expanduser()
-    if target.exists() and not (
-        target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {"report.html"})
-    ):
+    if target.exists() and not (target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {REPORT})):
         raise RecordingError(
             "there is something else", where=str(target), remedy="choose a new folder, or one that exoid saved before"
         )
     return target
 
 
-def reopen(workspace: Workspace, folder: Path) -> None:
-    """Open a session that was saved; RecordingError where the folder holds none that can be understood."""
+def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
+    """Open a session that was saved, and go on keeping it there unless `kept` is False; RecordingError where the folder
+    holds none that can be understood.
+    """
     from diagnosis.session.history import History
     from measurement.reading.mapping import StatedMapping
+    from symbolic.mechanics.payload import Payload
 
     try:
         content = json.loads((folder / SESSION).read_text(encoding="utf-8"))
@@ -173,24 +197,32 @@ def reopen(workspace: Workspace, folder: Path) -> None:
             workspace.add_effect(dict(entry))
         for entry in content["recordings"]:
             told = StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]))
+            joined = [(str(_inside(folder, file)), lag) for file, lag in entry["join"]]
             workspace.add_file(
                 _inside(folder, entry["file"]), str(entry["name"]), VERIFY if entry["role"] == VERIFY else FIT,
-                told=told if told else None, convention=str(entry["convention"]),
+                told=told if told else None, convention=",".join(entry["convention"]),
+                options={"join": joined} if joined else {}, passive=tuple(entry["passive"]),
+                payloads=tuple(Payload(*one) for one in entry["payloads"]),
             )  # fmt: skip
         history = History.from_json(content["history"])
         workspace.change_history(lambda _: history)
+        workspace.cutoff, workspace.derivative = content["cutoff"], str(content["derivative"])
+        workspace.seed = int(content["seed"])
+        workspace.verdicts = {frozenset(one["effects"]): dict(one["found"]) for one in content["verdicts"]}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
-    workspace.saved = Path(os.path.realpath(folder))
-    keep_in(workspace, workspace.saved)
+    if kept:
+        workspace.saved = Path(os.path.realpath(folder))
+        keep_in(workspace, workspace.saved)
 
 
 def keep_in(workspace: Workspace, folder: Path) -> None:
     """Keep the session in `folder` after every step from now on."""
     workspace.saving = folder
     workspace.keeper = partial(save, workspace, folder)
+    workspace.reporter = partial(report, workspace)
 
 
 def is_session(path: str | Path) -> bool:
@@ -206,43 +238,66 @@ def _inside(folder: Path, name: Any) -> Path:
     return path
 
 
-def _files(workspace: Workspace, role: str) -> list[str]:
-    return [_shown(workspace, one) for one in workspace.given if one.role == role]
+def _copied(source: Path, target: Path) -> Path:
+    """Copy a file, whole or not at all, unless it was copied before."""
+    if not target.exists() and source.is_file():
+        part = target.with_name(target.name + ".part")
+        shutil.copyfile(source, part)
+        part.replace(target)
+    return target
 
 
-def _shown(workspace: Workspace, one: Any) -> str:
+def _conventions(one: Given) -> list[str]:
+    said = one.columns.get("convention", ())
+    return [said] if isinstance(said, str) else list(said)
+
+
+def _shown(workspace: Workspace, path: Path, name: str) -> str:
     """Return the path of a file as a command takes it: of one that was dropped, its name."""
-    return one.name if one.path.is_relative_to(workspace.place) else str(one.path)
-
-
-def _options(workspace: Workspace) -> list[str]:
-    """Return the options that say what was said of the columns."""
-    out: list[str] = []
-    told = next((one.told for one in workspace.given if one.told), None)
-    if told is not None and told.columns:
-        out += ["--map", ",".join(f"{name}={column}" for name, column in told.columns.items())]
-    if told is not None and told.units:
-        out += ["--units", ",".join(f"{name}={unit}" for name, unit in told.units.items())]
-    if told is not None and told.leg:
-        out += ["--leg", told.leg]
-    kept = next((one.convention for one in workspace.given if one.convention), "")
-    return [*out, "--convention", kept] if kept else out
+    return name if path.is_relative_to(workspace.place) else str(path)
 
 
 def _recordings(workspace: Workspace) -> list[str]:
-    verify = _files(workspace, VERIFY)
-    return [*_files(workspace, FIT), *(["--verify", *verify] if verify else []), *_options(workspace)]
+    """Return the recordings, and the options that say how they are read, as a command takes them."""
+    named = [(one, _shown(workspace, one.path, one.name)) for one in workspace.given]
+    out = [name for one, name in named if one.role == FIT]
+    verify = [name for one, name in named if one.role == VERIFY]
+    out += ["--verify", *verify] if verify else []
+    said = next((one.columns for one in workspace.given if one.columns), {})
+    for option, key in (("--map", "columns"), ("--units", "units")):
+        if said.get(key):
+            out += [option, ",".join(f"{name}={value}" for name, value in said[key].items())]
+    out += ["--leg", said["leg"]] if said.get("leg") else []
+    for one, name in named:
+        for convention in _conventions(one):
+            out += ["--convention", f"{name}={convention}"]
+        for file, lag in one.columns.get("join", ()):
+            out += ["--join", f"{name}={file}" + ("" if lag is None else f"@{lag:g}")]
+        for joint in one.passive:
+            out += ["--passive", f"{name}={joint}"]
+        for load in one.payloads:
+            out += ["--payload", f"{name}={load.link}:{load.mass:g}@{load.along:g}"]
+    out += [] if workspace.cutoff is None else ["--cutoff", f"{workspace.cutoff:g}"]
+    out += [] if workspace.derivative == "butterworth" else ["--derivative", workspace.derivative]
+    return [*out, "--seed", str(workspace.seed)] if workspace.seed else out
+
+
+def _base(workspace: Workspace) -> list[str]:
+    """Return the option that names the model everything starts from."""
+    path = workspace.model_path
+    return [] if path is None else ["--model", _shown(workspace, path, workspace.model_name)]
 
 
 def _cli(workspace: Workspace) -> str:
     """Return the commands that do the same: one for every effect that was added, then the whole search."""
-    files = _recordings(workspace)
-    base = [] if workspace.model_path is None else ["--model", workspace.model_name]
-    names = workspace.names
+    files, base, names = _recordings(workspace), _base(workspace), workspace.names
+    if any(name.partition(":")[0] in workspace.own for name in names):
+        # A command knows an effect of one's own from a model file.
+        return shlex.join(["exoid", "compare", *files, "--model", MODEL])
+    if workspace.verdict is not None:
+        return shlex.join(["exoid", "discover", *files, *base])
     if not names:
         return shlex.join(["exoid", "compare", *files, *base])
-    if workspace.diagnosis is not None and set(workspace.diagnosis[0]) == set(names):
-        return shlex.join(["exoid", "discover", *files, *base])
     lines, model = [], base
     for k, name in enumerate(names, start=1):
         file = f"step{k}.toml"
@@ -252,25 +307,31 @@ def _cli(workspace: Workspace) -> str:
 
 
 def _python(workspace: Workspace) -> str:
-    fit, verify = _files(workspace, FIT), _files(workspace, VERIFY)
-    told = next((one.told for one in workspace.given if one.told), None)
-    more = ""
-    if told is not None:
-        more = "".join(
-            f", {key}={value!r}"
-            for key, value in (("columns", dict(told.columns)), ("units", dict(told.units)), ("leg", told.leg))
-            if value
-        )
-    model = "exoid.Model.standard()" if workspace.model_path is None else f"exoid.read_model({workspace.model_name!r})"
-    lines = [
-        "import exoid",
-        "",
-        f"runs = [exoid.read_recording(path{more}) for path in {fit!r}]",
-        f"held_out = [exoid.read_recording(path{more}) for path in {verify!r}]",
-        f"session = exoid.Session({model}, runs, verify=held_out)",
-        f"names = {list(workspace.names)!r}",
-        "session.compare(names)",
+    """Return the same as Python that runs as it stands, beside the recordings and the model file."""
+    own = any(name.partition(":")[0] in workspace.own for name in workspace.names)
+    path = MODEL if own else (_base(workspace) or ["", ""])[1]
+    names = [] if own else list(workspace.names)
+    lines = ["import exoid", "", f"model = exoid.read_model({path!r})" if path else "model = exoid.Model.standard()"]
+    for variable, role in (("runs", FIT), ("held_out", VERIFY)):
+        lines.append(f"{variable} = [")
+        lines += [f"    {_read(workspace, one)}," for one in workspace.given if one.role == role]
+        lines.append("]")
+    more = "" if workspace.cutoff is None else f", cutoff={workspace.cutoff!r}"
+    more += "" if workspace.derivative == "butterworth" else f", derivative={workspace.derivative!r}"
+    more += f", seed={workspace.seed}" if workspace.seed else ""
+    lines += [
+        f"session = exoid.Session(model, runs, verify=held_out{more})",
+        f"print(session.compare({names!r}))",
+        f"print(session.discover({names if workspace.verdict is None else []!r}))",
     ]
-    if workspace.own_texts:
-        lines.insert(1, '# the effects of your own stand in the model file: exoid.read_model("model.toml")')
     return "\n".join(lines) + "\n"
+
+
+def _read(workspace: Workspace, one: Given) -> str:
+    """Return the call that reads a recording as it is read here."""
+    told = {**one.columns, "convention": _conventions(one)}
+    more = [f", {key}={value!r}" for key, value in told.items() if value]
+    more += [", joints=model.joints"] if workspace.joints is not None else []
+    text = f"exoid.read_recording({_shown(workspace, one.path, one.name)!r}{''.join(more)})"
+    text += f".with_passive({', '.join(map(repr, one.passive))})" if one.passive else ""
+    return text + "".join(f".with_payload({p.mass!r}, {p.along!r}, {p.link!r})" for p in one.payloads)

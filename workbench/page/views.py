@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ground.plain import plain_dict
 from ground.text import printable
+from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
+from workbench.exporting import formats
 from workbench.page.given import VERIFY, error_json
 
 if TYPE_CHECKING:
@@ -23,16 +25,18 @@ SURE = 1.96
 
 def state(workspace: Workspace) -> dict[str, Any]:
     """Return everything but the time series."""
-    session = workspace.session
+    session, problem = workspace.session, workspace.problem or workspace.unkept
     out: dict[str, Any] = {
         "version": workspace.version,
         "files": [_file(one) for one in workspace.given],
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),
-        "problem": None if workspace.problem is None else error_json(workspace.problem),
+        "problem": None if problem is None else error_json(problem),
         "folder": str(workspace.saving or "exoid-session"),
         "saved": None if workspace.saved is None else str(workspace.saved),
         "own": list(workspace.own_texts.values()),
+        "formats": formats(),
+        "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
         "search": _search(workspace),
     }
@@ -88,7 +92,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     prepared = session.prepared
     error = _error(workspace, session, names)
     base = session.fitted()
-    unit = ["N·m" if joint.turns else "N" for joint in session.model.joints]
+    unit = [joint.unit("tau") for joint in session.model.joints]
     lengths = _lengths(session.model)
     above = _parents(session.model)
     return {
@@ -199,15 +203,15 @@ def _history(workspace: Workspace, session: Session) -> dict[str, Any]:
 def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     """Return the verdict of a search where it is about the present effects; else what can be said without one."""
     names = workspace.names
-    if workspace.diagnosis is not None and set(workspace.diagnosis[0]) == set(names):
-        found = workspace.diagnosis[1]
+    found = workspace.verdict
+    if found is not None:
         return {
-            "kind": found.verdict,
-            "sentence": found.sentence,
-            "why": found.rule,
-            "next": found.next_experiment,
-            "stability": [f"{a.name}: {a.stability}" for a in found.accepted if a.stability],
-            "possible": [one.sentence for one in found.possible],
+            "kind": found["verdict"],
+            "sentence": found["sentence"],
+            "why": found["rule"],
+            "next": found["next_experiment"],
+            "stability": [f"{_name(one)}: {one['stability']}" for one in found["accepted"] if one["stability"]],
+            "possible": [f"{_name(one)}: {one['reason']}" for one in found["possible"]],
             "judged": True,
         }
     if names in workspace.failed:
@@ -218,15 +222,20 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     floor = session.prepared.noise_floor
     times = [e / max(float(n), 1e-9) for e, n in zip(error, floor, strict=True)]
     worst = max(range(len(times)), key=times.__getitem__)
-    joint, unit = session.model.joint_names[worst], "N·m" if session.model.joints[worst].turns else "N"
+    joint = session.model.joints[worst]
     kind = "unseen" if session.prepared.verify else "fitted"
     near = times[worst] <= session.rules.near_noise
-    text = f"The {joint} misses {error[worst]:.3g} {unit} on {kind} motion, {times[worst]:.2g} times its noise."
+    missed = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion"
+    text = f"The {joint.name} misses {missed}, {times[worst]:.2g} times its noise."
     text += " What is left is near the noise." if near else " Something is still missing."
     if not session.prepared.verify:
         text += " Nothing is held out: hold a recording back to see whether it holds on unseen motion."
     return {"kind": "near_noise" if near else "open", "sentence": text, "judged": False,
             "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
+
+
+def _name(entry: Mapping[str, Any]) -> str:
+    return str(entry["effect"]) if entry["joint"] is None else f"{entry['effect']}:{entry['joint']}"
 
 
 def _ranking(ranking: Ranking) -> dict[str, Any]:

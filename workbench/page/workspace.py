@@ -7,6 +7,7 @@ look again.
 
 from __future__ import annotations
 
+import difflib
 import shutil
 import tempfile
 import threading
@@ -14,6 +15,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,13 +41,20 @@ TOLD_EVERY = 0.3
 class Workspace:
     """Everything that the page shows. Its methods may be called from any thread."""
 
-    def __init__(self, remembered: Path, seed: int = 0, cutoff: float | None = None) -> None:
-        self.remembered, self.seed, self.cutoff = remembered, seed, cutoff
+    def __init__(
+        self, remembered: Path, seed: int = 0, cutoff: float | None = None, derivative: str = "butterworth"
+    ) -> None:
+        self.remembered, self.seed, self.cutoff, self.derivative = remembered, seed, cutoff, derivative
         self.saving: Path | None = None
         """Folder in which the session is kept, once it has one: every step is then kept too."""
         self.keeper: Callable[[], object] | None = None
         """Writes the session to that folder."""
+        self.reporter: Callable[[], object] = lambda: None
+        """Writes its report there."""
         self._unkept = False
+        self.unkept: ExoidError | None = None
+        """Why the session cannot be kept where it should be."""
+        self._reported: object = None
         self._mapped = 0
         self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
         self.given: list[Given] = []
@@ -57,7 +66,10 @@ class Workspace:
         self.session: Session | None = None
         self.trials: dict[Names, Trial] = {}
         self.failed: dict[Names, ExoidError] = {}
-        self.diagnosis: tuple[Names, Diagnosis] | None = None
+        self.verdicts: dict[frozenset[str], dict[str, Any]] = {}
+        """What searches said of the models they came to, as JSON; effects added by hand may come to the same models."""
+        self.diagnoses: dict[frozenset[str], Diagnosis] = {}
+        """The same in full; a session that is opened again has the JSON alone."""
         self.search: BackgroundSearch | None = None
         self.search_message = ""
         self.problem: ExoidError | None = None
@@ -116,7 +128,7 @@ class Workspace:
             self._ids += 1
             one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
             self.given.append(one)
-            self._stale = True
+            self._begin_anew()
         self._touch(changed=True)
         return one
 
@@ -127,6 +139,13 @@ class Workspace:
             folder = self.place / str(self._ids)
         folder.mkdir()
         return folder / files.safe_name(name)
+
+    def session_place(self, drop: int, name: str) -> Path:
+        """Return where a file of a dropped session may be written; `name` is its path in the session's folder."""
+        folder, _, last = name.rpartition("/")
+        target = self.place / f"session-{drop}" / ("recordings" if folder else "") / files.safe_name(last)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        return target
 
     def find(self, id: int) -> Given:
         """Return the file with that number; RecordingError where there is none."""
@@ -140,14 +159,14 @@ class Workspace:
         with self._change:
             old = self.find(id)
             self.given[self.given.index(old)] = replace(old, role=_role(role))
-            self._stale = True
+            self._begin_anew()
         self._touch(changed=True)
 
     def remove_file(self, id: int) -> None:
         """Close a file."""
         with self._change:
             self.given.remove(self.find(id))
-            self._stale = True
+            self._begin_anew()
         self._touch(changed=True)
 
     def map_file(self, id: int, told: Any, convention: str) -> Given:
@@ -161,13 +180,18 @@ class Workspace:
         with self._change:
             self._mapped += 1
             self.given[self.given.index(self.find(id))] = one
-            self._stale = True
+            self._begin_anew()
             # Files like it that wait for the same answer are read again.
             for k, other in enumerate(self.given):
                 if other.error is not None:
                     self.given[k] = replace(other, read=False, error=None)
         self._touch(changed=True)
         return one
+
+    def _begin_anew(self) -> None:
+        """The recordings are others: what was concluded from them does not hold any more."""
+        self._stale = True
+        self.verdicts, self.diagnoses = {}, {}
 
     def _free(self, name: str) -> str:
         """Return a name that no other file has."""
@@ -203,7 +227,7 @@ class Workspace:
         with self._change:
             self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
             self.given = [replace(one, read=False, recordings=(), error=None) for one in self.given]
-            self._stale = True
+            self._begin_anew()
         self._touch(changed=True)
 
     def add_effect(self, entry: dict[str, Any]) -> Effect:
@@ -211,6 +235,7 @@ class Workspace:
         from ground.toml_reader import Table
         from symbolic.custom_effect import read_custom_effect
 
+        entry = _numbers_meant(entry)
         effect = read_custom_effect(Table(entry, (), "", ""), self.model.joints)
         with self._change:
             used = [layer.name for layer in self.history.now.layers if layer.name.partition(":")[0] == effect.id]
@@ -231,6 +256,11 @@ class Workspace:
     def names(self) -> Names:
         """Full names of the effects that are switched on."""
         return self.history.now.names
+
+    @property
+    def verdict(self) -> dict[str, Any] | None:
+        """What a search said of the present model, in the schema of `exoid discover`; None where none ended there."""
+        return self.verdicts.get(frozenset(self.names))
 
     def ranking(self) -> Ranking | None:
         """Return the suspects beside the present effects; None before there is a fit."""
@@ -307,7 +337,8 @@ class Workspace:
                 else:
                     what = ", ".join(accepted) or "nothing"
                     self.search_message = f"found {what} beside the effects as they were when it began"
-                self.diagnosis = (*names, *accepted), found
+                model = frozenset((*names, *accepted))
+                self.diagnoses[model], self.verdicts[model] = found, found.to_json()
         self._touch(changed=True)
 
     # -- the thread ---------------------------------------------------------------------------------------------
@@ -356,13 +387,18 @@ class Workspace:
                 return lambda names=names: self._fit(session, names)  # type: ignore[misc]
         if self._unkept and self.keeper is not None:
             self._unkept = False
-            return self.keeper
+            return partial(self._keep, self.keeper)
         if self.names in self.failed:
             return None
         ranking = session.ranking(self.names)
         if not ranking.finished:
             self.busy = "ranking suspects" if ranking.weighed < 1.0 else "asking placebos"
             return lambda: self._rank(ranking)
+        shown = self.names, self.verdict is None
+        if self.saving is not None and self._reported != shown:
+            self._reported = shown
+            self.busy = "writing the report"
+            return partial(self._keep, self.reporter)
         return None
 
     def _read(self, one: Given) -> None:
@@ -383,7 +419,7 @@ class Workspace:
             self._stale = False
             fit, verify = self._recordings(FIT), self._recordings(VERIFY)
             model, own = self.model, tuple(self.own.values())
-            self.problem, self.diagnosis, self.failed, self.trials = None, None, {}, {}
+            self.problem, self.failed, self.trials = None, {}, {}
             if self.search is not None and self.search.running:
                 self.search.cancel()
                 self.search_message = "the recordings were changed; search again"
@@ -391,7 +427,7 @@ class Workspace:
             self._work.clear()
         if not fit:
             return
-        session = Session(model, fit, verify, extra=own, seed=self.seed, cutoff=self.cutoff)
+        session = Session(model, fit, verify, extra=own, seed=self.seed, cutoff=self.cutoff, derivative=self.derivative)
         session.prepared  # noqa: B018 - outside the lock: the page goes on meanwhile
         session.fitted()
         with self._lock:
@@ -408,11 +444,35 @@ class Workspace:
         except ExoidError as error:
             self.failed[names] = error
 
+    def _keep(self, write: Callable[[], object]) -> None:
+        """Write what is kept; a full disk is said, and everything else goes on."""
+        self.unkept = None
+        try:
+            write()
+        except (ExoidError, OSError) as error:
+            self.unkept = error if isinstance(error, ExoidError) else ExoidError(str(error.strerror or error))
+
     def _rank(self, ranking: Ranking) -> None:
         work = self._work.setdefault(id(ranking), ranking.work())
         began = time.monotonic()
         while next(work, None) is not None and time.monotonic() - began < TOLD_EVERY:
             pass
+
+
+def _numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
+    language (dthta) is no number: it is left out, and refused where it stands.
+    """
+    from symbolic.language.words import OWN
+
+    out = dict(entry)
+    for kind in ("coefficients", "shape"):
+        out[kind] = {
+            name: {"unit": "1", **said}
+            for name, said in dict(entry.get(kind, {})).items()
+            if said or not difflib.get_close_matches(name, OWN, cutoff=0.75)
+        }
+    return out
 
 
 def _role(role: str) -> str:

@@ -52,6 +52,20 @@ export async function upload(file, role) {
   await request(url("/api/file", { name: file.name, role }), { method: "PUT", body: file });
 }
 
+export async function uploadSession(drop, name, file) {
+  await request(url("/api/session", { drop, name }), { method: "PUT", body: file });
+}
+
+// Fetches what takes a moment to make, and hands it to the browser to keep.
+export async function download(path, query, name) {
+  const content = await (await request(url(path, query))).blob();
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
 // {head, arrays}: every array is a list of Float32Array, one per joint.
 export async function numbers(path, query, signal) {
   const buffer = await (await request(url(path, query), { signal })).arrayBuffer();

@@ -9,7 +9,7 @@ import { catchDrops, drawStart } from "./panels/start.js";
 import { doing, problem, say } from "./panels/status.js";
 import { drawSuspects } from "./panels/suspects.js";
 import { drawTakeaway } from "./panels/takeaway.js";
-import { drawVerdict } from "./panels/verdict.js";
+import { drawVerdict, drawWaiting } from "./panels/verdict.js";
 import { followSelection } from "./selection.js";
 import { forget, look, on, refresh, view } from "./store.js";
 
@@ -31,8 +31,11 @@ function draw() {
   }
   drawRecordings();
   offerMapping(state.files);
-  for (const id of ["verdict", "compare", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
-  if (!state.ready) return;
+  for (const id of ["compare", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
+  if (!state.ready) {
+    drawWaiting();
+    return;
+  }
   forget(JSON.stringify([state.recordings, state.filter, state.files.map((file) => file.samples)]));
   drawVerdict();
   drawLayers();

@@ -53,6 +53,7 @@ export async function loadCompare() {
 }
 
 export function redraw(fresh = true) {
+  for (const place of document.getElementById("suspects-curves").children) place.hidden = !view.preview;
   for (const plot of plots) plot.draw(fresh);
   readout();
 }
@@ -65,11 +66,12 @@ function build() {
   plots = [];
   clouds.clear();
   data = null;
-  fill(document.getElementById("compare"), head(recordings), h("div", { class: "readout", id: "readout" }),
+  fill(document.getElementById("compare"), h("div", { class: "compare-head" }, h("div", {}, head(recordings), h("div", { class: "readout", id: "readout" })), posturePanel()),
     joints.map((joint, j) => timePanels(joint, j)),
     h("div", { class: "row wrap scatter-head" }, h("h3", {}, "Error against"), colours()),
-    h("div", { class: "scatters" }, joints.map((joint, j) => scatterPanel(joint, j)), posturePanel()),
+    h("div", { class: "scatters" }, joints.map((joint, j) => scatterPanel(joint, j))),
   );
+  fill(document.getElementById("suspects-curves"), joints.map(curve));
 }
 
 function head(recordings) {
@@ -114,6 +116,13 @@ function timePanels(joint, j) {
   const error = h("canvas", { class: "plot short", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
   plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: true }));
   return h("div", { class: `joint-block joint-${j}` }, h("h3", {}, joint.name), torque, error);
+}
+
+// The error once more beside the suspects, for screens on which the plots are far away.
+function curve(joint, j) {
+  const canvas = h("canvas", { class: "plot short", role: "img", "aria-label": `Error of the ${joint.name} now, and as it would become with the suspect pointed at` });
+  plots.push(new TimePlot(canvas, () => view.preview && errorContent(joint, j), { axis: true }));
+  return h("div", { class: `joint-${j}`, hidden: true }, h("strong", { class: "joint-text" }, joint.name), canvas);
 }
 
 function content(joint, j, series, label) {

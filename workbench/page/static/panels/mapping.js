@@ -36,7 +36,9 @@ export async function openMapping(id) {
     error,
     table.findings.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy))),
     h("div", { class: "scroll", tabindex: "0", "aria-label": "the columns of the file" }, preview(table)),
-    h("div", { class: "mapping" }, rows.map((row) => row.element)),
+    h("div", { class: "mapping" }, rows.filter((row) => row.required).map((row) => row.element)),
+    h("details", { open: rows.some((row) => !row.required && row.column.value) }, h("summary", {}, "what else the file may hold: velocities, accelerations, forces"),
+      h("div", { class: "mapping" }, rows.filter((row) => !row.required).map((row) => row.element))),
     h("details", {}, h("summary", {}, "leg and convention"), h("label", { for: "map-leg" }, "leg ", leg), h("label", { for: "map-convention" }, "angles and torques are counted as ", convention)),
     h("p", { class: "faint" }, "Kept for the next file with these columns."),
     h("div", { class: "row" }, button("Use these columns", send, { class: "primary", "data-testid": "map-apply" }), button("Cancel", () => dialog.close())),
@@ -68,8 +70,8 @@ function wantedRow(wanted, table) {
   const column = choice(id, [["", wanted.required ? "choose …" : "not there"], ...table.columns.map((one) => [one.name, one.name])], guess ? guess.column : "");
   const unit = h("input", { type: "text", size: 9, "aria-label": `unit of ${wanted.name}`, "data-testid": `map-unit-${wanted.name}`, placeholder: wanted.si,
     value: table.told.units[wanted.name] || (guess && guess.unit !== wanted.si ? guess.unit : "") });
-  const words = h("label", { for: id }, h("code", {}, wanted.name), wanted.required ? "" : " (if there is one)");
-  return { name: wanted.name, column, unit, element: h("div", { class: "row wrap mapping-row" }, words, column, unit) };
+  const words = h("label", { for: id }, h("code", {}, wanted.name));
+  return { name: wanted.name, required: wanted.required, column, unit, element: h("div", { class: "row mapping-row" }, words, column, unit) };
 }
 
 function preview(table) {

@@ -5,7 +5,7 @@ import { button, fill, h } from "../dom.js";
 import { view } from "../store.js";
 
 const WORDS = /[A-Za-z_][A-Za-z0-9_]*/g;
-const KNOWN = /^(theta|dtheta|ddtheta)\d*$|^(t|tau_rigid|tau_model|pi|sin|cos|tan|exp|log|sqrt|abs|sgn|sign|tanh|min|max|play|dahl|delay|ddt|atan|asin|acos|sinh|cosh|step|heaviside|pow|gravity|thigh_length)\d*$/;
+const MOTION = /^(d{0,2}theta|tau_rigid|tau_model)(\d{1,2}|_next)?$|^tau\d_by_/;
 
 export function openOwnEffect() {
   const { joints } = view.state;
@@ -15,7 +15,7 @@ export function openOwnEffect() {
   const joint = h("select", { id: "own-joint", "data-testid": "own-joint" }, h("option", { value: "" }, "each joint"), joints.map((one) => h("option", { value: one.name }, one.name)));
   const rows = h("div", { class: "numbers" });
   const kept = new Map();
-  const names = () => [...new Set(torque.input.value.match(WORDS) || [])].filter((word) => !KNOWN.test(word));
+  const names = () => [...new Set(torque.input.value.replace(/\[[^\]]*\]/g, "").match(WORDS) || [])].filter((word) => !MOTION.test(word) && !view.state.words.includes(word));
   const draw = () => fill(rows, names().map((name) => numberRow(name, kept)));
   torque.input.addEventListener("input", draw);
   draw();
@@ -32,7 +32,7 @@ export function openOwnEffect() {
     for (const name of names()) {
       const { kind, unit, min, max } = kept.get(name);
       const limits = Object.fromEntries([["min", min], ["max", max]].filter(([, value]) => value !== "").map(([key, value]) => [key, Number(value)]));
-      entry[kind === "shape" ? "shape" : "coefficients"][name] = { unit: unit || "1", ...limits };
+      entry[kind === "shape" ? "shape" : "coefficients"][name] = { ...(unit ? { unit } : {}), ...limits };
     }
     try {
       await tell("effect", { effect: entry });

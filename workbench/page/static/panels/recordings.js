@@ -30,12 +30,12 @@ function row(file) {
   role.value = file.role;
   const worst = file.findings.filter((finding) => finding.severity !== "info");
   return h("li", {},
-    h("div", { class: "row wrap" }, h("span", { class: "file-name" }, file.name), role,
+    h("div", { class: "row wrap" }, h("span", { class: "file-name" }, file.name)),
+    h("div", { class: "row wrap" }, h("span", { class: "faint file-size" }, file.rate ? `${seconds(file.seconds)} at ${number(file.rate)} Hz` : ""), role,
       button("columns …", () => openMapping(file.id), { "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` }),
       button("✕", () => doing(tell("close", { file: file.id })), { "aria-label": `close ${file.name}` })),
     !file.read && h("p", { class: "faint" }, "being read …"),
     file.error && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, file.error.remedy)),
-    file.rate && h("p", { class: "faint" }, `${seconds(file.seconds)} at ${number(file.rate)} Hz`),
     worst.length > 0 && h("details", {}, h("summary", {}, `${worst.length} note${worst.length === 1 ? "" : "s"} of the audit`),
       worst.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy)))),
   );

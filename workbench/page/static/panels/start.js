@@ -1,6 +1,6 @@
-// The first screen: drop files, pick them, or begin with the demo.
+// The first screen: drop files or a saved session, pick them, or begin with the demo.
 
-import { tell, upload } from "../api.js";
+import { tell, upload, uploadSession } from "../api.js";
 import { button, fill, h } from "../dom.js";
 import { view } from "../store.js";
 import { doing, say } from "./status.js";
@@ -9,7 +9,7 @@ const HELD_OUT = /^(verify|validation|valid|test|held|hold)/i;
 
 // Files in the order of their names. Of three or more at once the last is held out, if none is yet and no name says so.
 export async function take(files) {
-  const list = [...files].sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
+  const list = [...files].filter((file) => !file.name.startsWith(".")).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
   const recordings = list.filter((file) => !file.name.endsWith(".toml"));
   const held = view.state.files.some((one) => one.role === "verify") || recordings.some((file) => HELD_OUT.test(file.name));
   for (const file of list) {
@@ -19,14 +19,54 @@ export async function take(files) {
   }
 }
 
-export function picker(text, testid) {
-  const input = h("input", { type: "file", multiple: true, id: testid, "data-testid": testid, class: "file" });
-  input.addEventListener("change", () => doing(take(input.files).then(() => (input.value = ""))));
+// Of a folder that exoid saved, all files of the session; of any other, the recordings in it.
+async function takeTree(tree) {
+  const saved = tree.find(({ path }) => path.split("/").at(-1) === "session.json");
+  if (!saved) return take(tree.map(({ file }) => file));
+  const root = saved.path.slice(0, -"session.json".length);
+  const drop = Date.now() % 1e9;
+  for (const { path, file } of tree.filter((one) => one.path.startsWith(root))) {
+    say(`sending ${file.name}`);
+    await uploadSession(drop, path.slice(root.length), file);
+  }
+  return tell("reopen", { drop });
+}
+
+export function picker(text, testid, folder = false) {
+  const input = h("input", { type: "file", multiple: true, webkitdirectory: folder, id: testid, "data-testid": testid, class: "file" });
+  const taken = () => (folder ? takeTree([...input.files].map((file) => ({ path: file.webkitRelativePath || file.name, file }))) : take(input.files));
+  input.addEventListener("change", () => doing(taken().then(() => (input.value = ""))));
   return h("label", { class: "pick", for: testid }, text, input);
+}
+
+// Every file under what was dropped, with its path.
+async function filesOf(entries, before = "") {
+  const out = [];
+  for (const entry of entries) {
+    const path = before + entry.name;
+    if (entry.isFile) out.push({ path, file: await new Promise((good, bad) => entry.file(good, bad)) });
+    else out.push(...(await filesOf(await children(entry), `${path}/`)));
+  }
+  return out;
+}
+
+// A reader hands out a part of a folder at a time, and nothing when there is no more.
+async function children(folder) {
+  const reader = folder.createReader(), out = [];
+  for (;;) {
+    const part = await new Promise((good, bad) => reader.readEntries(good, bad));
+    if (!part.length) return out;
+    out.push(...part);
+  }
 }
 
 export function drawStart() {
   const place = document.getElementById("start");
+  const folder = h("input", { id: "session-folder", type: "text", "data-testid": "session-folder", placeholder: "exoid-session" });
+  const reopen = (event) => {
+    event.preventDefault();
+    doing(tell("reopen", { folder: folder.value.trim() || folder.placeholder }));
+  };
   fill(place,
     h("h1", { id: "start-title" }, "Which physical effect is your model missing?"),
     h("p", { class: "lead" }, "Compare a model with measured torques, see where it fails, learn what is missing, add it, and watch the error fall on motion the model has never seen."),
@@ -37,6 +77,9 @@ export function drawStart() {
     ),
     h("p", { class: "or" }, "or ", button("Begin with the demo", () => doing(tell("demo")), { "data-testid": "demo", class: "primary" }),
       " four recordings of a leg with something hidden in it"),
+    h("form", { class: "or", onsubmit: reopen, "aria-label": "a saved session" },
+      "or go on with a saved session: drop its folder, ", picker("choose it …", "pick-session", true), h("label", { for: "session-folder" }, "or name it ", folder),
+      h("button", { type: "submit", "data-testid": "open-session" }, "Open")),
   );
 }
 
@@ -58,6 +101,8 @@ export function catchDrops() {
     event.preventDefault();
     depth = 0;
     over(false);
-    if (event.dataTransfer.files.length) doing(take(event.dataTransfer.files));
+    const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry && item.webkitGetAsEntry()).filter(Boolean);
+    if (entries.some((entry) => entry.isDirectory)) doing(filesOf(entries).then(takeTree));
+    else if (event.dataTransfer.files.length) doing(take(event.dataTransfer.files));
   });
 }

@@ -11,7 +11,7 @@ let shown = null;
 
 export function drawSuspects() {
   const { ranking } = view.state;
-  const place = document.getElementById("suspects");
+  const place = document.getElementById("suspects-list");
   const head = h("h2", { id: "suspects-title" }, "Suspects");
   if (!ranking) {
     refill(place, head, h("p", { class: "faint" }, "ranked as soon as the model is fitted …"));

@@ -1,9 +1,11 @@
 // Everything that was done, to take away: as a command, as Python, as a model, as a report, as a folder.
 
-import { ask, tell, url } from "../api.js";
+import { ask, download, tell } from "../api.js";
 import { button, fill, h } from "../dom.js";
 import { view } from "../store.js";
 import { doing, say } from "./status.js";
+
+const FORMATS = { c: "C", casadi: "CasADi", numpy: "NumPy", urdf: "URDF", mjcf: "MJCF" };
 
 let kind = "cli";
 
@@ -14,12 +16,16 @@ export function drawTakeaway() {
       kind = event.target.value;
       show();
     } }, [["cli", "command line"], ["python", "Python"], ["toml", "model (TOML)"]].map(([value, words]) => h("option", { value }, words)));
+    const format = h("select", { id: "export-format", "data-testid": "export-format" }, view.state.formats.map((name) => h("option", { value: name }, FORMATS[name] || name)));
     const folder = h("input", { id: "save-folder", type: "text", "data-testid": "save-folder", value: view.state.folder });
+    choose.value = kind;
     fill(place,
       h("h2", { id: "takeaway-title" }, "Take away"),
       h("div", { class: "row wrap" }, h("label", { for: "copy-kind" }, "as ", choose), button("Copy", copy, { "data-testid": "copy-command" })),
       h("pre", { id: "command", "data-testid": "command", tabindex: "0" }),
-      h("div", { class: "row wrap" }, link("Report", "/api/report", "save-report"), link("Model", "/api/model", "save-model")),
+      h("div", { class: "row wrap" }, keep("Report", () => download("/api/report", {}, "report.html"), "save-report"),
+        keep("Model", () => download("/api/model", {}, "model.toml"), "save-model"),
+        h("label", { for: "export-format" }, "code for ", format), keep("Export", () => download("/api/export", { format: format.value }, `exoid-model-${format.value}.zip`), "export-model")),
       h("div", { class: "row wrap" }, h("label", { for: "save-folder" }, "folder ", folder),
         button("Save the session", () => doing(save(folder.value)), { "data-testid": "save-session" })),
       h("p", { class: "faint", id: "saved", role: "status" }),
@@ -35,7 +41,7 @@ let shownFor = "";
 
 async function show() {
   const { state } = view;
-  const now = JSON.stringify([state.key, state.verdict.kind, state.files.map((file) => [file.name, file.role]), state.own, state.fitted]);
+  const now = JSON.stringify([state.key, state.verdict.kind, state.verdict.judged, state.files.map((file) => [file.name, file.role]), state.own]);
   if (now !== shownFor) {
     shownFor = now;
     texts = (await doing(ask("/api/takeaway"))) || {};
@@ -62,6 +68,14 @@ async function save(folder) {
   say(`saved in ${place}`);
 }
 
-function link(words, path, testid) {
-  return h("a", { class: "button", href: url(path), download: "", "data-testid": testid }, words);
+// A button for what takes a moment to make: it says so meanwhile, and is not pressed twice.
+function keep(words, make, testid) {
+  const press = button(words, async () => {
+    press.disabled = true;
+    press.textContent = `${words} …`;
+    await doing(make());
+    press.textContent = words;
+    press.disabled = false;
+  }, { "data-testid": testid });
+  return press;
 }

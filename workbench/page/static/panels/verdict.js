@@ -11,6 +11,16 @@ const NAMES = {
   check_channels: "check the channels", open: "not judged yet", near_noise: "near the noise", unknown: "…",
 };
 
+// Before there is a session: what goes on, or what is missing.
+export function drawWaiting() {
+  const { busy, files } = view.state;
+  const unread = files.filter((file) => file.error).length;
+  refill(document.getElementById("verdict"),
+    h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
+    busy ? [h("p", { class: "lead" }, `${busy} …`), h("progress", { "aria-label": busy })]
+      : [h("p", { class: "lead" }, "Nothing to fit yet."), h("p", {}, unread ? "Say which column is what (columns …), or add another recording." : "Mark at least one recording as fitted, or add one.")]);
+}
+
 export function drawVerdict() {
   const { state } = view;
   const { verdict, joints, search } = state;
@@ -27,7 +37,7 @@ export function drawVerdict() {
     h("div", { class: "tiles" }, joints.map(tile)),
     staircase(),
     discover(search),
-    state.audit.length > 0 && h("details", { class: "audit" }, h("summary", {}, `${state.audit.length} notes about the recordings`),
+    state.audit.length > 0 && h("details", { class: "audit" }, h("summary", {}, `${state.audit.length} note${state.audit.length === 1 ? "" : "s"} about the recordings`),
       h("ul", {}, state.audit.map((text) => h("li", {}, text)))),
   ];
   refill(document.getElementById("verdict"), rows);
@@ -58,7 +68,7 @@ function staircase() {
     h("ol", { class: "staircase scroll", "data-testid": "staircase", tabindex: "0", "aria-label": "steps of the model" },
       steps.map((step, place) => h("li", {}, stepButton(step, place, most, history.at))),
     ),
-    h("p", { class: "faint" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}  `]), "line: noise floor"),
+    h("p", { class: "faint" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}`]), h("span", { class: "noise-key" }), " noise floor"),
   );
 }
 
@@ -89,13 +99,13 @@ function bars(step, most) {
 
 function discover(search) {
   if (!search.running) {
-    return h("div", { class: "row" },
+    return h("div", { class: "row discover" },
       button("Discover", () => doing(tell("discover")), { "data-testid": "discover", class: "primary" }),
       h("span", { class: "faint" }, search.message || "searches the whole catalogue, adds what is missing, and judges it"),
     );
   }
   const bar = h("progress", { max: "1", value: search.fraction, "data-testid": "progress", "aria-label": "progress of the search" });
-  return h("div", { class: "row running" },
+  return h("div", { class: "row wrap running" },
     bar, h("span", { class: "faint" }, `${percent(search.fraction)} ${search.text}`),
     button("Cancel", () => doing(tell("cancel")), { "data-testid": "cancel" }),
   );
