@@ -82,7 +82,7 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
             given = replace(given, told=told) if told else given
         recordings = read_recordings([given.path], joints=joints, **given.columns)
     except ExoidError as error:
-        return replace(given, recordings=(), error=_without_path(error, given), read=True)
+        return replace(given, recordings=(), error=without_path(error, given.path, given.name), read=True)
     recordings = tuple(one.with_passive(*given.passive) for one in recordings)
     for load in given.payloads:
         recordings = tuple(one.with_payload(load.mass, load.along, load.link) for one in recordings)
@@ -154,7 +154,7 @@ def _column(column: Any) -> dict[str, Any]:
     }
 
 
-def _without_path(error: ExoidError, given: Given) -> ExoidError:
-    """Return the error with the name of the file instead of the place where it was stored."""
-    texts = [text.replace(str(given.path), given.name) for text in (error.what, error.where, error.remedy)]
+def without_path(error: ExoidError, path: Path, name: str) -> ExoidError:
+    """Return the error with the name of a file instead of the place where it was stored."""
+    texts = [text.replace(str(path), name) for text in (error.what, error.where, error.remedy)]
     return RecordingError(texts[0], where=texts[1], remedy=texts[2])

@@ -15,10 +15,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import RecordingError
+from ground.errors import ExoidError, RecordingError
 from ground.files import write_whole
 from ground.plain import plain
-from workbench.page.given import FIT, VERIFY, safe_name
+from workbench.page.given import FIT, VERIFY, safe_name, without_path
 
 if TYPE_CHECKING:
     from workbench.page.given import Given
@@ -114,9 +114,12 @@ def exported(workspace: Workspace, kind: str) -> bytes:
     if kind not in formats():
         raise RecordingError(f"there is no format {kind[:20]!r}", remedy=f"use {', '.join(formats())}")
     with tempfile.TemporaryDirectory(prefix="exoid-export-") as folder:
-        model = Path(folder) / "model.toml"
+        model = Path(folder) / MODEL
         model.write_text(model_toml(workspace), encoding="utf-8")
-        files = exporter(kind).write(read_ready(str(model)), Options())
+        try:
+            files = exporter(kind).write(read_ready(str(model)), Options())
+        except ExoidError as error:
+            raise without_path(error, model, MODEL) from error
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in files.items():

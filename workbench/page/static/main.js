@@ -20,6 +20,7 @@ function draw() {
   const empty = state.files.length === 0;
   $("start").hidden = !empty;
   $("work").hidden = empty;
+  $("status").classList.toggle("hidden", !empty && !state.ready); // said in full size then
   document.body.dataset.ready = String(state.ready && state.fitted);
   say(state.busy ? `${state.busy} …` : empty ? "" : state.ready ? "" : "give at least one recording to fit");
   if (state.problem) problem(state.problem, false);

@@ -148,7 +148,7 @@ function errorContent(joint, j) {
   if (preview && preview.head.recording === recording) {
     const { arrays } = preview;
     if (layers.band) series.unshift({ values: masked(arrays.high[j], motion, j), band: masked(arrays.low[j], motion, j), colour: "faint", scales: false });
-    series.push({ values: masked(arrays.error[j], motion, j), colour: "good", width: 1.8 });
+    series.push({ values: masked(arrays.error[j], motion, j), colour: "ink", width: 1.8 });
   }
   return { ...content(joint, j, series, preview ? "error now, and with it" : "error"), zero: true };
 }
@@ -163,13 +163,15 @@ function colours() {
   return h("label", { for: "colouring" }, "coloured by ", choose, h("span", { id: "legend", class: "faint" }));
 }
 
+const FORWARDS = 2; // not the colours of the first joints
 const CLOUD_COLOURS = ["cloud-0", "cloud-1", "cloud-2", "cloud-3", "cloud-4", "cloud-5"];
 
 function legend() {
   const place = document.getElementById("legend");
   if (!place) return;
   const words = colouring === "direction" ? ["forwards", "backwards"] : view.state.recordings.map((one) => one.name);
-  fill(place, words.map((text, k) => [h("span", { class: `dot ${CLOUD_COLOURS[k % CLOUD_COLOURS.length]}` }), ` ${text} `]));
+  const from = colouring === "direction" ? FORWARDS : 0;
+  fill(place, words.map((text, k) => h("span", { class: "key-entry" }, h("span", { class: `dot ${CLOUD_COLOURS[(from + k) % CLOUD_COLOURS.length]}` }), ` ${text} `)));
 }
 
 function scatterPanel(joint, j) {
@@ -194,7 +196,7 @@ function scatterContent(joint, j, entries) {
   const name = axisOf.get(joint.name);
   const list = [...clouds.values()].sort((a, b) => a.recording - b.recording);
   const colourOf = colouring === "direction"
-    ? (cloud) => (k) => (cloud.motion.arrays.velocity[j][k] >= 0 ? 0 : 1)
+    ? (cloud) => (k) => (cloud.motion.arrays.velocity[j][k] >= 0 ? FORWARDS : FORWARDS + 1)
     : (cloud) => () => cloud.recording % CLOUD_COLOURS.length;
   return {
     joint: j, variable: name, unit: joint.unit, entry: entries.find((one) => one.name === name), colours: CLOUD_COLOURS,

@@ -5,6 +5,7 @@ import { button, h } from "../dom.js";
 import { number } from "../format.js";
 import { doing } from "./status.js";
 
+const ROWS = 5;
 const offered = new Set();
 
 let waiting = null;
@@ -76,11 +77,11 @@ function wantedRow(wanted, table) {
 
 function preview(table) {
   const shown = table.columns.slice(0, 60);
-  const count = Math.max(...shown.map((column) => column.first.length), 0);
+  const count = Math.min(ROWS, Math.max(...shown.map((column) => column.first.length), 0));
   const cell = (value) => (typeof value === "number" ? number(value, 5) : value ?? "");
   return h("table", {},
     h("caption", { class: "caption" }, `${table.columns.length} columns, the first ${count} rows`),
     h("thead", {}, h("tr", {}, shown.map((column) => h("th", { scope: "col" }, column.name, column.unit ? ` [${column.unit}]` : "")))),
-    h("tbody", {}, Array.from({ length: Math.min(count, 5) }, (_, k) => h("tr", {}, shown.map((column) => h("td", { class: "number" }, cell(column.first[k])))))),
+    h("tbody", {}, Array.from({ length: count }, (_, k) => h("tr", {}, shown.map((column) => h("td", { class: "number" }, cell(column.first[k])))))),
   );
 }

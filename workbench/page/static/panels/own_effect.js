@@ -9,7 +9,7 @@ const MOTION = /^(d{0,2}theta|tau_rigid|tau_model)(\d{1,2}|_next)?$|^tau\d_by_/;
 
 export function openOwnEffect() {
   const { joints } = view.state;
-  const error = h("pre", { class: "caret", "data-testid": "own-error", role: "alert" });
+  const error = h("div", { class: "caret", "data-testid": "own-error", role: "alert" });
   const id = field("own-id", "name", "text", { value: "my_effect" });
   const torque = field("own-torque", "torque", "text", { value: "c * dtheta * abs(dtheta)", spellcheck: "false", autocomplete: "off" });
   const joint = h("select", { id: "own-joint", "data-testid": "own-joint" }, h("option", { value: "" }, "each joint"), joints.map((one) => h("option", { value: one.name }, one.name)));
@@ -38,7 +38,7 @@ export function openOwnEffect() {
       await tell("effect", { effect: entry });
       dialog.close();
     } catch (problem) {
-      error.textContent = [problem.where, problem.what, problem.remedy && `what to do: ${problem.remedy}`].filter(Boolean).join("\n");
+      fill(error, problem.where && h("pre", { tabindex: "0" }, problem.where), h("p", {}, problem.what), problem.remedy && h("p", {}, `what to do: ${problem.remedy}`));
     }
   }
   document.body.append(dialog);

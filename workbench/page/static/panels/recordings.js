@@ -30,10 +30,10 @@ function row(file) {
   role.value = file.role;
   const worst = file.findings.filter((finding) => finding.severity !== "info");
   return h("li", {},
-    h("div", { class: "row wrap" }, h("span", { class: "file-name" }, file.name)),
+    h("div", { class: "row" }, h("span", { class: "file-name" }, file.name),
+      button("✕", () => doing(tell("close", { file: file.id })), { "aria-label": `close ${file.name}`, "data-testid": `close-${file.id}` })),
     h("div", { class: "row wrap" }, h("span", { class: "faint file-size" }, file.rate ? `${seconds(file.seconds)} at ${number(file.rate)} Hz` : ""), role,
-      button("columns …", () => openMapping(file.id), { "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` }),
-      button("✕", () => doing(tell("close", { file: file.id })), { "aria-label": `close ${file.name}` })),
+      button("columns …", () => openMapping(file.id), { "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` })),
     !file.read && h("p", { class: "faint" }, "being read …"),
     file.error && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, file.error.remedy)),
     worst.length > 0 && h("details", {}, h("summary", {}, `${worst.length} note${worst.length === 1 ? "" : "s"} of the audit`),

@@ -38,13 +38,22 @@ function row(suspect, chosen) {
   const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: suspect.explains });
   return h("li", {
     "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.significant ? " sure" : ""}`,
-    onpointermove: (event) => (event.movementX || event.movementY) && on(), onfocusin: on,
+    onpointermove: (event) => moved(event) && on(), onfocusin: on,
   },
     h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),
       button("add", () => doing(tell("add", { effect: suspect.name })), { "data-testid": `add-${suspect.name}`, "aria-label": `add ${suspect.name}` })),
     bar,
     h("div", { class: "faint small", id: `p-${suspect.name}` }, suspect.name, " ", evidence(suspect)),
   );
+}
+
+// A list that is sorted anew under a pointer at rest moves to it too: that is not pointing.
+let at = "";
+
+function moved(event) {
+  const before = at;
+  at = `${event.clientX},${event.clientY}`;
+  return at !== before;
 }
 
 function evidence(suspect) {
@@ -84,7 +93,7 @@ function detailPanel() {
   const falls = shown.rms ? joints.map((joint, j) => `${joint.name} ${rms(joint.error)} → ${rms(shown.rms[j])} ${joint.unit}`).join(", ") : "";
   return h("div", { class: "detail", id: "detail", "data-testid": "detail" },
     h("h3", {}, shown.title), h("p", {}, shown.explains),
-    falls && h("p", {}, `Error as it would become: ${falls}`),
+    falls && h("p", {}, `Error as it would become: ${falls}. In the plots: dark with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
     shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => `${one.name} ≈ ${number(one.value)} ${one.unit === "1" ? "" : one.unit}`).join(", ")),
     h("p", { class: "faint" }, shown.alike.length ? `These data cannot tell it from: ${shown.alike.join(", ")}` : "Nothing else does as well in these data."),

@@ -73,7 +73,7 @@ export function axes(surface, frame, x, y, words) {
   context.lineWidth = 1;
   context.strokeStyle = grid;
   context.fillStyle = faint;
-  const xs = ticks(x[0], x[1], (frame.right - frame.left) / 80), ys = ticks(y[0], y[1], (frame.bottom - frame.top) / 34);
+  const xs = ticks(x[0], x[1], (frame.right - frame.left) / 80), ys = ticks(y[0], y[1], (frame.bottom - frame.top) / 24);
   context.beginPath();
   for (const v of xs) {
     context.moveTo(Math.round(px(v)) + 0.5, frame.top);
@@ -96,6 +96,6 @@ export function axes(surface, frame, x, y, words) {
   }
   context.textAlign = "left";
   context.textBaseline = "bottom";
-  context.fillText(words.y, frame.left - 44, frame.top - 4);
+  context.fillText(words.y, frame.left - 44, frame.top - 8);
   return { px, py };
 }

@@ -5,7 +5,7 @@ import { look, view } from "../store.js";
 import { selected } from "../selection.js";
 
 const MOST = 30000;
-const LEFT = 52, RIGHT = 10, TOP = 20, BOTTOM = 34;
+const LEFT = 52, RIGHT = 10, TOP = 24, BOTTOM = 34;
 
 export class Scatter {
   // `content()` returns {joint, variable, entry, unit, clouds: [{recording, motion, error, x, colourOf}]} or null.

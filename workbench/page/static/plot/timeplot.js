@@ -4,7 +4,7 @@ import { Surface, axes } from "./canvas.js";
 import { extent, pyramid } from "./decimate.js";
 import { look, view } from "../store.js";
 
-const LEFT = 52, RIGHT = 10, TOP = 20;
+const LEFT = 52, RIGHT = 10, TOP = 24;
 
 export class TimePlot {
   // `content()` returns {dt, t0, count, recording, joint, series: [{values, colour, width, band}], marks, unit, label} or null.
