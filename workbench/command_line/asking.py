@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material, Picture, Steps, command_of, pictures_of, settings_of
+from workbench.report.material import Material, Steps, before_and_after, command_of, pictures_of, settings_of
 from workbench.terminal.progress import part, progress
 from workbench.terminal.screen import Screen
 from workbench.terminal.showing import show_diagnosis, show_steps
@@ -62,10 +62,7 @@ def material_of(
 ) -> Material:
     """Return what the report of a Diagnosis or Discovery draws on."""
     changed = comparison is not None and len(found.steps) > 1
-    falls: tuple[Picture, ...] = ()
-    if changed:
-        name, words, figure = comparison.before_and_after(found.fit)
-        falls = (Picture(name, words, figure, "verdict"),)
+    falls = before_and_after(comparison, found.fit) if changed else ()
     return Material(
         title=title,
         recordings=given.recordings,

@@ -62,14 +62,14 @@ def report(workspace: Workspace) -> str:
     where nothing is open.
     """
     from diagnosis.extend import Waterfall
-    from workbench.report.material import Material, Steps, pictures_of
+    from workbench.report.material import Material, Steps, before_and_after, pictures_of, without_folders
     from workbench.report.page import render_report
+    from workbench.report.sections.verdict import WORDS
 
     session = workspace.session
     if session is None:
         raise RecordingError("nothing is open yet", remedy="give at least one recording to fit")
     names = workspace.names
-    comparison = session.compare(names)
     path = [names[:k] for k in range(len(names) + 1)]
     steps = [session.step(p, f"+ {p[-1]}" if p else "base") for p in path]
     said = workspace.verdict
@@ -83,23 +83,26 @@ def report(workspace: Workspace) -> str:
     )
     kind = "motion the fit has not seen" if session.prepared.verify else "the fitted motion"
     answer = f"The model with {', '.join(names) or 'no further effect'} leaves {rms} (RMS) on {kind}."
+    if said is not None:
+        answer = "" if diagnosis is not None else f"{WORDS.get(said['verdict'], said['verdict'])}. {said['sentence']}"
     shown = diagnosis or fall
-    material = Material(
-        title="exoid open",
-        answer=answer if said is None else f"{said['verdict']}: {said['sentence']}",
-        recordings=session.recordings,
-        verify=session.verify,
-        model=now.model,
-        fit=now.fit,
-        comparison=comparison,
-        diagnosis=diagnosis,
-        steps=Steps.of(shown),
-        pictures=pictures_of(shown, section="suspects") + pictures_of(comparison, section="where"),
-        command=_cli(workspace).splitlines()[-1],
-        settings={"filter": session.prepared.choice.reason},
-    )  # fmt: skip
     with DRAWING:
-        page = render_report(material)
+        comparison = session.compare()
+        falls = before_and_after(comparison, now.fit) if names else ()
+        page = render_report(Material(
+            title="What the model was missing" if names else "Model against measurement",
+            answer=answer,
+            recordings=session.recordings,
+            verify=session.verify,
+            model=now.model,
+            fit=now.fit,
+            comparison=comparison,
+            diagnosis=diagnosis,
+            steps=Steps.of(shown),
+            pictures=falls + pictures_of(shown, section="suspects") + pictures_of(comparison, section="where"),
+            command=without_folders(_cli(workspace).splitlines()[-1]),
+            settings={"filter": session.prepared.choice.reason},
+        ))  # fmt: skip
     if workspace.saving is not None and (diagnosis is not None or said is None):  # or the one kept says more
         workspace.saving.mkdir(parents=True, exist_ok=True)
         write_whole(workspace.saving / REPORT, page)
@@ -187,30 +190,22 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
     holds none that can be understood.
     """
     from diagnosis.session.history import History
-    from measurement.reading.mapping import StatedMapping
-    from symbolic.mechanics.payload import Payload
 
     try:
         content = json.loads((folder / SESSION).read_text(encoding="utf-8"))
         if content["schema"] != SCHEMA:
             raise ValueError(content["schema"])
+        recordings = [_given(folder, entry) for entry in content["recordings"]]
+        history = History.from_json(content["history"])
         if content["base"]:
             workspace.use_model(_inside(folder, content["base"]), str(content["model"]))
         for entry in content["own_effects"]:
             workspace.add_effect(dict(entry))
-        for entry in content["recordings"]:
-            told = StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]))
-            joined = [(str(_inside(folder, file)), lag) for file, lag in entry["join"]]
-            workspace.add_file(
-                _inside(folder, entry["file"]), str(entry["name"]), VERIFY if entry["role"] == VERIFY else FIT,
-                told=told if told else None, convention=",".join(entry["convention"]),
-                options={"join": joined} if joined else {}, passive=tuple(entry["passive"]),
-                payloads=tuple(Payload(*one) for one in entry["payloads"]),
-            )  # fmt: skip
-        history = History.from_json(content["history"])
-        workspace.change_history(lambda _: history)
         workspace.cutoff, workspace.derivative = content["cutoff"], str(content["derivative"])
         workspace.seed = int(content["seed"])
+        for one in recordings:
+            workspace.add_file(**one)
+        workspace.change_history(lambda _: history)
         workspace.verdicts = {frozenset(one["effects"]): dict(one["found"]) for one in content["verdicts"]}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise RecordingError(
@@ -219,6 +214,24 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
     if kept:
         workspace.saved = Path(os.path.realpath(folder))
         keep_in(workspace, workspace.saved)
+
+
+def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
+    """Return a recording of a saved session as the workspace takes it."""
+    from measurement.reading.mapping import StatedMapping
+    from symbolic.mechanics.payload import Payload
+
+    joined = [(str(_inside(folder, file)), lag) for file, lag in entry["join"]]
+    return {
+        "path": _inside(folder, entry["file"]),
+        "name": str(entry["name"]),
+        "role": VERIFY if entry["role"] == VERIFY else FIT,
+        "told": StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"])) or None,
+        "convention": ",".join(entry["convention"]),
+        "options": {"join": joined} if joined else {},
+        "passive": tuple(entry["passive"]),
+        "payloads": tuple(Payload(*one) for one in entry["payloads"]),
+    }
 
 
 def keep_in(workspace: Workspace, folder: Path) -> None:

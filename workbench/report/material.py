@@ -102,6 +102,11 @@ def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
     return tuple(found)
 
 
+def before_and_after(comparison: Any, fit: Any) -> tuple[Picture, ...]:
+    """Return the picture for the top of the page: measured, the model of a Comparison, and the one that came of it."""
+    return (Picture(*comparison.before_and_after(fit), "verdict"),)
+
+
 def picture_of_fit(fit: Any) -> Picture:
     """Return the plot of a Fit."""
     alt = "Torque and residual of every joint, intervals of the parameters, and how each optimiser converged."

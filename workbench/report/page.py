@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent
 
 
-
 @dataclass(frozen=True)
 class PageSection:
     """A section as it stands in the page; one that is not `open` shows its title until it is clicked."""

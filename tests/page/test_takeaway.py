@@ -1,0 +1,92 @@
+"""What is taken away from the page says everything that was said to it, and a saved session holds it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+
+import pytest
+
+from ground.errors import ExoidError, RecordingError
+from measurement.reading.mapping import StatedMapping
+from symbolic.mechanics.payload import Payload
+from workbench.command import verb_parser
+from workbench.commands.demo import DATA
+from workbench.page.given import VERIFY
+from workbench.page.takeaway import commands, reopen, save
+from workbench.page.workspace import Workspace
+
+VERDICT = {"verdict": "missing", "sentence": "it rubs", "stopped_because": "nothing is left"}
+OWN = {"id": "rub", "joint": "knee", "torque": "c * abs(tau_rigid) * sgn(dtheta)", "coefficients": {"c": {"unit": "1"}}}
+
+
+@pytest.fixture
+def full(tmp_path):
+    """Return a workspace to which everything was said that can be; nothing is computed in it."""
+    workspace = Workspace(tmp_path / "mappings", seed=3, cutoff=4.5, derivative="savgol")
+    told = StatedMapping({"q1": "A", "q2": "B"}, {"q": "deg"})
+    files = [shutil.copy(DATA / f"{name}.csv", tmp_path / f"{name}.csv") for name in ("train_1", "train_2", "verify")]
+    first, second, third = map(type(tmp_path), files)
+    workspace.add_file(first, first.name, told=told, convention="flexion-positive", payloads=(Payload(2.0, 0.35),))
+    workspace.add_file(second, second.name, options={"join": [(str(third), 0.25)]}, passive=("knee",))
+    workspace.add_file(third, third.name, VERIFY)
+    workspace.add_effect(OWN)
+    workspace.change_history(lambda history: history.add("rub:knee", "stribeck:hip").undo())
+    workspace.verdicts[frozenset(["rub:knee"])] = VERDICT
+    yield workspace
+    workspace.close()
+
+
+def test_a_saved_session_holds_everything_that_was_said(full, tmp_path):
+    folder = save(full, tmp_path / "kept")
+    again = Workspace(tmp_path / "mappings")
+    reopen(again, folder)
+    assert again.verdict == VERDICT and again.history == full.history and again.own_texts == full.own_texts
+    assert (again.seed, again.cutoff, again.derivative) == (3, 4.5, "savgol")
+    for old, new in zip(full.given, again.given, strict=True):
+        assert (new.name, new.role, new.told, new.convention) == (old.name, old.role, old.told, old.convention)
+        assert (new.passive, new.payloads) == (old.passive, old.payloads)
+        assert new.path.read_bytes() == old.path.read_bytes() and new.path.is_relative_to(folder)
+    ((joined, lag),) = again.given[1].options["join"]
+    assert joined.startswith(str(folder)) and lag == 0.25
+    again.use_as(3, "fit")
+    assert again.verdict is None  # other recordings: it does not hold any more
+    again.close()
+
+
+def test_a_session_that_names_files_outside_of_it_is_refused(full, tmp_path):
+    folder = save(full, tmp_path / "kept")
+    content = json.loads((folder / "session.json").read_text(encoding="utf-8"))
+    content["recordings"][0]["file"] = "../train_1.csv"
+    (folder / "session.json").write_text(json.dumps(content), encoding="utf-8")
+    again = Workspace(tmp_path / "mappings")
+    with pytest.raises(RecordingError, match="outside"):
+        reopen(again, folder)
+    assert again.given == [] and again.saving is None
+    again.close()
+
+
+def test_the_command_says_what_was_said(full):
+    words = shlex.split(commands(full)["cli"])
+    args = verb_parser("compare").parse(words[2:])
+    assert args.map == [{"q1": "A", "q2": "B"}] and args.units == [{"q": "deg"}]
+    assert args.cutoff == 4.5 and args.derivative == "savgol" and args.seed == 3
+    assert [text.partition("=")[2] for text in (*args.convention, *args.passive, *args.payload)] == [
+        "flexion-positive", "knee", "shank:2@0.35",
+    ]  # fmt: skip
+    assert args.join[0].endswith("@0.25") and args.model == "model.toml"
+
+
+def test_the_python_says_what_was_said(full):
+    text = commands(full)["python"]
+    compile(text, "session", "exec")
+    for part in ("'q1': 'A'", "flexion-positive", ".with_payload(2.0, 0.35", ".with_passive('knee')", "cutoff=4.5"):
+        assert part in text
+
+
+def test_a_misspelt_word_of_a_torque_is_no_number(full):
+    entry = {"id": "other", "torque": "c * dthta", "coefficients": {"c": {}, "dthta": {}}}
+    with pytest.raises(ExoidError, match="unknown name 'dthta'") as refused:
+        full.add_effect(entry)
+    assert refused.value.where.splitlines()[-1].index("^") == refused.value.where.splitlines()[-2].index("dthta")
