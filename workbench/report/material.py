@@ -104,7 +104,8 @@ def pictures_of(*results: Any, section: str = "") -> tuple[Picture, ...]:
 
 def before_and_after(comparison: Any, fit: Any) -> tuple[Picture, ...]:
     """Return the picture for the top of the page: measured, the model of a Comparison, and the one that came of it."""
-    return (Picture(*comparison.before_and_after(fit), "verdict"),)
+    title, alt, figure = comparison.before_and_after(fit)
+    return (Picture(title, alt, figure, "verdict"),)
 
 
 def picture_of_fit(fit: Any) -> Picture:
