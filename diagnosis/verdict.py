@@ -11,6 +11,7 @@ import numpy as np
 from diagnosis.evidence.channels import Doubt
 from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.swinging import swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import too_short
@@ -58,13 +59,15 @@ def conclude(
     if len(accepted) < most:
         stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
     advice = _advice(verified, recordings)
-    if not accepted and left is None and error is not None and not error.random:
+    swing = None if error is None else swinging(last)
+    sways = "" if swing is None else f" And {swing.sentence}"
+    if not accepted and left is None and error is not None and not (error.random and swing is None):
         return Conclusion(
             "unexplained",
             f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
-            f"The model is not as good as the sensors: {error.sentence}.{_nearest(possible, rules)}",
+            f"The model is not as good as the sensors: {error.sentence}.{sways}{_nearest(possible, rules)}",
             stopped,
-            error.advice,
+            error.advice if swing is None else swing.advice,
             error,
         )
     short = too_short(last.prepared, rules)
@@ -86,9 +89,12 @@ def conclude(
             "unexplained",
             f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
             f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
+            + sways
             + _nearest(possible, rules),
             stopped,
-            "repeat slow motion through that range with and without load, then write the effect as "
+            swing.advice
+            if swing is not None
+            else "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
             error,
         )
@@ -102,6 +108,7 @@ def conclude(
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
+    text += sways
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
         texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]

@@ -254,7 +254,7 @@ class Evidence:
             x = columns[index].within(part)
             nodes, width, samples = x.shape
             # Plain products: for so many small ones the overhead of einsum was the larger part.
-            both = (x.reshape(-1, samples) @ own).reshape(nodes, width, -1).transpose(2, 1, 0)
+            both = (x.reshape(nodes * width, samples) @ own).reshape(nodes, width, -1).transpose(2, 1, 0)
             g.append(both[:-1])
             a.append(both[-1])
             h.append(((x * weight) @ np.swapaxes(x, 1, 2)).transpose(1, 2, 0))
@@ -271,7 +271,7 @@ class Evidence:
             part = slice(int(live[0]), int(live[-1]) + 1) if live.size else slice(0, 0)
             w = weight[rows, part].ravel()
             both = np.concatenate([block.columns[rows, part], block.residual[rows, part, None]], axis=2)
-            self._kept[unit, joints] = part, w, w[:, None] * both.reshape(w.size, -1)
+            self._kept[unit, joints] = part, w, w[:, None] * both.reshape(w.size, both.shape[2])
         return self._kept[unit, joints]
 
     def shifted(self, columns: Sequence[Columns], node: int) -> Gram:

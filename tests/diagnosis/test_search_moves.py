@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from synthetic import search, state_with
 
@@ -163,3 +164,12 @@ def test_no_part_of_a_larger_unsteady_effect_is_accepted_in_its_place():
     hardly = replace(lead, agreement=Agreement(1, 4))
     choose(context, start, evidence, [hardly, part], frozenset())
     assert "splits" not in context.doubts.get((context.key(start), part.name), "")
+
+
+def test_a_recording_without_a_usable_sample_says_nothing_and_stops_nothing():
+    context = search(OFFSET, ["torque_offset:knee", "viscous_cubic:hip"])
+    first, *others = context.prepared.train
+    unusable = replace(first, use=np.zeros_like(first.use))
+    context = replace(context, prepared=replace(context.prepared, train=(unusable, *others)))
+    _, scores = context.rank(state_with(context).last, 1)
+    assert scores[0].name == "torque_offset:knee" and scores[0].share > 0.1
