@@ -37,16 +37,16 @@ class Swing:
     def sentence(self) -> str:
         """What it is, in words."""
         return (
-            f"at least {100 * self.share:.0f} % of what is left at the {self.joint} swings at {self.hertz:.2g} Hz in every "
-            "recording, whatever the motion: does what the machine hangs from sway, each time with another phase?"
+            f"at least {100 * self.share:.0f} % of what is left at the {self.joint} swings at {self.hertz:.2g} Hz in "
+            "every recording, whatever the motion: does what the machine hangs from sway, each time with another phase?"
         )
 
     @property
     def advice(self) -> str:
         """What to do."""
         return (
-            f"clamp what the machine hangs from, or find what moves at {self.hertz:.2g} Hz; base_motion has one phase for all "
-            "recordings, so diagnose the recordings one by one if the sway cannot be stopped"
+            f"clamp what the machine hangs from, or find what moves at {self.hertz:.2g} Hz; base_motion has one phase for "
+            "all recordings, so diagnose the recordings one by one if the sway cannot be stopped"
         )
 
 
