@@ -45,8 +45,8 @@ class Swing:
     def advice(self) -> str:
         """What to do."""
         return (
-            f"clamp what the machine hangs from, or find what moves at {self.hertz:.2g} Hz; base_motion has one phase for "
-            "all recordings, so diagnose the recordings one by one if the sway cannot be stopped"
+            f"clamp what the machine hangs from, or find what moves at {self.hertz:.2g} Hz; base_motion has one phase "
+            "for all recordings, so diagnose the recordings one by one if the sway cannot be stopped"
         )
 
 
