@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return "did you mean 'x'?" for the entries of `known` that resemble `word`, or "" if none does."""
+def nearest(word: str, known: Iterable[str], most: int = 3, cutoff: float = 0.6) -> list[str]:
+    """Return at most `most` entries of `known` that resemble `word` (ratio of difflib ≥ `cutoff`) or begin with it."""
     import difflib
 
     names = sorted(set(known))
-    close = difflib.get_close_matches(word.lower(), names, n=3, cutoff=0.6)
+    alike = (difflib.get_close_matches(one, names, most, cutoff) for one in (word, word.lower()))
+    close = next(filter(None, alike), [])
     close += [name for name in names if word and name.startswith(word.lower()) and name not in close]
-    if not close:
-        return ""
-    return f"did you mean {' or '.join(repr(name) for name in close[:3])}?"
+    return close[:most]
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return "did you mean 'x'?" for the entries of `known` that resemble `word`, or "" if none does."""
+    close = nearest(word, known)
+    return f"did you mean {' or '.join(map(repr, close))}?" if close else ""

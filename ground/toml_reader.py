@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.errors import ModelFileError
+from ground.suggest import did_you_mean
 
 Path = tuple[str | int, ...]
 
@@ -42,8 +42,7 @@ class Table:
         """Refuse keys that are not known."""
         for key in self.values:
             if key not in known:
-                near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-                hint = f"did you mean {near[0]!r}?" if near else "known here: " + (", ".join(known) or "nothing")
+                hint = did_you_mean(key, known) or "known here: " + (", ".join(known) or "nothing")
                 raise self.error(key, f"unknown key {key!r}", hint)
 
     def table(self, key: str) -> Table:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import pkgutil
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from functools import cache
 from types import MappingProxyType
 
 from ground.errors import EffectError, ExpressionError
+from ground.suggest import nearest
 from symbolic import effects
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint
@@ -46,7 +46,7 @@ def find_effect(id: str) -> Effect:
         if colon:
             Term(known[name], joint)
         return known[name]
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+    near = nearest(name, known)
     hint = f"did you mean {' or '.join(near)}?" if near else "the catalogue has: " + ", ".join(known)
     raise EffectError(f"there is no effect {name!r}", where="catalogue", remedy=hint)
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from ground.errors import ExoidError
 from ground.inputs import open_input
+from ground.suggest import nearest
 from symbolic.joints import JOINT_NAME, TAKEN, Joint
 from symbolic.model import Limits, Model
 from symbolic.motion import Float
@@ -294,12 +295,10 @@ def plain_name(name: str) -> str:
 
 
 def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
-    import difflib
-
     movable = [name for name, joint in robot.joints.items() if joint.kind in MOVING]
     for k, name in enumerate(chosen):
         if name not in robot.joints:
-            near = difflib.get_close_matches(name, robot.joints, n=1)
+            near = nearest(name, robot.joints, 1)
             raise RobotFileError(
                 f"has no joint {name[:60]!r}",
                 where=where,

@@ -6,12 +6,12 @@ The radian counts as 1, as in SI. Only coherent SI units are read, so that no fa
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 from functools import lru_cache
 
 from ground.errors import EffectError
+from ground.suggest import nearest
 
 BASE = ("m", "kg", "s", "A", "K")
 LONGEST = 60
@@ -178,7 +178,7 @@ class _Reader:
             return UNITS[word]
         if word in NOT_SI:
             raise _not_si(word)
-        near = difflib.get_close_matches(word, UNITS, n=2, cutoff=0.6)
+        near = nearest(word, UNITS, 2)
         raise EffectError(
             f"unknown unit {word[:20]!r} in {self.text!r}",
             remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),

@@ -5,7 +5,6 @@ Two readings that are both possible are a question to the user, never a guess.
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ground.errors import RecordingError
+from ground.suggest import nearest
 from measurement.reading.names import ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
@@ -232,7 +232,7 @@ def _same_clock(one: RawColumn, other: RawColumn) -> bool:
 def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, where: str) -> None:
     for key in given:
         if key not in known:
-            close = difflib.get_close_matches(key, known, 1)
+            close = nearest(key, known, 1)
             hint = f"did you mean {close[0]!r}? " if close else ""
             raise RecordingError(
                 f"{option} names {key!r}, which is not a column exoid knows",
@@ -247,7 +247,7 @@ def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str
         found = [c for c, n in zip(table.columns, numbered(table.names), strict=True) if wanted in (c.name, n)]
         found = found or [c for c in table.columns if c.name.lower() == wanted.strip().lower()]
         if len(found) != 1:
-            close = difflib.get_close_matches(wanted, table.names, 1, cutoff=0.5)
+            close = nearest(wanted, table.names, 1, cutoff=0.5)
             hint = f"did you mean {close[0]!r}? " if close and not found else ""
             what = "is not in the file" if not found else f"stands {len(found)} times in the file"
             hint = f"write {wanted}#1 for the first of them. " if found else hint
@@ -286,7 +286,7 @@ def _check_missing(
         )
     used = {id(column) for column in chosen.values()}
     free = [column.name for column in table.columns if id(column) not in used]
-    close = difflib.get_close_matches(missing[0], free, 1, cutoff=0.5)
+    close = nearest(missing[0], free, 1, cutoff=0.5)
     example = f"{missing[0]}={close[0] if close else 'COLUMN'}"
     raise RecordingError(
         f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",

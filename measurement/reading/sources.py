@@ -23,6 +23,7 @@ from types import ModuleType
 
 from ground.errors import RecordingError
 from ground.inputs import open_input
+from ground.suggest import nearest
 from measurement.reading import formats
 
 MOST_FILES = 1000
@@ -241,12 +242,10 @@ def digest(path: Path) -> str:
 
 def _nearby(path: Path) -> str:
     """Return advice that names a file of a similar name in the same folder, if there is one."""
-    import difflib
-
     if not path.parent.is_dir():
         return f"the folder {path.parent} does not exist either"
     try:
-        close = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir()], 1, cutoff=0.75)
+        close = nearest(path.name, (entry.name for entry in path.parent.iterdir()), 1, cutoff=0.75)
     except OSError:
         close = []
     return f"did you mean {path.parent / close[0]}?" if close else "check the path"

@@ -12,12 +12,12 @@ time or memory: length, depth, unknown names, constants that are not finite.
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from ground.errors import ExpressionError
+from ground.suggest import nearest
 from symbolic.language.tokens import Token, refusal, tokenize
 from symbolic.language.tree import (
     CONSTANTS,
@@ -273,7 +273,7 @@ class _Parser:
 
     def unknown(self, kind: str, token: Token, allowed: Collection[str]) -> ExpressionError:
         """Return the refusal of an unknown word: the nearest allowed ones, then all of them."""
-        near = difflib.get_close_matches(token.text, sorted(allowed), n=2, cutoff=0.6)
+        near = nearest(token.text, allowed, 2)
         hint = f"did you mean {' or '.join(near)}? " if near else ""
         return self.refuse(
             f"unknown {kind} {token.text!r}",
