@@ -2,7 +2,7 @@
 
 What each column wants is compared with what it has wanted so far. Its variance has two parts: noise, which shifted
 residuals tell (`scores.placebos`), and what the error of the model makes of other motion, which blocks tell that are
-known to be quiet. The largest deviation of all columns, over the last 1, 3 and 12 blocks, is compared with the
+known to be quiet. The largest deviation of all columns, over the last 1, 2, 6 and 24 blocks, is compared with the
 threshold that placebos of all columns together exceed as rarely as asked for; the tail beyond the placebos is that of
 a normal distribution (its square falls off exponentially).
 """
@@ -18,9 +18,9 @@ import numpy as np
 from diagnosis.watching.scores import Scores
 from symbolic.motion import Float
 
-SPANS = (1, 3, 12)
+SPANS = (1, 2, 6, 24)
 """Blocks that are looked at together: a jump, a small one, a slow one."""
-REMEMBERED = 60
+REMEMBERED = 120
 """Quiet blocks that say what is usual."""
 TAIL = 0.2
 """Share of the placebos from which the tail is told."""

@@ -110,6 +110,7 @@ class BeforeAfter:
     def __init__(self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int) -> None:
         self.now, self.seed, self.rules, self.most = now, seed, rules, most
         self.before = len(now.prepared.train)
+        self.joints = len(now.model.joints)
         self.old: tuple[str, ...] = ()
         self.evidence = _cut(now, self.before, seed, rules)
         base = [block.columns for block in self.evidence.blocks]
@@ -156,7 +157,7 @@ class BeforeAfter:
                 alike = [s for s in [lead, *alike] if s is not simpler[0]]
                 lead = simpler[0]
         asked = _asked(lead)
-        columns = [c.full(0) for c in self._at(lead)]
+        columns = [c.full(0, self.joints) for c in self._at(lead)]
         names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
         return _Granted(lead, asked, columns, names)
 
@@ -183,7 +184,7 @@ class BeforeAfter:
 
     def _unmasked(self, one: _Granted) -> list[Float]:
         whole = self.questions.unmasked(one.asked, self.now)
-        return [c.node(int(n)).full(0) for c, n in zip(whole, one.score.nodes, strict=True)]
+        return [c.node(int(n)).full(0, self.joints) for c, n in zip(whole, one.score.nodes, strict=True)]
 
     def _exceeds_scatter(self, evidence: Evidence, found: _Granted) -> bool:
         """Whether the change is larger than what recordings made before differ by among themselves."""

@@ -1,10 +1,10 @@
 """A machine while it runs: learn what is usual, follow the numbers, notice a change, name it.
 
-    samples -> front end -> blocks of 10 s -> estimator (numbers with intervals)
+    samples -> front end -> blocks of 5 s  -> estimator (numbers with intervals)
                                            -> scores of all columns -> detector -> before against after -> event
 
 What is kept does not grow with time: the state of the filters and of the estimator, some dozen windows from before,
-the last dozen, and the scores of the last quiet blocks.
+the last two dozen, and the scores of the last quiet blocks.
 """
 
 from __future__ import annotations
@@ -27,16 +27,18 @@ from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
 from diagnosis.watching.questions import questions
 from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Watched, columns_of, placebos, scores, watched
-from diagnosis.watching.window import Window, prepared, window
+from diagnosis.watching.window import Window, joined, prepared, window
 from ground.errors import ExoidError
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
 
+TOGETHER = 2
+"""Quiet blocks that are kept as one recording: placebos shift within a recording, and short ones hardly move."""
 LEAD = 2.0
 """s before each block in which its filters and operators with memory settle."""
-JUST_BEFORE = 3
+JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""
 GROWN = 1.5
 """Times the usual error from which a change that has no name is reported."""
@@ -51,11 +53,11 @@ class Settings:
     """
 
     cutoff: float = CUTOFF
-    block: float = 10.0
-    learn: int = 12
-    most_learn: int = 36
-    least: int = 2
-    sure: int = 6
+    block: float = 5.0
+    learn: int = 24
+    most_learn: int = 72
+    least: int = 3
+    sure: int = 12
     alarms_per_day: float = 1.0
     placebos: int = 40
     draws: int = 999
@@ -92,6 +94,8 @@ class Watcher:
         self.waiting = Samples.none(len(self.model.joints))
         self.rng = np.random.default_rng(self.settings.seed)
         self.kept: list[Window] = []
+        self.usual: list[Window] = []
+        self.leaving: list[Window] = []
         self.recent: deque[Window] = deque(maxlen=SPANS[-1])
         self.reference: _Reference | None = None
         self.estimator: Estimator | None = None
@@ -184,7 +188,7 @@ class Watcher:
     def _learn(self) -> list[Event]:
         """Fit the model to what was seen, and calibrate the detector; wait on where that does not determine it."""
         settings = self.settings
-        question = prepared(self.kept)
+        question = prepared(self.model.joints, joined(self.kept, TOGETHER))
         try:
             now = fitted_model(identify(self.model, question.train, optimisers=()), question)
         except ExoidError as error:
@@ -212,12 +216,14 @@ class Watcher:
             assert width == now.linear.size
             for one, block in zip(self.kept, blocks, strict=True):
                 self._estimate(one, block)
+        self.usual, self.leaving, count = list(question.train), [], len(self.kept)
+        self.kept = []
         self.recent.clear()
         said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in now.fit.estimates)
         errors = ", ".join(f"{n} {x:.3g}" for n, x in zip(self.model.joint_names, now.train_rms, strict=True))
         return [Event(
             "reference", self.last, f"what is usual is known: {said}; error {errors} N·m", tuple(now.fit.estimates),
-            more={"rms": now.train_rms, "limit": detector.limit, "blocks": len(self.kept)},
+            more={"rms": now.train_rms, "limit": detector.limit, "blocks": count},
         )]  # fmt: skip
 
     def _estimate(self, one: Window, block: RecordingEvidence) -> None:
@@ -235,11 +241,14 @@ class Watcher:
         return [Event("estimates", self.last, text, estimates)]
 
     def _remember(self, one: Window) -> None:
-        """Keep a quiet window: some dozen of all there were, each as likely as any other (reservoir sampling)."""
-        assert self.reference is not None
-        place = int(self.rng.integers(self.blocks))
-        if place < len(self.kept):
-            self.kept[place] = one
+        """Keep quiet windows: some dozen of all there were, each as likely as any other (reservoir sampling)."""
+        self.leaving.append(one)
+        if len(self.leaving) < TOGETHER:
+            return
+        place = int(self.rng.integers(max(self.blocks // TOGETHER, 1)))
+        if place < len(self.usual):
+            self.usual[place] = joined(self.leaving, TOGETHER)[0]
+        self.leaving = []
 
     # -- changes ----------------------------------------------------------------------------------------------
 
@@ -274,7 +283,10 @@ class Watcher:
         now = self.reference.now
         # Those just before show whether it came slowly; the one at the seam may hold both.
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
-        question = prepared([*self.kept[: self.settings.learn], *recent], after)
+        usual = self.usual[: self.settings.learn // TOGETHER]
+        question = prepared(
+            self.model.joints, [*usual, *joined(recent, TOGETHER)], joined(after, self.settings.sure)
+        )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)
         rules = replace(self.rules, placebos=self.settings.draws)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
 from optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
+from symbolic.joints import Joint
 from symbolic.motion import Float, Motion
 
 LEAST_WEIGHT = 0.3
@@ -65,8 +66,43 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     )
 
 
-def prepared(before: Sequence[Window], after: Sequence[Window] = ()) -> Prepared:
-    """Return windows as the question of a diagnosis: `before` to be fitted, `after` compared with them."""
-    joints = before[0].use.shape[1]
+def joined(windows: Sequence[Window], most: int) -> tuple[Window, ...]:
+    """Return windows as longer ones, each of at most `most` that follow each other without a gap."""
+    groups: list[list[Window]] = []
+    for one in windows:
+        gap = one.t[0] - groups[-1][-1].t[-1] if groups else np.inf
+        if 0.0 < gap < 1.5 / one.kept_rate and len(groups[-1]) < most:
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    return tuple(_joined(group) for group in groups)
+
+
+def _joined(group: Sequence[Window]) -> Window:
+    first = group[0]
+    if len(group) == 1:
+        return first
+    cuts = [0, *(int(one.kept[0]) for one in group[1:])]  # what only settles the filter is there already
+    starts = np.cumsum([0, *(len(one.motion) - cut for one, cut in zip(group, cuts, strict=True))])
+
+    def whole(get: Callable[[Window], Float]) -> Float:
+        return np.concatenate([get(one)[cut:] for one, cut in zip(group, cuts, strict=True)])
+
+    return replace(
+        first,
+        motion=Motion(*(whole(lambda one, n=name: getattr(one.motion, n)) for name in ("t", "q", "dq", "ddq", "sign"))),
+        tau=np.concatenate([one.tau for one in group]),
+        use=np.concatenate([one.use for one in group]),
+        kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
+        wide_tau=whole(lambda one: one.wide_tau),
+        stuck=whole(lambda one: one.stuck),
+        weights=whole(lambda one: one.weights),
+    )
+
+
+def prepared(joints: Sequence[Joint], before: Sequence[Window], after: Sequence[Window] = ()) -> Prepared:
+    """Return windows as the question of a diagnosis: `before` to be fitted, `after` held against them."""
+    count = len(joints)
     choice = CutoffChoice(before[0].cutoff, "that of the causal filters", automatic=False)
-    return Prepared(tuple(before), tuple(after), choice, np.zeros(joints), np.zeros(joints), 0.0)
+    none = np.zeros(count)
+    return Prepared(tuple(before), tuple(after), choice, none, none, 0.0, joints=tuple(joints))
