@@ -16,7 +16,7 @@ SLOW = 12.0
 RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
 """Durations of a slow change that are tried, s."""
 VISIBLE = 8
-"""Stretches at least that must lie within a slow change for it to be told from a jump."""
+"""Stretches at least that must lie within a slow change, after it was noticed, for it to be told from a jump."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,12 @@ def onset(course: Course, after: float = -np.inf) -> Onset:
         for length in RAMPS
         if length < 1.5 * (t[-1] - t[0])
         for edge in edges
-        if np.sum((t > edge) & (t < edge + length)) >= VISIBLE
+        if np.sum((t > max(edge, after)) & (t < edge + length)) >= VISIBLE
     ]
     least = min(ramps, default=(np.inf, 0.0))
     if least[0] < jumps[best] - SLOW * variance:
-        return Onset(least[1], float(edges[near[0]]), float(edges[near[-1]]), True)
+        begun = [edge for loss, edge in ramps if loss <= least[0] + SURE * variance]
+        return Onset(least[1], min(begun), max(begun), True)
     low, high = max(after, float(edges[max(near[0] - 1, 0)])), float(edges[min(near[-1] + 1, len(edges) - 1)])
     return Onset(float(edges[best]), low, high, False)
 

@@ -317,7 +317,7 @@ def _shape(one: _Granted) -> dict[str, float]:
 
 
 def _cut(now: FittedModel, before: int, seed: int, rules: Rules) -> Evidence:
-    """Return the evidence on all recordings, each cut so that either side has `PARTS` parts, in units of before."""
+    """Return the evidence on all recordings, each cut so that either side has `PARTS` parts."""
     whole = now.evidence(seed=seed, draws=0, rules=rules)
     blocks = []
     for k, block in enumerate(whole.blocks):
@@ -325,12 +325,13 @@ def _cut(now: FittedModel, before: int, seed: int, rules: Rules) -> Evidence:
         parts = -(-PARTS // side)
         samples = block.residual.shape[1]
         blocks.append(replace(block, fold=np.arange(samples) * parts // samples))
-    scale = _scale(blocks[:before])
+    # A large change is no outlier: where samples count less because of it, what shows least of it would lead.
+    scale = np.maximum(_scale(blocks[:before]), _scale(blocks[before:]))
     return Evidence(blocks, [], seed=seed, sigma=scale, prior=whole.prior, rules=rules)
 
 
 def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
-    """Return the robust standard deviation (J,) of the residual before, N·m."""
+    """Return the robust standard deviation (J,) of the residual, N·m."""
     out = []
     for joint in range(len(blocks[0].residual)):
         values = np.concatenate([b.residual[joint][b.use[joint]] for b in blocks])

@@ -56,7 +56,7 @@ class Settings:
     block: float = 5.0
     learn: int = 24
     most_learn: int = 72
-    least: int = 3
+    least: int = 4
     sure: int = 12
     alarms_per_day: float = 1.0
     placebos: int = 40
@@ -75,6 +75,16 @@ class _Reference:
     detector: Detector
     scale: Float
     rms: Float
+
+
+@dataclass(eq=False)
+class _Pending:
+    """An alarm that is still to be asked about in `wait` blocks; `age` blocks old; `told` that it has no name yet."""
+
+    found: Deviation
+    wait: int
+    age: int = 0
+    told: bool = False
 
 
 @dataclass(eq=False)
@@ -99,7 +109,7 @@ class Watcher:
         self.recent: deque[Window] = deque(maxlen=SPANS[-1])
         self.reference: _Reference | None = None
         self.estimator: Estimator | None = None
-        self.pending: tuple[Deviation, int] | None = None
+        self.pending: _Pending | None = None
         self.restarts = self.blocks = self.quiet_since = 0
         self.named: Event | None = None
         self.counts: dict[str, int] = {}
@@ -177,18 +187,20 @@ class Watcher:
         )  # fmt: skip
         if leaving is not None:
             self._remember(leaving)
-        if self.pending is None and found.alarms:
-            self.pending = found, max(0, self.settings.least - reference.detector.onset(found.column))
-        elif self.pending is not None:
-            self.pending = self.pending[0], self.pending[1] - 1
-        if self.pending is not None and self.pending[1] <= 0:
-            events += self._alarm(self.pending[0])
+        if self.pending is not None:
+            self.pending.age += 1
+            self.pending.wait -= 1
+        elif found.alarms:
+            self.pending = _Pending(found, self.settings.least - reference.detector.onset(found.column))
+        if self.pending is not None and self.pending.wait <= 0:
+            events += self._alarm(self.pending)
         return events
 
     def _learn(self) -> list[Event]:
         """Fit the model to what was seen, and calibrate the detector; wait on where that does not determine it."""
         settings = self.settings
-        question = prepared(self.model.joints, joined(self.kept, TOGETHER))
+        usual = joined(self.kept, TOGETHER)
+        question = prepared(self.model.joints, usual)
         try:
             now = fitted_model(identify(self.model, question.train, optimisers=()), question)
         except ExoidError as error:
@@ -216,7 +228,7 @@ class Watcher:
             assert width == now.linear.size
             for one, block in zip(self.kept, blocks, strict=True):
                 self._estimate(one, block)
-        self.usual, self.leaving, count = list(question.train), [], len(self.kept)
+        self.usual, self.leaving, count = list(usual), [], len(self.kept)
         self.kept = []
         self.recent.clear()
         said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in now.fit.estimates)
@@ -252,31 +264,47 @@ class Watcher:
 
     # -- changes ----------------------------------------------------------------------------------------------
 
-    def _alarm(self, found: Deviation) -> list[Event]:
-        """Ask what differs between before and after; say so, or that it is the motion, or nothing."""
+    def _alarm(self, pending: _Pending) -> list[Event]:
+        """Ask what differs between before and after; say so, or that it is the motion, or nothing.
+
+        What has grown and has no name yet is told, and asked again with more data.
+        """
         assert self.reference is not None
-        self.pending = None
-        detector = self.reference.detector
-        lasted = max(detector.onset(found.column), self.settings.least)
-        last = list(self.recent)[-lasted:]
+        settings, detector = self.settings, self.reference.detector
+        lasted = detector.onset(pending.found.column)
+        if lasted < settings.least and pending.age < settings.least:
+            pending.wait = 1
+            return []
+        # The first one may hold both.
+        last = list(self.recent)[-max(lasted, settings.least) :][1:]
         answer = self._ask(last)
         if answer.found:
-            self.quiet_since = lasted
-            self.named = self._change(answer, found, "first", last)
+            self.pending, self.quiet_since = None, len(last)
+            self.named = self._change(answer, pending.found, "first", last)
             return [self.named]
+        grown = float(np.max(np.array(answer.rms_after) / np.maximum(self.reference.rms, 1e-300)))
+        if grown > GROWN and not answer.old:
+            told, pending.told, pending.wait = pending.told, True, settings.least
+            if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
+                self._relearn(last)
+            return [] if told else [Event(
+                "unexplained", self.last, f"the error is {grown:.2g} times what it was, and nothing known explains it",
+                differences=answer, more={"rms": answer.rms_after},
+            )]  # fmt: skip
+        self.pending = None
         detector.calm()
         for one in last:
             self._remember(one)
         if answer.old:
             text = f"nothing changed; this motion shows what the model has missed all along: {', '.join(answer.old)}"
             return [Event("motion", self.last, text, differences=answer)]
-        grown = np.max(np.array(answer.rms_after) / np.maximum(self.reference.rms, 1e-300))
-        if grown > GROWN:
-            return [Event(
-                "unexplained", self.last, f"the error is {grown:.2g} times what it was, and nothing known explains it",
-                differences=answer, more={"rms": answer.rms_after},
-            )]  # fmt: skip
         return []
+
+    def _relearn(self, last: Sequence[Window]) -> None:
+        """Learn what is usual from `last` on."""
+        self.named, self.pending, self.reference = None, None, None
+        self.kept = list(last)
+        self.recent.clear()
 
     def _ask(self, after: Sequence[Window]) -> Differences:
         assert self.reference is not None
@@ -285,7 +313,7 @@ class Watcher:
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
         usual = self.usual[: self.settings.learn // TOGETHER]
         question = prepared(
-            self.model.joints, [*usual, *joined(recent, TOGETHER)], joined(after, self.settings.sure)
+            self.model.joints, [*usual, *joined(recent, TOGETHER)], joined(after, TOGETHER)
         )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)
@@ -311,9 +339,7 @@ class Watcher:
         last = list(self.recent)[-min(self.quiet_since, SPANS[-1]) :]
         answer = self._ask(last)
         told = self.named
-        self.named, self.pending, self.reference = None, None, None
-        self.kept = list(last)
-        self.recent.clear()
+        self._relearn(last)
         if not answer.found:
             return [Event("change", self.last, f"over again: {told.names[0]} is as it was before", (), answer, None,
                           "over", {"state": "over"})]  # fmt: skip

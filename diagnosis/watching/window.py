@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -85,18 +86,19 @@ def _joined(group: Sequence[Window]) -> Window:
     cuts = [0, *(int(one.kept[0]) for one in group[1:])]  # what only settles the filter is there already
     starts = np.cumsum([0, *(len(one.motion) - cut for one, cut in zip(group, cuts, strict=True))])
 
-    def whole(get: Callable[[Window], Float]) -> Float:
-        return np.concatenate([get(one)[cut:] for one, cut in zip(group, cuts, strict=True)])
+    def whole(parts: Iterable[Any]) -> Any:
+        return np.concatenate([part[cut:] for part, cut in zip(parts, cuts, strict=True)])
 
+    moved = {n: whole(getattr(one.motion, n) for one in group) for n in ("t", "q", "dq", "ddq", "sign")}
     return replace(
         first,
-        motion=Motion(*(whole(lambda one, n=name: getattr(one.motion, n)) for name in ("t", "q", "dq", "ddq", "sign"))),
+        motion=Motion(**moved),
         tau=np.concatenate([one.tau for one in group]),
         use=np.concatenate([one.use for one in group]),
         kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
-        wide_tau=whole(lambda one: one.wide_tau),
-        stuck=whole(lambda one: one.stuck),
-        weights=whole(lambda one: one.weights),
+        wide_tau=whole(one.wide_tau for one in group),
+        stuck=whole(one.stuck for one in group),
+        weights=whole(one.weights for one in group),
     )
 
 
