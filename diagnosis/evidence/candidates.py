@@ -184,9 +184,9 @@ def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording
     parts = -(-len(nodes) * width * len(one.motion) // TOGETHER)
     done = []
     for some in np.array_split(nodes, min(len(nodes), parts)):
-        raw = np.ascontiguousarray(unfiltered_columns(candidate, some, one, fitted))
-        done.append(one.smooth_rows(raw, candidate.joints, 1))  # (V, A, m, K)
-    return Columns(candidate.joints, np.swapaxes(np.concatenate(done), 2, 3))
+        raw = np.ascontiguousarray(np.swapaxes(unfiltered_columns(candidate, some, one, fitted), 1, 2))
+        done.append(one.smooth_rows(raw, candidate.joints, 2))  # (V, m, A, K): as the evidence reads it
+    return Columns(candidate.joints, np.moveaxis(np.concatenate(done), 1, 3))
 
 
 def unfiltered_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ground.errors import ExpressionError
-from symbolic.language.tree import Binary, Name, Node, Number, Unary
+from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary
 
 NONE: Mapping[str, Any] = {}
 
@@ -17,7 +17,7 @@ class Spelling:
     """How one target language writes each kind of node.
 
     `signs` gives, for a velocity, what its sign is: near standstill a measured sign is more than
-    sgn(velocity).
+    sgn(velocity). `shortcut` gives what a call is where the language has a better way to write the whole of it.
     """
 
     number: Callable[[float], Any]
@@ -27,6 +27,7 @@ class Spelling:
     binary: Mapping[str, Callable[[Any, Any], Any]]
     functions: Mapping[str, Callable[..., Any]]
     signs: Mapping[str, Any] = field(default_factory=lambda: NONE)
+    shortcut: Callable[[Call], Any] = lambda call: None
 
 
 def lower(node: Node, table: Spelling) -> Any:
@@ -49,4 +50,6 @@ def lower(node: Node, table: Spelling) -> Any:
             where=f"{node.function}(...)",
             remedy="replace it by a named input (split_memory)",
         )
+    if (found := table.shortcut(node)) is not None:
+        return found
     return table.functions[node.function](*(lower(argument, table) for argument in node.arguments))

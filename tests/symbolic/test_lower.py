@@ -175,3 +175,23 @@ def test_a_coefficient_alone_is_the_text_without_the_others():
             alone = part_of(torque, key, ("a", "b"))
             assert not alone.names & {"a", "b"}
             np.testing.assert_array_equal(np.broadcast_to(to_numpy(alone.node, env), 9), np.broadcast_to(whole, 9))
+
+
+@pytest.mark.parametrize("numbers", [np.linspace(3.0, 400.0, 398), np.geomspace(1.0, 90.0, 20), np.arange(5.0)])
+def test_waves_of_many_trial_values_are_those_of_each(numbers):
+    x = np.linspace(-2.0, 3.0, 50)
+    node = parse("sin(n * theta1) - cos(n * theta1 * 2)", ["n", "theta1"])
+    values = to_numpy(node, {"t": x, "theta1": x, "n": numbers[:, None]})
+    each = [to_numpy(node, {"t": x, "theta1": x, "n": float(n)}) for n in numbers]
+    np.testing.assert_allclose(values, each, atol=2e-12)
+
+
+def test_torques_with_memory_of_many_trial_values_are_those_of_each():
+    t = np.cumsum(np.linspace(0.008, 0.012, 300))
+    x = np.sin(3.0 * t) + 0.3 * np.sin(17.0 * t)
+    text = "play(theta1, h) + dahl(tanh(theta1 / h), 5 * h) + delay(theta1, h) + ddt(slow(theta1 * h, 9 + h))"
+    node = parse(text, ["h", "theta1"])
+    sizes = np.array([0.0625, 0.25, 0.5])
+    values = to_numpy(node, {"t": t, "theta1": x, "h": sizes[:, None]})
+    each = [to_numpy(node, {"t": t, "theta1": x, "h": float(h)}) for h in sizes]
+    np.testing.assert_allclose(values, each, rtol=1e-12, atol=1e-12)
