@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -93,10 +94,8 @@ def design(
     best = min([found, *references], key=lambda one: one.value)
     say(0.95, "evaluating the motion")
     cautions = _cautions(model, starts, printed)
-    return _evaluated(
-        model, best, (found, *references), aim, at, criterion, room, offsets, rest, seed, cautions,
-        time.perf_counter() - began,
-    )  # fmt: skip
+    asked = _Asked(model, criterion, room, aim, at, offsets, rest, seed)
+    return _evaluated(asked, best, (found, *references), cautions, time.perf_counter() - began)
 
 
 def evaluate(
@@ -124,9 +123,8 @@ def evaluate(
     value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
     one = DesignedMotion(name, trajectory, float(value[0]), 1, 0.0, "")
     rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
-    return _evaluated(
-        model, one, (one,), aim, at, criterion, room, "given", rest, 0, (), time.perf_counter() - began
-    )  # fmt: skip
+    asked = _Asked(model, criterion, room, aim, at, "given", rest, 0)
+    return _evaluated(asked, one, (one,), (), time.perf_counter() - began)
 
 
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
@@ -161,24 +159,31 @@ def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
     return tuple(out)
 
 
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """The question of a design: the model at its numbers `at`, what is best, inside which limits `room` (J, 4)."""
+
+    model: Model
+    criterion: str
+    room: Float
+    aim: Aim
+    at: Nominal
+    offsets: str
+    rest: bool
+    seed: int
+
+
 def _evaluated(
-    model: Model,
+    asked: _Asked,
     best: DesignedMotion,
     candidates: tuple[DesignedMotion, ...],
-    aim: Aim,
-    at: Nominal,
-    criterion: str,
-    room: Float,
-    offsets: str,
-    rest: bool,
-    seed: int,
     cautions: tuple[str, ...],
     seconds: float,
 ) -> Excitation:
     """Return the result, every figure of merit computed anew for the motion chosen."""
-    motion = best.trajectory
+    motion, model, at, aim = best.trajectory, asked.model, asked.at, asked.aim
     info = information(
-        model, at.linear, at.shape, room, period=motion.period, harmonics=motion.sine.shape[1], grid=2 * GRID
+        model, at.linear, at.shape, asked.room, period=motion.period, harmonics=motion.sine.shape[1], grid=2 * GRID
     )
     swing = np.concatenate([motion.sine, motion.cosine], axis=1)[None]
     gram = info.sums(swing, motion.offset[None], rescale=False).gram
@@ -206,21 +211,21 @@ def _evaluated(
     return Excitation(
         model=model,
         trajectory=motion,
-        criterion=criterion,
+        criterion=asked.criterion,
         value=best.value,
         condition=float(condition(gram)[0]),
         log_det=float(log_det(known)[0]),
         candidates=candidates,
         chosen=best.name,
-        uses=uses(motion, _limits(room, model.joint_names)),
+        uses=uses(motion, _limits(asked.room, model.joint_names)),
         precision=precision,
         noise=aim.noise,
         duration=aim.duration,
         numbers=at.source,
-        offsets=offsets,
-        rest=rest,
+        offsets=asked.offsets,
+        rest=asked.rest,
         backend=info.backend,
-        seed=seed,
+        seed=asked.seed,
         creeping=creeping,
         condition_moving=moving,
         cautions=cautions,

@@ -1,8 +1,7 @@
 """From recordings to a fitted model: SSE, thresholds δ from it, Huber; proof, intervals, plausibility.
 
 The linear parameters are solved exactly (`linear.py`) and proven (`certificate.py`). NFO and IPOPT solve
-the very same problems and are reported with their distance to the proven optimum; they are witnesses, not
-the judge.
+the very same problems and are reported with their distance to the proven optimum; they confirm, the proof decides.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from optimisation.fitting.intervals import estimates_of, middle, spread_of
 from optimisation.fitting.plausibility import check_plausibility
 from optimisation.fitting.shape_fit import shape_method, solution, solve_shape
 from optimisation.fitting.shapes import STARTS
-from optimisation.linear.certificate import certify
+from optimisation.linear.certificate import Certificate, certify
 from optimisation.linear.fitness import population_fitness
 from optimisation.linear.loss import huber
 from optimisation.linear.physical import Physics, certify_physical, physical_reference, physics
@@ -91,14 +90,14 @@ def identify(
     infinite = np.full(len(model.joints), np.inf)
 
     assembly = Assembly(model, data)
-    scope = _scope(model, shape is not None)
+    proof = _Proof(searches, seed, _scope(model, shape is not None), possible, say)
 
     say("least squares")
     first_shape, first, leaders, agreeing = solve_shape(
         assembly, infinite, shape, start, possible=possible, method=replace(method, refined=STARTS)
     )
     first.data.require_enough(model.joints)
-    sse = _stage("sse", first, middle(first_shape), infinite, first.linear, searches, seed, say, scope, possible)
+    sse = proof.stage("sse", first, middle(first_shape), infinite, first.linear)
     limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
 
     say("Huber")
@@ -109,7 +108,7 @@ def identify(
         best = replace(first, linear=solution(first.data, limits, possible, first.linear))
     # δ and the box of the Huber search come from least squares on the columns of the shape found last.
     centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = _stage("huber", best, middle(best_shape), limits, centre, searches, seed, say, scope, possible)
+    stage = proof.stage("huber", best, middle(best_shape), limits, centre)
     changed = None if possible is None else held(best, limits, possible)
 
     spread = spread_of(assembly, best, best_shape, limits)
@@ -175,43 +174,58 @@ def _silent(text: str) -> None:
     """Say nothing."""
 
 
-def _stage(
-    kind: str,
-    found: Settled,
-    shape: Float,
-    delta: Float,
-    centre: Float,
-    searches: Mapping[str, Search],
-    seed: int,
-    say: Progress,
-    scope: str,
-    possible: Physics | None = None,
-) -> FitStage:
-    """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
-    data = found.data
-    runs: dict[str, OptimiserRun] = {}
-    reference: Reference | None = None
-    if possible is not None:
-        scope = f"{scope}, among those a leg can have"
-        certificate = certify_physical(data, found.linear, delta, possible, scope=scope)
-        say(f"IPOPT ({kind})")
-        reference = physical_reference(data, delta, possible, solve_sse(data))
-        floor = max(certificate.primal, np.finfo(float).tiny)
-        reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
+@dataclass(frozen=True)
+class _Proof:
+    """How both stages are solved and proven: the optimisers by name, their seed, what the certificate holds for, and
+    the conditions of a leg that could exist, if asked for.
+    """
+
+    searches: Mapping[str, Search]
+    seed: int
+    scope: str
+    possible: Physics | None
+    say: Progress
+
+    def stage(self, kind: str, found: Settled, shape: Float, delta: Float, centre: Float) -> FitStage:
+        """Certify the exact solution and let the optimisers and IPOPT solve the same problem."""
+        if self.possible is not None:
+            certificate, runs, reference = self._physical(kind, found, delta, self.possible)
+        else:
+            certificate, runs, reference = self._free(kind, found, delta, centre)
+        if reference is not None:
+            reference = replace(reference, gap=_gap(reference.loss, certificate))
         return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
-    certificate = certify(data, found.linear, delta, scope=scope)
-    if searches:
+
+    def _physical(self, kind: str, found: Settled, delta: Float, possible: Physics) -> _Solved:
+        scope = f"{self.scope}, among those a leg can have"
+        certificate = certify_physical(found.data, found.linear, delta, possible, scope=scope)
+        self.say(f"IPOPT ({kind})")
+        return certificate, {}, physical_reference(found.data, delta, possible, solve_sse(found.data))
+
+    def _free(self, kind: str, found: Settled, delta: Float, centre: Float) -> _Solved:
+        data = found.data
+        certificate = certify(data, found.linear, delta, scope=self.scope)
+        if not self.searches:
+            return certificate, {}, None
         compiled = population_fitness(data)
         if kind == "sse":
             problem = sse_problem(data, compiled.sse)
         else:
             problem = huber_problem(data, lambda x: compiled.huber(x, delta), delta, centre)
-        floor = max(certificate.primal, np.finfo(float).tiny)
-        for name, search in searches.items():
-            say(f"{name} ({kind})")
-            run = minimise(problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=seed)
-            runs[name] = replace(run, gap=(huber(data.residual(run.x), delta) - certificate.primal) / floor)
-        say(f"IPOPT ({kind})")
-        reference = solve_reference(data, delta)
-        reference = replace(reference, gap=(reference.loss - certificate.primal) / floor)
-    return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
+        runs: dict[str, OptimiserRun] = {}
+        for name, search in self.searches.items():
+            self.say(f"{name} ({kind})")
+            run = minimise(
+                problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=self.seed
+            )
+            runs[name] = replace(run, gap=_gap(huber(data.residual(run.x), delta), certificate))
+        self.say(f"IPOPT ({kind})")
+        return certificate, runs, solve_reference(data, delta)
+
+
+_Solved = tuple[Certificate, dict[str, OptimiserRun], Reference | None]
+
+
+def _gap(loss: float, certificate: Certificate) -> float:
+    """Return how far `loss` is above the certified one, relative to it."""
+    return (loss - certificate.primal) / max(certificate.primal, np.finfo(float).tiny)

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import exoid
 from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, layer_of, telling_nodes, tree_of
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py", "numpy")
@@ -16,6 +17,7 @@ CHEAP = ("symbolic/effect.py", "symbolic/catalogue.py", "ground/errors.py", "sym
 CHEAP_SOURCES = sorted((ROOT / "workbench").rglob("*.py")) + [p for pattern in CHEAP for p in ROOT.glob(pattern)]
 FORBIDDEN_CALLS = ("eval", "exec", "compile", "sympify", "parse_expr", "__import__")
 FORBIDDEN_MODULES = ("pickle", "dill", "cloudpickle", "shelve", "marshal")
+MOST_PARAMETERS = 9
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -112,3 +114,16 @@ def test_no_default_argument_can_be_changed():
                 yield from (d.lineno for d in defaults if isinstance(d, (ast.List, ast.Dict, ast.Set)))
 
     assert faults(SOURCES, changeable) == {}
+
+
+def test_what_belongs_together_is_passed_as_one():
+    """Many parameters are a record that is missing; the verbs behind `import exoid` offer options by name instead."""
+
+    def many(path):
+        for node in telling_nodes(path):
+            if isinstance(node, FUNCTIONS) and node.name not in exoid.__all__:
+                given = [a.arg for a in (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)]
+                if len([name for name in given if name not in ("self", "cls")]) > MOST_PARAMETERS:
+                    yield f"line {node.lineno}: {node.name} takes {len(given)}"
+
+    assert faults(SOURCES, many) == {}
