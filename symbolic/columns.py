@@ -67,6 +67,40 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
     return out
 
 
+def following_terms(model: Model) -> tuple[Term, ...]:
+    """Return the terms with shapes where these change nothing but the terms' own columns; none where they reach into
+    the equations, into whole torques, or where columns depend on the parameters.
+    """
+    found = tuple(term for term in model.terms if term.effect.shape)
+    further = needs_reference(model) or any(t.effect.derive is not None or is_transform(t) for t in found)
+    return () if further else found
+
+
+def following_places(model: Model) -> tuple[int, ...]:
+    """Return the indices (m,) of the parameters whose columns follow the shapes, all others staying what they are."""
+    place = places(model)
+    return tuple(place[f"{t.name}.{key}"] for t in following_terms(model) for key in t.effect.coefficients)
+
+
+def following_columns(model: Model, motion: Motion, nodes: Float) -> Float:
+    """Return the columns (V, J, m, N) of `following_places` at V rows of shapes, `nodes` (V, S)."""
+    names, words = [entry.name for entry in model.shapes], motion_words(motion)
+    terms = following_terms(model)
+    width = sum(len(term.effect.coefficients) for term in terms)
+    out, first = np.zeros((len(nodes), len(model.joints), width, len(motion))), 0
+    for term in terms:
+        keys = tuple(term.effect.coefficients)
+        own = nodes[:, [names.index(f"{term.name}.{key}") for key in term.effect.shape]]
+        tried = {**words, **{key: own[:, [i]] for i, key in enumerate(term.effect.shape)}}
+        for torque in torques(term):
+            for m, key in enumerate(keys):
+                if key in torque.names:
+                    part = part_of(torque, key, keys)
+                    out[:, torque.joint, first + m] = torque_values(part, tried, motion, len(nodes))
+        first += len(keys)
+    return out
+
+
 def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
     """Return the torque (N, J) in N·m that the model says `motion` takes, for linear parameters (P,)."""
     values = np.asarray(linear, dtype=float)

@@ -212,6 +212,9 @@ class Model:
         # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
         @property
         def needs_reference(self) -> bool: ...  # noqa: D102
+        @property
+        def following_places(self) -> tuple[int, ...]: ...  # noqa: D102
+        def following_columns(self, motion: Motion, nodes: Float) -> Float: ...  # noqa: D102
         def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
         def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102
         def key(self) -> str: ...  # noqa: D102

@@ -76,7 +76,7 @@ class Filtered(Protocol):
     def use(self) -> Bool: ...  # noqa: D102
     @property
     def kept_rate(self) -> float: ...  # noqa: D102
-    def smooth(self, x: Float) -> Float: ...  # noqa: D102
+    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +101,9 @@ class SimulatedRecording:
         """As the motion's own."""
         return self.like.use
 
-    def smooth(self, x: Float) -> Float:
+    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
         """Filter as the motion is filtered."""
-        return self.like.smooth(x)
+        return self.like.smooth(x, joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,9 +124,10 @@ class Planned:
         """Rate of the kept samples, Hz."""
         return self.rate / float(self.kept[1] - self.kept[0])
 
-    def smooth(self, x: Float) -> Float:
+    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
         """Bridge and filter `x` (N, J, ...) over time as recordings are; return the kept samples (K, J, ...)."""
-        return low_pass(bridged(x, self.stuck, self.rate), self.cutoff, self.rate)[self.kept]
+        stuck = self.stuck if joints is None else self.stuck[:, joints]
+        return low_pass(bridged(x, stuck, self.rate), self.cutoff, self.rate)[self.kept]
 
 
 def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE) -> Planned:

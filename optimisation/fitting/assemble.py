@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from optimisation.linear.factor import Factors
+from optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from symbolic.joints import Joint
@@ -21,6 +21,8 @@ from symbolic.motion import Float, Motion
 
 FIXED_POINT_ROUNDS = 60
 FIXED_POINT_TOLERANCE = 1e-11
+TOGETHER = 2_000_000
+"""Values of columns that are computed at once, at most."""
 
 
 class FilteredRecording(Protocol):
@@ -35,8 +37,10 @@ class FilteredRecording(Protocol):
     @property
     def use(self) -> Bool: ...  # noqa: D102
 
-    def smooth(self, x: Float) -> Float:
-        """Filter `x` (N, ...) over time as the torque was filtered and return the kept samples (K, ...)."""
+    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
+        """Filter `x` (N, J, ...) over time as the torque was filtered and return the kept samples (K, J, ...); of
+        `joints` alone where they are given.
+        """
 
 
 class FittableModel(Protocol):
@@ -55,8 +59,15 @@ class FittableModel(Protocol):
     @property
     def needs_reference(self) -> bool: ...  # noqa: D102
 
+    @property
+    def following_places(self) -> tuple[int, ...]:
+        """Indices (m,) of the parameters whose columns follow the shapes; () where others do as well."""
+
     def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
         """Return the regressor (J, N, P)."""
+
+    def following_columns(self, motion: Motion, nodes: Float) -> Float:
+        """Return the columns (V, J, m, N) of `following_places` at V rows of shapes."""
 
     def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return the torque (N, J) in N·m."""
@@ -70,8 +81,8 @@ def is_paper_leg(model: FittableModel) -> bool:
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
 
-    Filtering costs more than evaluating, and most columns do not depend on the shapes: a column that
-    comes out as it did last time is not filtered again.
+    Filtering costs more than evaluating, and most columns do not depend on the shapes: only those that follow them are
+    computed again, and a column that comes out as it did last time is not filtered again.
     """
 
     def __init__(self, model: FittableModel, prepared: Sequence[FilteredRecording]) -> None:
@@ -79,6 +90,7 @@ class Assembly:
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
         self._smooth: list[Float | None] = [None] * len(self.prepared)
+        self._shapes: list[Float | None] = [None] * len(self.prepared)
         self._factors = Factors()
         self._tau = np.concatenate([one.tau for one in self.prepared]).T
         self._use = np.concatenate([one.use for one in self.prepared]).T
@@ -111,6 +123,13 @@ class Assembly:
     def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
         one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
         own = shape[index] if shape is not None and np.ndim(shape) == 2 else shape
+        places = list(self.model.following_places)
+        if places and smooth is not None and own is not None:
+            if not np.array_equal(own, self._shapes[index]):  # type: ignore[arg-type]
+                smooth = smooth.copy()
+                smooth[:, :, places] = self._following(one, np.asarray(own)[None])[0]
+                self._smooth[index], self._shapes[index] = smooth, np.array(own)
+            return smooth
         raw = self.model.columns(one.motion, own, reference)
         if before is None or smooth is None:
             smooth = np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1)
@@ -120,7 +139,48 @@ class Assembly:
                 smooth = smooth.copy()
                 smooth[:, :, changed] = np.moveaxis(one.smooth(np.moveaxis(raw[:, :, changed], 0, 1)), 0, 1)
         self._raw[index], self._smooth[index] = raw, smooth
+        self._shapes[index] = None if own is None else np.array(own)
         return smooth
+
+    def _following(self, one: FilteredRecording, nodes: Float) -> Float:
+        """Return the filtered columns (V, J, K, m) that follow the shapes, at `nodes` (V, S)."""
+        raw = self.model.following_columns(one.motion, nodes)
+        joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
+        out = np.zeros((*raw.shape[:2], len(one.tau), raw.shape[2]))
+        if not joints:  # zero at all nodes, as of a stop that is never met
+            return out
+        out[:, joints] = np.transpose(one.smooth(np.transpose(raw[:, joints], (3, 1, 0, 2)), joints), (2, 1, 0, 3))
+        return out
+
+    def sse_at(self, nodes: Float) -> Float:
+        """Return the smallest sum of squares (V,) at `nodes` (V, S), all at once; for models with `following_places`.
+
+        What stays is projected out once (Golub, Pereyra 1973).
+        """
+        data, places = self.data(nodes[0]), list(self.model.following_places)
+        basis = factorise(np.delete(data.matrix, places, axis=1)).basis
+        rest = data.vector - basis @ (basis.T @ data.vector)
+        out = []
+        many = max(1, TOGETHER // (data.columns[:, :, places].size * max(1, round(self._thinned))))
+        for some in np.array_split(nodes, -(-len(nodes) // many)):
+            parts = [self._following(one, some) for one in self.prepared]
+            columns = np.concatenate(parts, axis=2) * data.use[:, :, None]
+            columns = columns.reshape(len(some), -1, len(places))
+            rows = np.ascontiguousarray(np.swapaxes(columns, 1, 2))
+            onto, slope = rows @ basis, rows @ rest
+            length = np.sqrt(np.sum(rows**2, axis=2))
+            scale = 1.0 / np.where(length > 0.0, length, 1.0)
+            gram = (rows @ columns - onto @ np.swapaxes(onto, 1, 2)) * scale[:, :, None] * scale[:, None, :]
+            size, axes = np.linalg.eigh(gram)
+            along = np.einsum("vmk,vm->vk", axes, slope * scale)
+            told = size > RANK_TOLERANCE
+            out.append(rest @ rest - np.sum(np.where(told, along**2 / np.where(told, size, 1.0), 0.0), axis=1))
+        return np.concatenate(out)
+
+    @property
+    def _thinned(self) -> float:
+        """Samples of the motion for each that is kept."""
+        return float(np.mean([len(one.motion) / max(1, len(one.tau)) for one in self.prepared]))
 
 
 def assemble(

@@ -61,8 +61,13 @@ def solve_shape(
     def solve(data: LinearData) -> Float:
         return solution(data, delta, possible)
 
+    known = reference  # of the shape before: few rounds lead from there to the next fixed point
+
     def solved(shape: Float) -> Settled:
-        return settle(assembly, shape, solve, reference)
+        nonlocal known
+        found = settle(assembly, shape, solve, known)
+        known = found.linear if found.converged else reference
+        return found
 
     def loss(shape: Float) -> float:
         try:
@@ -71,6 +76,18 @@ def solve_shape(
             return float("inf")
         return huber(found.data.residual(found.linear), delta)
 
+    def at_once(nodes: Float) -> Float:
+        if sse and assembly.model.following_places:
+            try:
+                return assembly.sse_at(nodes)
+            except ExpressionError:  # at some node: one by one
+                return np.array([loss(node) for node in nodes])
+        if not assembly.model.needs_reference:
+            return np.array([loss(node) for node in nodes])
+        fed_back = solved(nodes[len(nodes) // 2]).linear
+        return np.array([_held_loss(assembly, node, fed_back, solve, delta) for node in nodes])
+
+    sse = possible is None and bool(np.isinf(delta).all())
     shapes = [s.shape for s in assembly.model.shapes]
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
@@ -80,15 +97,26 @@ def solve_shape(
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
         if not began.size:
-            began = search_shape(loss, shapes, None, method).best
+            began = search_shape(loss, shapes, None, method, at_once).best
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
         found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
         best = found if own else found[0]
         return best, solved(best), best, None
-    search = search_shape(loss, shapes, starts, method)
+    search = search_shape(loss, shapes, starts, method, at_once)
     # Far apart again, so that what they agree on is agreed on by starts of their own.
     leaders = search.valleys if method.apart <= 0.0 else [search.best, *search.began]
     return search.best, solved(search.best), leaders, search.agreeing
+
+
+def _held_loss(
+    assembly: Assembly, shape: Float, fed_back: Float, solve: Callable[[LinearData], Float], delta: Float
+) -> float:
+    """Return the loss (J,) at `shape` with the torque that is fed back computed from the parameters `fed_back` (P,)."""
+    try:
+        data = assembly.data(shape, fed_back)
+        return huber(data.residual(solve(data)), delta)
+    except ExpressionError:
+        return float("inf")
 
 
 @dataclass(frozen=True, eq=False)

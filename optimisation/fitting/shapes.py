@@ -30,6 +30,10 @@ POPULATION, GENERATIONS = 20, 20
 """Of a population that searches instead of the grid: as many evaluations as the grid has nodes."""
 PRECISION = 1e-7
 """To what share of its range a shape value is refined."""
+ROUGH = 1e-3
+"""The same for a valley that is not the lowest, until it turns out to be."""
+EDGE = 1e-4
+"""Where, as a share of the range beside a bound, the loss is looked at to see whether it rises from there."""
 SAME = 1e-6
 """Relative difference of losses up to which two starts have ended in the same valley."""
 
@@ -139,22 +143,32 @@ def search_shape(
     shapes: Sequence[Shape],
     starts: Sequence[Float] | None = None,
     method: ShapeMethod = GRID,
+    at_once: Callable[[Float], Float] | None = None,
 ) -> ShapeSearch:
-    """Minimise `evaluate` ((S,) -> loss) over `shapes`: everywhere (or only from `starts`), then locally."""
+    """Minimise `evaluate` ((S,) -> loss) over `shapes`: everywhere (or only from `starts`), then locally.
+
+    `at_once` ((V, S) -> (V,)) looks at all nodes of the grid, should that be cheaper; it need not be as exact.
+    """
     if starts is None and method.optimiser is not None:
         nodes, values = _population(evaluate, shapes, method.optimiser, method.seed)
     else:
         nodes = np.array(grid(shapes) if starts is None else [tuple(s) for s in starts], dtype=float)
-        values = np.array([evaluate(node) for node in nodes])
+        values = at_once(nodes) if at_once and starts is None else np.array([evaluate(node) for node in nodes])
     values = np.where(np.isnan(values), np.inf, values)
-    best, value = nodes[int(np.argmin(values))], float(values.min())
     if starts is None and method.optimiser is None and method.apart <= 0.0:
         chosen = _valleys(values, shapes, [len(axis) for axis in _axes(shapes)])[: method.starts]
     else:
         chosen = _apart(nodes, values, shapes, method)
+    if at_once and starts is None:
+        values[chosen] = [evaluate(nodes[index]) for index in chosen]
+    known = chosen or [int(np.argmin(values))]
+    best, value = min(((nodes[k], float(values[k])) for k in known), key=lambda pair: pair[1])
     ends, reached = [], []
-    for index in chosen[: method.refined or method.starts]:
-        found, low = _refine(evaluate, shapes, nodes[index])
+    for rank, index in enumerate(chosen[: method.refined or method.starts]):
+        rough = rank > 0 and method.apart <= 0.0
+        found, low = _refine(evaluate, shapes, nodes[index], float(values[index]), ROUGH if rough else PRECISION)
+        if rough and low < value:
+            found, low = _refine(evaluate, shapes, nodes[index], float(values[index]))
         ends.append(found)
         reached.append(low)
         if low < value:
@@ -209,11 +223,17 @@ def _apart(nodes: Float, values: Float, shapes: Sequence[Shape], method: ShapeMe
     return chosen
 
 
-def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: Float) -> tuple[Float, float]:
-    """Refine the continuous shapes around `node`; choices stay as they are."""
+def _refine(
+    evaluate: Callable[[Float], float],
+    shapes: Sequence[Shape],
+    node: Float,
+    value: float,
+    precision: float = PRECISION,
+) -> tuple[Float, float]:
+    """Refine the continuous shapes around `node` of loss `value`; choices stay as they are."""
     free = [i for i, s in enumerate(shapes) if not s.choices]
     if not free:
-        return node, evaluate(node)
+        return node, value
     reach = [1.0 / max(1, shapes[i].points - 1) for i in free]
     middle = [to_unit(shapes[i], node[i]) for i in free]
 
@@ -224,9 +244,12 @@ def _refine(evaluate: Callable[[Float], float], shapes: Sequence[Shape], node: F
         return out
 
     if len(free) == 1:
+        inside = abs(middle[0] - EDGE)
+        if middle[0] in (0.0, 1.0) and evaluate(at(inside)) >= value:  # it rises from the bound on
+            return node, value
         bounds = (max(0.0, middle[0] - reach[0]), min(1.0, middle[0] + reach[0]))
-        unit, value = minimum(lambda u: evaluate(at(u)), *bounds, PRECISION)
-        return at(unit), value
+        unit, least = minimum(lambda u: evaluate(at(u)), *bounds, precision)
+        return at(unit), least
     from scipy.optimize import minimize
 
     corners = [np.array(middle)]

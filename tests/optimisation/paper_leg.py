@@ -43,6 +43,7 @@ class Leg:
 
     limits = LIMITS
     joints = LEG
+    following_places = ()
 
     @property
     def needs_reference(self):
@@ -86,7 +87,7 @@ class Recorded:
     use: np.ndarray
     name: str = "run"
 
-    def smooth(self, x):
+    def smooth(self, x, joints=None):
         return x
 
 

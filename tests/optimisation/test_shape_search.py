@@ -9,8 +9,11 @@ from ground.errors import ExoidError
 from measurement.bench.hidden import parse_hidden
 from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import Bench, simulate_runs
+from optimisation.fitting.assemble import Assembly
 from optimisation.fitting.identify import identify
 from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
+from optimisation.linear.loss import sse
+from optimisation.linear.solve import solve_sse
 from optimisation.optimisers import optimisers
 from optimisation.preparation.prepare import prepare
 from symbolic.effect import Shape
@@ -65,3 +68,29 @@ def test_an_unknown_way_is_refused():
     runs = simulate_runs(1, None, standard_leg(), seed=2, bench=Bench(duration=5.0))
     with pytest.raises(ExoidError, match="simulated_annealing"):
         identify(Model.standard(), [runs[0].recording], shape_search="simulated_annealing")
+
+
+@pytest.mark.parametrize("names", [("stribeck:knee",), ("torque_ripple:hip", "backlash:knee"), ("end_stop:knee",)])
+def test_all_nodes_at_once_are_the_nodes_one_by_one(names):
+    runs = simulate_runs(2, None, standard_leg(), seed=4, bench=Bench(duration=6.0))
+    model = Model.standard()
+    for name in names:
+        model = model.with_effect(name)
+    assembly = Assembly(model, prepare(model, [run.recording for run in runs], cutoff=5.0).train)
+    rng = np.random.default_rng(1)
+    nodes = np.array(
+        [[rng.choice(s.shape.choices or (s.shape.min, s.shape.max)) for s in model.shapes] for _ in range(5)]
+    )
+    nodes[0] = model.typical_shape
+    expected = []
+    for node in nodes:
+        data = Assembly(model, assembly.prepared).data(node)  # nothing remembered
+        expected.append(sse(data.residual(solve_sse(data))))
+        again = assembly.data(node)
+        np.testing.assert_allclose(again.columns, data.columns, atol=1e-12)
+    np.testing.assert_allclose(assembly.sse_at(nodes), expected, rtol=1e-9)
+
+
+def test_an_optimum_on_a_bound_is_the_bound():
+    found = search_shape(lambda x: float(np.exp(x[0])), [Shape("s", 0.0, 1.0)])
+    assert found.best == 0.0 and found.value == 1.0
