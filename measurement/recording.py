@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +23,10 @@ from symbolic.motion import Float, read_only
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+BASE_COLUMNS: Mapping[str, str] = MappingProxyType({"base_angle": "rad", "base_ax": "m/s²", "base_az": "m/s²"})
+"""Columns of a recording that say how a measured base moved, and their units."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,8 @@ class Recording:
     `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
     text files), for messages. `payloads` are known masses that hung on the leg meanwhile, `conventions` the
     names of those it was converted from, `passive` the joints that had no drive meanwhile: their torque is zero,
-    whatever their channel reads.
+    whatever their channel reads. `base` (N, 3) is how a measured base moved: its angle rad and its acceleration
+    forwards and upwards m/s² without gravity; None where nothing is known of it.
     """
 
     name: str
@@ -60,15 +67,16 @@ class Recording:
     conventions: tuple[str, ...] = ()
     passive: tuple[str, ...] = ()
     joints: tuple[Joint, ...] = LEG
+    base: Float | None = None
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
-        for name in ("t", "q", "tau", "dq", "ddq", "force"):
+        for name in ("t", "q", "tau", "dq", "ddq", "force", "base"):
             value = getattr(self, name)
             if value is None and name not in ("t", "q", "tau"):
                 continue
             array = read_only(value)
-            shape = (count,) if name == "t" else (count, len(self.joints))
+            shape = (count,) if name == "t" else (count, 3 if name == "base" else len(self.joints))
             if array.shape != shape:
                 raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
             if not np.isfinite(array).all():
@@ -146,6 +154,8 @@ class Recording:
             if pair is not None:
                 for joint in range(len(self.joints)):
                     out[f"{label}{joint + 1}"] = np.where(self.valid, pair[:, joint], np.nan)
+        if self.base is not None:
+            out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(BASE_COLUMNS)}
         return out
 
     def to_frame(self) -> Any:
@@ -168,6 +178,9 @@ class Recording:
         time = columns.pop("t")
         data = {}
         for name, cells in columns.items():
+            if name in BASE_COLUMNS:
+                data[name] = ("t", cells, {"units": BASE_COLUMNS[name]})
+                continue
             quantity = name.rstrip("0123456789")
             unit = self.joints[int(name.removeprefix(quantity)) - 1].unit(quantity)
             data[name] = ("t", cells, {"units": unit})

@@ -242,13 +242,13 @@ def _filled(limits: Limits | None, joint: Joint) -> Limits:
     return Limits(angle, velocity, limits.acceleration if math.isfinite(limits.acceleration) else usual.acceleration)
 
 
-def require_leg(model: Model, what: str, where: str = "") -> None:
-    """Refuse a machine that is not the leg; EffectError says `what` serves the leg alone."""
-    if model.chain:
+def require_still_base(model: Model, what: str) -> None:
+    """Refuse a machine whose base is measured; EffectError says `what` takes the base to stand still."""
+    if model.moving_base:
         raise EffectError(
-            f"{what} serves the leg with hip and knee; this machine has {', '.join(model.joint_names)}",
-            where=where or model.name,
-            remedy="give a model with [geometry]; for other machines there is exoid generate MODEL",
+            f"{what} takes the base to stand still, and that of this model is measured",
+            where=model.name,
+            remedy='give the same model with [base] motion = "fixed", and keep the base still meanwhile',
         )
 
 

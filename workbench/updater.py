@@ -14,7 +14,7 @@ from diagnosis.watching.window import LEAST_WEIGHT
 from ground.text import in_comment
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.instructions import PLAIN, scalar_c
-from symbolic.model import Model
+from symbolic.model import Model, require_still_base
 from symbolic.model_file import Numbers
 from workbench.identified import ExportError
 
@@ -33,6 +33,7 @@ def write_updater(
     """
     if sample_time is None:
         raise ExportError("the updater needs the period of the control loop", remedy="add --sample-time SECONDS")
+    require_still_base(model, "the updater")
     import numpy as np
 
     function = _columns(model, numbers)

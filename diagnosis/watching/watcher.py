@@ -31,7 +31,7 @@ from diagnosis.watching.window import Window, joined, prepared, window
 from ground.errors import ExoidError
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
-from symbolic.model import Model
+from symbolic.model import Model, require_still_base
 from symbolic.motion import Float
 
 TOGETHER = 2
@@ -100,6 +100,7 @@ class Watcher:
     rules: Rules = QUICK
 
     def __post_init__(self) -> None:
+        require_still_base(self.model, "watching")
         self.front = FrontEnd(len(self.model.joints), self.settings.cutoff)
         self.waiting = Samples.none(len(self.model.joints))
         self.rng = np.random.default_rng(self.settings.seed)

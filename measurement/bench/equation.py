@@ -74,9 +74,12 @@ class Stepper:
     step: Any
     memory_start: Any
 
-    def start(self, t: float, q: Array, dq: Array, ddq: Array, linear: Array, shape: Array) -> Array:
-        """Return the state in which the leg is on its path and its operators have just been switched on."""
-        memory = np.asarray(self.memory_start(t, q, dq, ddq, linear, shape)).ravel()
+    def start(self, t: float, q: Array, dq: Array, ddq: Array, linear: Array, shape: Array, base: Array) -> Array:
+        """Return the state in which the leg is on its path and its operators have just been switched on.
+
+        `base` (5, or 0 where it stands) is how the base moves then.
+        """
+        memory = np.asarray(self.memory_start(t, q, dq, ddq, linear, shape, base)).ravel()
         return np.concatenate([q, dq, ddq, np.sign(dq), q, dq, memory])
 
 
@@ -102,7 +105,7 @@ def _build(model: Model, dt: float) -> Stepper:
     values = ca.vertcat(ca.SX(0, 1), *(entry.start(entry.argument) for entry in equation.memories))
     first = ca.Function(
         "first",
-        [sym.t, sym.q, sym.dq, sym.ddq, sym.linear, sym.shape],
+        [sym.t, sym.q, sym.dq, sym.ddq, sym.linear, sym.shape, sym.base],
         [ca.vertcat(arguments, values)],
     )
     return Stepper(step_function(equation, dt, [joint.reach for joint in model.joints]), first)
@@ -113,7 +116,8 @@ def equation_of(model: Model) -> Equation:
     `dahl`.
     """
     form = model_expressions(model)
-    symbols = Symbols(form.t, form.q, form.dq, form.ddq, form.sign, form.linear, form.shape, form.memory)
+    motion = form.t, form.q, form.dq, form.ddq, form.sign
+    symbols = Symbols(*motion, form.linear, form.shape, form.memory, form.base_motion)
     memories = (StatefulOperator(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
     return Equation(symbols, form.torque, tuple(memories))
 

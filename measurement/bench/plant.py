@@ -39,7 +39,8 @@ EXACT, SWEEPS = 3, 30
 class Symbols:
     """What the equation of motion is written in (CasADi SX): scalar `t`, `q`, `dq`, `ddq`, `sign` (J,).
 
-    `linear` (P,) and `shape` (S,) are the model's numbers, `memory` (K,) what its operators with memory give.
+    `linear` (P,) and `shape` (S,) are the model's numbers, `memory` (K,) what its operators with memory give, `base`
+    (5, or 0 where it stands) how a measured base moves.
     """
 
     t: Any
@@ -50,6 +51,7 @@ class Symbols:
     linear: Any
     shape: Any
     memory: Any
+    base: Any
 
 
 @dataclass(frozen=True)
@@ -156,11 +158,12 @@ class _Midpoint:
         q, v, t = ca.SX.sym("q", joints), ca.SX.sym("v", joints), ca.SX.sym("t")
         last, value = ca.SX.sym("last", count), ca.SX.sym("value", count)
         linear, shape = ca.SX.sym("linear", sym.linear.numel()), ca.SX.sym("shape", sym.shape.numel())
+        base = ca.SX.sym("base", sym.base.numel())
         q_m, v_m = q + 0.5 * dt * v + 0.125 * dt**2 * a, v + 0.5 * dt * a
 
         def at(expression: Any, memory: Any) -> Any:
-            names = [sym.t, sym.q, sym.dq, sym.ddq, sym.sign, sym.linear, sym.shape, sym.memory]
-            return ca.Function("at", names, [expression])(t, q_m, v_m, a, s, linear, shape, memory)
+            names = [sym.t, sym.q, sym.dq, sym.ddq, sym.sign, sym.linear, sym.shape, sym.memory, sym.base]
+            return ca.Function("at", names, [expression])(t, q_m, v_m, a, s, linear, shape, memory, base)
 
         blank, none = ca.SX.zeros(count), ca.SX(0, 1)
         now = ca.vertcat(none, *(at(entry.argument, blank) for entry in equation.memories))
@@ -175,7 +178,7 @@ class _Midpoint:
         by_a, by_s = ca.jacobian(residual, a), ca.diag(ca.jacobian(residual, s))
         self.evaluate = ca.Function(
             "midpoint",
-            [a, s, q, v, t, last, value, linear, shape],
+            [a, s, q, v, t, last, value, linear, shape, base],
             [residual, 0.5 * (by_a + by_a.T), by_s, now, memory, q_m, v_m],
         )
 
@@ -186,7 +189,8 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     state  (6J + 2K): q, v, a, s at the start of the step, last encoder reading, filtered velocity, and the
     operators'
            arguments and values;
-    input  (1 + 4J): t, θ_d, θ_d', encoder noise, external torque N·m;
+    input  (1 + 4J + B): t, θ_d, θ_d', encoder noise, external torque N·m, motion of the base (B: 5, or 0 where it
+           stands);
     numbers (3J + 2 + P + S): gains on angle and on velocity, torque limits, smoothing of the differentiator, encoder
            step in rad, then the model's; record (6J): q_m, v_m, a, s, τ motor, residual of the equation.
     `reach` (J,) is what of its own unit each joint moves where a turning one moves 1 rad.
@@ -197,7 +201,8 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     sym = equation.symbols
     joints = sym.q.numel()
     fixed = 3 * joints + 2
-    state, given = ca.SX.sym("state", 6 * joints + 2 * count), ca.SX.sym("given", 1 + 4 * joints)
+    state, given = ca.SX.sym("state", 6 * joints + 2 * count), ca.SX.sym("given", 1 + 4 * joints + sym.base.numel())
+    base = given[1 + 4 * joints :]
     numbers = ca.SX.sym("numbers", fixed + sym.linear.numel() + sym.shape.numel())
     q, v, a, s, reading, speed = (state[joints * k : joints * (k + 1)] for k in range(6))
     wanted, wanted_speed, noise, external = (given[1 + joints * k : 1 + joints * (k + 1)] for k in range(4))
@@ -217,7 +222,7 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
 
     midpoint = _Midpoint(ca, equation, dt)
     for _ in range(NEWTON_STEPS):
-        residual, mass, friction, *_ = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape)
+        residual, mass, friction, *_ = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape, base)
         bound = ca.fmax(friction, 0.0)
         inverse = ca.inv(mass)
         # The friction inside the residual is taken out, then put back as the unknown of the box problem.
@@ -232,7 +237,7 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     sticks = ca.logic_and(ca.fabs(impulse) < bound, bound > TINY)
     a = ca.if_else(sticks, -v / dt, a)
     velocity = ca.if_else(sticks, 0.0, v + dt * a)
-    residual, _, _, now, memory, q_m, v_m = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape)
+    residual, _, _, now, memory, q_m, v_m = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape, base)
 
     after = ca.vertcat(q + dt * v + 0.5 * dt**2 * a, velocity, a, s, encoder, speed, now, memory)
     record = ca.vertcat(q_m, v_m, a, s, motor, residual - supplied)

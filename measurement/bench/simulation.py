@@ -12,7 +12,7 @@ torque, and what gives way between link and encoder to the measured angle.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,6 +28,7 @@ from measurement.bench.leg import Leg, standard_leg
 from measurement.bench.machine import Machine, standard_machine
 from measurement.bench.seal import HiddenTruth, Truth
 from measurement.bench.sensors import Sensors
+from measurement.bench.sway import ACCELERATION_NOISE, base_motion
 from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
@@ -179,9 +180,10 @@ def run_bench(
     # as it is.
     motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
     path = random_trajectory(motion_rng, model.motion_limits) if excitation is None else excitation
+    base_seed = [seed, index, 3]
     true = true_model(model, leg.base, hidden)
     mechanical, heard = split_channel(true)
-    trace = _drive(mechanical, true, leg, path, bench, control_rng, feed_forward)
+    trace = _drive(mechanical, true, leg, path, bench, control_rng, feed_forward, base_seed)
     link, motion, torque = trace.link, trace.read, trace.motor
     if heard is not mechanical:
         torque = torque + heard.torque(link) - mechanical.torque(link)
@@ -204,16 +206,13 @@ def bench_machine(model: Model) -> Leg | Machine:
 
 
 def _check_fits(model: Model, leg: Leg | Machine, wearer: bool) -> None:
-    """Refuse a leg for another machine, a base that moves, and a wearer of anything but a leg."""
+    """Refuse a leg for another machine, and a wearer of anything but a leg."""
     if len(leg.base) != model.base_count:
         raise BenchError(
             f"{leg.name} has {len(leg.base)} base parameters, the model {model.base_count}",
             where=model.name,
             remedy="leave it out: the bench makes a machine for every model",
         )
-    if model.moving_base:
-        remedy = 'leave [base] motion = "measured" out of the model'
-        raise BenchError("the base of the virtual bench stands still", where=model.name, remedy=remedy)
     if wearer and model.chain:
         raise BenchError("only the leg has cuffs that a wearer pushes at", where=model.name, remedy="leave wearer out")
 
@@ -243,7 +242,8 @@ def _drive(
     path: Fourier,
     bench: Bench,
     rng: np.random.Generator,
-    feed_forward: FeedForward | None = None,
+    feed_forward: FeedForward | None,
+    base_seed: Sequence[int],
 ) -> _Trace:
     """Integrate the closed loop through lead-in and recording."""
     per_sample = bench.steps_per_sample
@@ -261,16 +261,21 @@ def _drive(
         force = bench.wearer.force(t, rng)
         pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
     added = np.zeros_like(pushed) if feed_forward is None else np.asarray(feed_forward(wanted), dtype=float)
-    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed + added]).T
+    base = None
+    if mechanical.model.moving_base:
+        base = base_motion(np.asarray(t, dtype=float), np.random.default_rng(base_seed))
+    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed + added, *([] if base is None else [base])]).T
     numbers = _numbers(mechanical, leg, bench, dt)
     plant = stepper(mechanical.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
-    record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape), given, numbers)
+    first = np.zeros(0) if base is None else base[0]
+    record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape, first), given, numbers)
     states = record.reshape(6, len(joints), -1)
     _check_sane(states, reach, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
     kept = slice(before, None, per_sample)
     at_limit = np.abs(states[4][:, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
-    whole = Motion(np.asarray(t, dtype=float), *(states[k].T for k in range(4)))
+    q, dq, ddq, sign = (states[k].T for k in range(4))
+    whole = Motion(np.asarray(t, dtype=float), q, dq, ddq, sign, base=base)
     seen = at_encoders(true, mechanical, whole)
     link = _sampled(whole, kept)
     felt: Array | None = None
@@ -283,7 +288,8 @@ def _drive(
 
 
 def _sampled(motion: Motion, kept: slice) -> Motion:
-    return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept])
+    base = None if motion.base is None else motion.base[kept]
+    return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept], base=base)
 
 
 def _check_sane(states: Array, reach: Array, where: str) -> None:
@@ -340,7 +346,12 @@ def _measure(
     if force is not None:
         force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
     logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
-    return Recording(name, *logged, force=force, joints=model.joints)
+    base: Array | None = None
+    if motion.base is not None:
+        leaning = sensors.angle(motion.base[:, :1], rng, np.ones(1))
+        carried = motion.base[:, 3:] + ACCELERATION_NOISE * rng.standard_normal((len(t), 2))
+        base = sensors.logged(np.column_stack([leaning, carried]))
+    return Recording(name, *logged, force=force, joints=model.joints, base=base)
 
 
 def _truth(true: TrueModel, leg: Leg | Machine, hidden: tuple[Hidden, ...], seed: int) -> Truth:

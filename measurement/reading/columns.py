@@ -13,7 +13,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.suggest import nearest
-from measurement.reading.names import ColumnMeaning, kind_of, quantity_of, recognise, weak_time
+from measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
 from symbolic.joints import LEG, MOST, UNNAMED, Joint
@@ -37,7 +37,7 @@ def required(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
 def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of all columns that a recording of `joints` may have."""
     numbers = range(1, len(joints) + 1)
-    return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers))
+    return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers), *BASE)
 
 
 @dataclass(frozen=True)
@@ -333,7 +333,8 @@ def _with_unit(
     where: str,
     joints: Sequence[Joint],
 ) -> Assigned:
-    quantity, of_all = kind_of(name, joints), units.get(quantity_of(name), "")
+    quantity = kind_of(name, joints)
+    of_all = units.get(quantity if name in BASE else quantity_of(name), "")  # --units q=deg is meant for every angle
     mixed = len({joint.turns for joint in joints}) > 1
     if mixed and factor(quantity, of_all) is None and any(factor(k, of_all) for k in OTHERS.get(quantity, ())):
         of_all = ""  # --units q=deg is not meant for the joint that slides

@@ -79,6 +79,13 @@ GREEK = {
     "τ": " tau ",
     "ω": " omega ",
 }
+BASE: Mapping[str, str] = {"base_angle": "q", "base_ax": "ddx", "base_az": "ddx"}
+"""Columns of a measured base, and what quantity each is."""
+BASE_WORDS: Mapping[str, str] = {
+    **{name.replace("_", ""): name for name in BASE},
+    **{f"{part}{word}": "base_angle" for part in ("base", "backpack", "pelvis", "trunk")
+       for word in ("angle", "tilt", "pitch")},
+}  # fmt: skip
 _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
 _SIDE = {word: side for side, words in SIDES.items() for word in words}
 
@@ -111,6 +118,8 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
     """
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
+    if base := _of_base(name):
+        return base
     name = name.removeprefix("Model Root/")  # dSPACE names the block diagram so; "model" elsewhere is no measurement
     if len(name) > 300 or FOREIGN.intersection(re.split(r"[\W\d_]+", _spaced(name).lower())):
         return None
@@ -126,6 +135,17 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
     return found or (recognise(typed, joints) if typed != name else None)
 
 
+def _of_base(name: str) -> ColumnMeaning | None:
+    """Return what a column of a measured base is: "base_angle", "backpack tilt deg", "base_ax"."""
+    parts = [part.lower() for part in re.split(r"[\W_]+", name) if part]
+    for used in (0, 1, 2):  # a unit at the end may be cut in two
+        meant = BASE_WORDS.get("".join(parts[: len(parts) - used]))
+        unit = "/".join(parts[len(parts) - used :]) if used else ""
+        if meant and (not used or _is_unit_of(BASE[meant], unit)):
+            return ColumnMeaning(meant, unit)
+    return None
+
+
 def weak_time(name: str) -> bool:
     """Whether `name` heads the time in some logs though it says nothing of the kind."""
     return re.sub(r"[\W_]+", "", name).lower() in WEAK_TIME
@@ -138,6 +158,8 @@ def quantity_of(name: str) -> str:
 
 def kind_of(name: str, joints: Sequence[Joint]) -> str:
     """Return the key of `units.QUANTITIES` of a canonical column: "dq1" -> "dq", or "dx" where joint 1 slides."""
+    if name in BASE:
+        return BASE[name]
     quantity = quantity_of(name)
     number = name.removeprefix(quantity)
     return quantity if not number or joints[int(number) - 1].turns else SLIDING.get(quantity, quantity)

@@ -19,7 +19,7 @@ from measurement.reading.columns import UNIT_OF, Assigned
 from measurement.reading.names import kind_of
 from measurement.reading.raw import RawTable
 from measurement.reading.units import is_product
-from measurement.recording import Recording, Source
+from measurement.recording import BASE_COLUMNS, Recording, Source
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
@@ -86,7 +86,16 @@ def repaired(
         draft.findings,
         draft.row,
         joints=joints,
+        base=_base(columns),
     )
+
+
+def _base(columns: Mapping[str, Float]) -> Float | None:
+    """Return how the base moved (N, 3), with zero for an acceleration the file does not have; None without an angle."""
+    if "base_angle" not in columns:
+        return None
+    still = np.zeros_like(columns["base_angle"])
+    return np.column_stack([columns.get(name, still) for name in BASE_COLUMNS])
 
 
 def _start(
@@ -117,6 +126,10 @@ def _start(
             reason = f"{', '.join(empty)} is mostly not numbers" if empty else lacking
             draft = draft.noted("columns", "info", f"{' and '.join(pair)} left out: {reason}")
             columns = {n: v for n, v in columns.items() if n not in pair}
+    alone = [name for name in BASE_COLUMNS if name in columns and "base_angle" not in columns]
+    if alone:
+        draft = draft.noted("columns", "info", f"{' and '.join(alone)} left out: there is no base_angle")
+        columns = {n: v for n, v in columns.items() if n not in alone}
     return replace(draft, columns=columns)
 
 

@@ -31,7 +31,7 @@ class EvenSignals:
     """A recording on an even clock: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
 
     The logged time stamps are what it was interpolated from; `rate` is in Hz. `passive` (J,) are joints declared
-    to have no drive; their torque is zero.
+    to have no drive; their torque is zero. `base` (N, 3) is that of the recording.
     """
 
     t: Float
@@ -41,6 +41,7 @@ class EvenSignals:
     rate: float
     passive: NDArray[np.bool_]
     payloads: tuple[Payload, ...] = ()
+    base: Float | None = None
 
     @cached_property
     def spectrum(self) -> tuple[Float, Float]:
@@ -76,14 +77,18 @@ def even_clock(recording: Recording) -> EvenSignals:
     step = float(np.median(np.diff(t)))
     grid = t[0] + step * np.arange(int(np.floor((t[-1] - t[0]) / step + 1e-6)) + 1)
     if grid.size == t.size and np.max(np.abs(grid - t)) < 1e-3 * step:
-        grid, q, tau = t, recording.q[good], recording.tau[good]
-    else:
-        q = np.column_stack([np.interp(grid, t, recording.q[good, j]) for j in range(recording.q.shape[1])])
-        tau = np.column_stack([np.interp(grid, t, recording.tau[good, j]) for j in range(recording.q.shape[1])])
+        grid = t
+
+    def even(x: Float) -> Float:
+        if grid is t:
+            return np.asarray(x[good])
+        return np.column_stack([np.interp(grid, t, x[good, j]) for j in range(x.shape[1])])
+
+    q, tau, base = even(recording.q), even(recording.tau), None if recording.base is None else even(recording.base)
     after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1]) > 2.5 * step
     passive = np.array([joint in recording.passive for joint in recording.joint_names])
-    return EvenSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads)
+    return EvenSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads, base)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

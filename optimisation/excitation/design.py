@@ -25,7 +25,7 @@ from optimisation.fitting.nominal import Nominal, nominal, sizes
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.information import Information, information
 from symbolic.memory import memory_operations
-from symbolic.model import Limits, Model
+from symbolic.model import Limits, Model, require_still_base
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
 
@@ -73,6 +73,7 @@ def design(
     began = time.perf_counter()
     say = progress or _silent
     model = Model.standard() if model is None else model
+    require_still_base(model, "the design of a motion")
     if criterion not in CRITERIA:
         raise DesignError(f"there is no criterion {criterion!r}", remedy=f"one of: {', '.join(CRITERIA)}")
     if not 0.0 < use <= 1.0:
@@ -112,6 +113,7 @@ def evaluate(
     """Return how good a given motion is and what it makes of the model's limits, without any search."""
     began = time.perf_counter()
     model = Model.standard() if model is None else model
+    require_still_base(model, "the design of a motion")
     at = nominal(model, numbers)
     aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joint_names), duration)
     room = bounds(model.motion_limits, use)

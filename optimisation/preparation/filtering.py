@@ -103,7 +103,7 @@ class PreparedRecording:
         q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band, self.reach)
         sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
-        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload)
+        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload, old.base)
         return replace(self, motion=motion)
 
     def smooth(self, x: Float, joints: Sequence[int] | None = None, axis: int = 1) -> Float:
@@ -175,7 +175,8 @@ def prepare_one(
     # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
     sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
-    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload)
+    swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
     known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
     bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
     bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
@@ -204,6 +205,14 @@ def prepare_one(
         full_rate=even.rate,
         reach=reach_of,
     )
+
+
+def _base_motion(even: EvenSignals, inner: float, factor: int, rate: float) -> Float:
+    """Return how a measured base moves at the working samples (N, 5), smoothed as the angles are."""
+    assert even.base is not None  # `prepare` has refused the recording otherwise
+    smooth = np.array(low_pass(even.base, inner, even.rate)[::factor])
+    turning, swinging = derivatives(smooth[:, :1], rate)
+    return np.column_stack([smooth[:, :1], turning, swinging, smooth[:, 1:]])
 
 
 def _at_rest(motion: Motion, stuck: Bool) -> Motion:

@@ -48,7 +48,7 @@ def torque_of_noise(base: Model, beta: Float, prepared: Sequence[PreparedRecordi
 
 def _torque_change(base: Model, beta: Float, one: PreparedRecording, q: Float, dq: Float, ddq: Float) -> Float:
     old = one.motion
-    changed = Motion(old.t, q, dq, ddq, old.sign, old.payload)
+    changed = Motion(old.t, q, dq, ddq, old.sign, old.payload, old.base)
     return one.smooth(base.torque(changed, beta) - base.torque(old, beta))
 
 

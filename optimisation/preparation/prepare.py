@@ -28,6 +28,8 @@ from symbolic.joints import LEG, Joint, names
 from symbolic.model import Model
 from symbolic.motion import Float
 
+SWAYS = 0.02
+"""rad by which a base may turn in recordings of a machine whose base is taken to stand still."""
 LEAST_CYCLES = 2.0
 """Cycles of the cut-off that the shortest recording must hold: below, the filter leaves a line."""
 UNDRIVEN = 0.5
@@ -90,13 +92,8 @@ def prepare(
     check_method(derivative)
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
-    if getattr(model, "moving_base", False):
-        raise RecordingError(
-            "the motion of a measured base is not read from recordings",
-            where=model.name,
-            remedy='use a recording with the base at rest and [base] motion = "fixed"',
-        )
     recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
+    swayed = _check_base(model, (*recordings, *verify))
     for one in (*recordings, *verify):
         _refuse_driven(one)
     recordings, verify, doubled = held_apart(recordings, verify)
@@ -138,7 +135,7 @@ def prepare(
         ),
         filter_error=wrong,
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
-        findings=(*known, *doubled, *(f for f in misread if f not in known), *outliers),
+        findings=(*known, *swayed, *doubled, *(f for f in misread if f not in known), *outliers),
         derivative=derivative,
         misread=misread,
         joints=model.joints,
@@ -163,6 +160,28 @@ def _refuse_driven(recording: Recording) -> None:
             where=recording.name,
             remedy=f"leave --passive {joint} away, or check which column is which (--map)",
         )
+
+
+def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
+    """Return what is to be said about the bases of recordings; RecordingError where a measured one is missing."""
+    if not model.moving_base:
+        moved = [(one, float(np.ptp(one.base[one.valid, 0]))) for one in recordings if one.base is not None]
+        what = "the base turns by {:.2g} rad, and that of the model stands still"
+        remedy = 'write [base] motion = "measured" into the model file'
+        return tuple(
+            Finding("base", "warning", what.format(turned), one.source.path or one.name, turned, SWAYS, remedy)
+            for one, turned in moved
+            if turned > SWAYS
+        )
+    for one in recordings:
+        if one.base is None:
+            raise RecordingError(
+                "the recording has no base_angle, and the base of the model is measured",
+                where=one.source.path or one.name,
+                remedy="--map base_angle=COLUMN (rad; base_ax, base_az in m/s² where there are any), or "
+                '[base] motion = "fixed" where the base stood still',
+            )
+    return ()
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[str]) -> tuple[Finding, ...]:

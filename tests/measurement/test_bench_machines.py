@@ -78,7 +78,5 @@ def test_usual_limits_stand_in_for_those_a_model_leaves_out():
 
 
 def test_what_the_bench_cannot_move_is_refused():
-    with pytest.raises(BenchError, match="base of the virtual bench"):
-        run_bench(Model("moving", chain=(Joint("drive"),), moving_base=True), bench=IDEAL)
     with pytest.raises(BenchError, match="base parameters"):
         run_bench(CRANE, standard_machine(DRIVE), bench=IDEAL)

@@ -50,7 +50,7 @@ def plant(coulomb=(0.0, 0.0), viscous=(0.0, 0.0), extra=None, dt=DT):
     torque = rigid + ca.DM(coulomb) * s + ca.DM(viscous) * dq
     torque = torque if extra is None else torque + extra(q, dq, ddq, s)
     none = [ca.SX.sym(name, 0) for name in ("linear", "shape", "memory")]
-    return step_function(Equation(Symbols(ca.SX.sym("t"), q, dq, ddq, s, *none), torque), dt)
+    return step_function(Equation(Symbols(ca.SX.sym("t"), q, dq, ddq, s, *none, ca.SX(0, 1)), torque), dt)
 
 
 def run(step, q0, dq0, count, external, dt=DT):

@@ -43,27 +43,22 @@ class Inputs:
         return {"cutoff": self.cutoff, "derivative": self.derivative}
 
 
-def load_model(path: str | None, any_machine: bool = False) -> Model:
-    """Return the model in the file `path`, or the standard leg for None; refuses one that is not the leg unless
-    `any_machine`.
-    """
-    from symbolic.model import Model, require_leg
+def load_model(path: str | None) -> Model:
+    """Return the model in the file `path`, or the standard leg for None."""
+    from symbolic.model import Model
 
     if path is None:
         return Model.standard()
     from symbolic.model_file import read_model
 
-    model = read_model(path)
-    if not any_machine:
-        require_leg(model, "this command", path)
-    return model
+    return read_model(path)
 
 
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
     from measurement.reading.sources import expand
 
-    model = load_model(getattr(args, "model", None), any_machine=True)
+    model = load_model(getattr(args, "model", None))
     most = getattr(args, "limit", None) or (0.0,)
     if len(most) not in (1, len(model.joints)):
         remedy = f"give one, or one per joint as {','.join(model.joint_names)}"

@@ -105,7 +105,7 @@ def _design(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     path = _model_path(args)
-    model = load_model(path, any_machine=True)
+    model = load_model(path)
     numbers = _numbers(path)
     from optimisation.excitation.design import NoMotionError
 
@@ -247,7 +247,7 @@ def _separate(args: argparse.Namespace) -> int:
     from optimisation.excitation.criteria import Noise
     from workbench.command_line.inputs import load, load_model
 
-    joints = load_model(args.model, any_machine=True).joint_names
+    joints = load_model(args.model).joint_names
     white = Noise.white(args.noise, args.rate, joints) if args.noise else None
     toml = [name for name in args.inputs if name.lower().endswith(".toml")]
     if toml:

@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     check_places(args)
-    own = {effect.id: effect for effect in load_model(args.model, any_machine=True).custom} if args.model else {}
+    own = {effect.id: effect for effect in load_model(args.model).custom} if args.model else {}
     known = {**catalogue(), **own}
     found = None
     if args.id:
@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         screen.say(f"{len(rows)} effects; exoid effects ID explains one of them")
     payload: dict[str, Any] = {"schema": "exoid.effects/1", "effects": [effect_record(e) for e in chosen.values()]}
     if found is not None:
-        same = never(found, load_model(args.model, any_machine=True), args.quiet)
+        same = never(found, load_model(args.model), args.quiet)
         payload["effects"][0]["never_separable"] = {name: list(others) for name, others in same.items()}
         screen.say(written(same))
     if args.json:

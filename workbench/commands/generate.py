@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     check_places(args)
-    model = load_model(args.model, any_machine=True)
+    model = load_model(args.model)
     folder = Path(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
     with progress("deriving the equations", quiet=args.quiet) as report:

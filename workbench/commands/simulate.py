@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
         raise UsageError("--trajectory and --blind exclude each other", remedy="blind runs draw motions of their own")
     if args.payload and args.blind:
         raise UsageError("--payload and --blind exclude each other", remedy="simulate the loaded runs without --blind")
-    model = load_model(args.model, any_machine=True)
+    model = load_model(args.model)
     leg = _loaded(bench_machine(model), args.payload, model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, leg.base, hidden)  # a wrong name is told before anything is written

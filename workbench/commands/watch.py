@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.parser import UsageError
 
     given = None if args.model == STANDARD and not Path(STANDARD).exists() else args.model
-    model = load_model(given, any_machine=True)
+    model = load_model(given)
     block = Settings().block
     if args.learn < 4 * block:
         raise UsageError(f"--learn {args.learn:g} is too short", remedy=f"give at least {4 * block:g} s")

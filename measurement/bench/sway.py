@@ -1,0 +1,35 @@
+"""How the base of the virtual bench moves where a model has a measured one: a backpack that tilts and is carried along.
+
+Angle and acceleration are sums of a few sines, slow beside the joints, and independent of each other, so that a
+recording shows what each of them does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+TILT, CARRIED = 0.12, 0.8
+"""rad and m/s²: typical amplitude of the base's angle and of its acceleration."""
+BAND = (0.15, 1.2)
+"""Hz within which the base moves."""
+SINES = 4
+ACCELERATION_NOISE = 0.02
+"""m/s² of the accelerometer on the base (standard deviation)."""
+
+
+def base_motion(t: Array, rng: np.random.Generator) -> Array:
+    """Return how the base moves at times `t` (N,) s: angle rad, rad/s, rad/s², acceleration forwards and upwards
+    m/s², (N, 5).
+    """
+    out = np.zeros((len(t), 5))
+    for column, size in ((0, TILT), (3, CARRIED), (4, CARRIED)):
+        rate, phase = 2.0 * np.pi * rng.uniform(*BAND, SINES), rng.uniform(0.0, 2.0 * np.pi, SINES)
+        amplitude = size * rng.uniform(0.5, 1.0, SINES) / np.sqrt(SINES)
+        angle = np.outer(t, rate) + phase
+        out[:, column] = np.sin(angle) @ amplitude
+        if column == 0:
+            out[:, 1], out[:, 2] = np.cos(angle) @ (rate * amplitude), -np.sin(angle) @ (rate**2 * amplitude)
+    return out

@@ -1,0 +1,94 @@
+"""A machine whose base moves and is measured: recordings are read, fitted with its motion, and diagnosed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.watching.watcher import Watcher
+from ground.errors import EffectError, RecordingError
+from measurement.bench.hidden import Hidden
+from measurement.bench.machine import standard_machine
+from measurement.bench.simulation import Bench, run_bench, simulate_runs
+from measurement.reading.names import recognise
+from measurement.reading.read import read_recording
+from measurement.recording import write_recording
+from optimisation.excitation.design import design
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.joints import Joint
+from symbolic.model import Model
+
+PACK = Model("backpack", limits={}, chain=(Joint("hip", length=0.42), Joint("knee")), moving_base=True)
+FIXED = replace(PACK, moving_base=False)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return run_bench(PACK, bench=Bench(duration=15.0), seed=4)
+
+
+def test_the_bench_moves_the_base_and_its_torque_is_that_of_the_model(run):
+    assert run.motion.base.shape == (len(run.motion), 5) and np.ptp(run.recording.base[:, 0]) > 0.05
+    np.testing.assert_allclose(run.true.torque(run.motion), run.torque, atol=1e-6)
+    still = replace(run.motion, base=None)
+    assert np.abs(run.true.torque(still) - run.torque).max() > 0.5, "what the base does is felt at the joints"
+
+
+def test_the_numbers_are_those_of_the_machine_and_without_the_base_they_are_not(run):
+    truth = np.array(standard_machine(PACK).base)
+    fit, blind = (
+        identify(model, prepare(model, [run.recording]).train, optimisers=()) for model in (PACK, FIXED)
+    )
+    np.testing.assert_allclose(fit.linear[:4], truth[:4], rtol=0.1, atol=0.01)
+    assert np.all(fit.rms < 0.6 * blind.rms)
+
+
+def test_a_recording_goes_to_a_file_and_back_with_its_base(run, tmp_path):
+    path = write_recording(run.recording, tmp_path / "run.csv")
+    again = read_recording(path, joints=PACK.joints)
+    np.testing.assert_array_equal(again.base, run.recording.base)
+    text = path.read_text().splitlines()
+    head = text[0].replace("base_angle", "backpack tilt [deg]")
+    path.write_text("\n".join([head, *text[1:]]))
+    np.testing.assert_allclose(read_recording(path, joints=PACK.joints).base[:, 0], np.radians(again.base[:, 0]))
+
+
+@pytest.mark.parametrize(
+    ("name", "meaning"),
+    [("base_angle", "base_angle"), ("base_angle_deg", "base_angle"), ("Backpack Tilt", "base_angle"),
+     ("base_ax", "base_ax"), ("base_az_m_s2", "base_az"), ("base/angle", "base_angle")],
+)  # fmt: skip
+def test_columns_of_the_base(name, meaning):
+    assert recognise(name).name == meaning
+
+
+def test_a_recording_without_the_base_is_refused_and_a_base_that_nobody_asked_for_is_told(run):
+    with pytest.raises(RecordingError, match="no base_angle"):
+        prepare(PACK, [replace(run.recording, base=None)])
+    (found,) = [f for f in prepare(FIXED, [run.recording]).findings if f.check == "base"]
+    assert "stands still" in found.what and "measured" in found.remedy
+
+
+def test_what_takes_the_base_to_stand_still_says_so():
+    for act in (lambda: Watcher(PACK), lambda: design(PACK)):
+        with pytest.raises(EffectError, match="that of this model is measured"):
+            act()
+
+
+@pytest.mark.slow
+def test_both_legs_on_a_backpack_have_the_springs_of_both_sides_found():
+    from diagnosis.discover import discover
+
+    legs = (Joint("hip_l", length=0.42, parent="base"), Joint("knee_l"),
+            Joint("hip_r", length=0.42, parent="base"), Joint("knee_r"))  # fmt: skip
+    model = Model("both legs", limits={}, chain=legs, moving_base=True)
+    springs = [Hidden("joint_spring", f"knee_{side}", {"k": 6.0, "c": 1.0}) for side in "lr"]
+    *fitted, unseen = (run.recording for run in simulate_runs(4, model, effects=springs, seed=5))
+    found = discover(model, fitted, [unseen])
+    assert sorted((one.effect, one.joint) for one in found.accepted) == [
+        ("joint_spring", "knee_l"),
+        ("joint_spring", "knee_r"),
+    ]
