@@ -54,7 +54,9 @@ def test_own_effect_cancel_two_tabs_reload_and_kill(serve, visit, tmp_path):
         DATA / "train_1.csv", DATA / "train_2.csv", "--verify", DATA / "verify.csv", "--out", tmp_path / "kept"
     )
     page = visit(server.url)
-    page.get_by_test_id("error-knee").wait_for()
+    # The first thing that the mouse does is to point at a suspect.
+    page.get_by_test_id("suspect-load_friction:knee").hover()
+    expect(page.get_by_test_id("detail")).to_be_visible()
     before = page.get_by_test_id("error-knee").inner_text()
 
     # A torque that cannot be is refused with a caret; one that can joins the suspects.
@@ -92,7 +94,7 @@ def test_own_effect_cancel_two_tabs_reload_and_kill(serve, visit, tmp_path):
     expect(page.get_by_test_id("staircase").locator("li")).to_have_count(2)
 
     # What was kept is whole, however it ends.
-    expect(page.locator("#saved")).to_contain_text("kept")
+    expect(page.locator("#saved")).to_have_attribute("data-kept", "true")
     page.context.close()
     server.end(signal.SIGKILL)
     assert is_session(tmp_path / "kept")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+import zipfile
 
 import pytest
 from playwright.sync_api import expect
@@ -112,5 +113,18 @@ def test_from_the_start_screen_to_a_verdict(serve, visit, tmp_path):
     # The saved folder goes on where this ended.
     again = visit(serve(tmp_path / "kept").url)
     again.get_by_test_id(f"layer-{MISSING}").wait_for()
+    expect(again.get_by_test_id("verdict")).to_have_attribute("data-verdict", "missing")
     wait_ready(again)
     assert number(again, "error-knee") < 0.4 * before
+
+    # So it does where it is chosen on the start screen. The code of the model can be had, too.
+    chosen = visit(serve().url)
+    with chosen.expect_file_chooser() as chooser:
+        chosen.get_by_test_id("pick-session").click()
+    chooser.value.set_files(tmp_path / "kept")
+    chosen.get_by_test_id(f"layer-{MISSING}").wait_for()
+    expect(chosen.get_by_test_id("verdict")).to_have_attribute("data-verdict", "missing")
+    chosen.get_by_test_id("export-format").select_option("numpy")
+    with chosen.expect_download() as download:
+        chosen.get_by_test_id("export-model").click()
+    assert zipfile.is_zipfile(download.value.path())

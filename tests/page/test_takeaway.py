@@ -17,7 +17,10 @@ from workbench.page.given import VERIFY
 from workbench.page.takeaway import commands, reopen, save
 from workbench.page.workspace import Workspace
 
-VERDICT = {"verdict": "missing", "sentence": "it rubs", "stopped_because": "nothing is left"}
+VERDICT = {
+    "verdict": "missing", "sentence": "it rubs", "rule": "", "next_experiment": "", "stopped_because": "at last",
+    "accepted": [{"effect": "rub", "joint": "knee", "stability": "accepted in 4 of 4"}], "possible": [],
+}  # fmt: skip
 OWN = {"id": "rub", "joint": "knee", "torque": "c * abs(tau_rigid) * sgn(dtheta)", "coefficients": {"c": {"unit": "1"}}}
 
 
@@ -55,15 +58,30 @@ def test_a_saved_session_holds_everything_that_was_said(full, tmp_path):
     again.close()
 
 
-def test_a_session_that_names_files_outside_of_it_is_refused(full, tmp_path):
+def _outside(content):
+    content["recordings"][0]["file"] = "../train_1.csv"
+
+
+def _unknown_effect(content):
+    content["history"]["steps"][1]["layers"][0]["name"] = "rub:elbow"
+
+
+def _half_a_verdict(content):
+    del content["verdicts"][0]["found"]["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"), [(_outside, "outside"), (_unknown_effect, "elbow"), (_half_a_verdict, "sentence")]
+)
+def test_a_session_that_was_spoilt_is_refused_as_a_whole(full, tmp_path, spoil, why):
     folder = save(full, tmp_path / "kept")
     content = json.loads((folder / "session.json").read_text(encoding="utf-8"))
-    content["recordings"][0]["file"] = "../train_1.csv"
+    spoil(content)
     (folder / "session.json").write_text(json.dumps(content), encoding="utf-8")
     again = Workspace(tmp_path / "mappings")
-    with pytest.raises(RecordingError, match="outside"):
+    with pytest.raises(RecordingError, match=why):
         reopen(again, folder)
-    assert again.given == [] and again.saving is None
+    assert again.given == [] and again.own == {} and again.saving is None
     again.close()
 
 

@@ -162,7 +162,7 @@ def save(workspace: Workspace, folder: Path) -> Path:
             "base": "base.toml" if workspace.model_path is not None else None, "model": workspace.model_name,
             "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed, "cutoff": workspace.cutoff,
             "derivative": workspace.derivative,
-            "verdicts": [{"effects": sorted(names), "found": one} for names, one in workspace.verdicts.items()],
+            "verdicts": [{"effects": sorted(names), "found": one} for names, one in list(workspace.verdicts.items())],
         }  # fmt: skip
         write_whole(target / SESSION, json.dumps(plain(content), indent=1, ensure_ascii=False))
     except OSError as error:
@@ -197,17 +197,23 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
             raise ValueError(content["schema"])
         recordings = [_given(folder, entry) for entry in content["recordings"]]
         history = History.from_json(content["history"])
+        verdicts = {frozenset(one["effects"]): _verdict(one["found"]) for one in content["verdicts"]}
         if content["base"]:
             workspace.use_model(_inside(folder, content["base"]), str(content["model"]))
         for entry in content["own_effects"]:
             workspace.add_effect(dict(entry))
-        workspace.cutoff, workspace.derivative = content["cutoff"], str(content["derivative"])
+        for name in {layer.name for step in history.steps for layer in step.layers}:
+            effect, _, joint = name.partition(":")
+            workspace.model.with_effect(workspace.own.get(effect, effect), joint or None)  # refuses what does not exist
+        workspace.cutoff = None if content["cutoff"] is None else float(content["cutoff"])
+        workspace.derivative = str(content["derivative"])
         workspace.seed = int(content["seed"])
         for one in recordings:
             workspace.add_file(**one)
         workspace.change_history(lambda _: history)
-        workspace.verdicts = {frozenset(one["effects"]): dict(one["found"]) for one in content["verdicts"]}
-    except (OSError, KeyError, TypeError, ValueError) as error:
+        workspace.verdicts = verdicts
+    except (OSError, KeyError, TypeError, ValueError, ExoidError) as error:
+        workspace.clear()
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
@@ -232,6 +238,14 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
         "passive": tuple(entry["passive"]),
         "payloads": tuple(Payload(*one) for one in entry["payloads"]),
     }
+
+
+def _verdict(found: dict[str, Any]) -> dict[str, Any]:
+    """Return a verdict of a saved session; KeyError or TypeError where it lacks what is shown of it."""
+    texts = ("verdict", "sentence", "rule", "next_experiment", "stopped_because")
+    entries = {"accepted": ("effect", "joint", "stability"), "possible": ("effect", "joint", "reason")}
+    shown = {key: [{name: one[name] for name in names} for one in found[key]] for key, names in entries.items()}
+    return {**{key: str(found[key]) for key in texts}, **shown}
 
 
 def keep_in(workspace: Workspace, folder: Path) -> None:

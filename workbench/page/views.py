@@ -34,6 +34,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "problem": None if problem is None else error_json(problem),
         "folder": str(workspace.saving or "exoid-session"),
         "saved": None if workspace.saved is None else str(workspace.saved),
+        "kept": workspace.kept,
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),

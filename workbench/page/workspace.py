@@ -15,7 +15,6 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +50,7 @@ class Workspace:
         """Writes the session to that folder."""
         self.reporter: Callable[[], object] = lambda: None
         """Writes its report there."""
-        self._unkept = False
+        self._changes = self._kept = 0
         self.unkept: ExoidError | None = None
         """Why the session cannot be kept where it should be."""
         self._reported: object = None
@@ -90,10 +89,12 @@ class Workspace:
     def start(self) -> None:
         """Begin to work."""
         self._thread.start()
+        threading.Thread(target=self._keep, name="keeper", daemon=True).start()
 
     def close(self) -> None:
         """End the work and a search, and clear away what was dropped and not saved."""
         self.end()
+        self._keep_once()
         if self.search is not None and self.search.running:
             self.search.cancel()
         shutil.rmtree(self.place, ignore_errors=True)
@@ -116,7 +117,7 @@ class Workspace:
 
     def _touch(self, changed: bool = False) -> None:
         with self._change:
-            self._unkept |= changed
+            self._changes += changed
             self.version += 1
             self._change.notify_all()
 
@@ -187,6 +188,14 @@ class Workspace:
                     self.given[k] = replace(other, read=False, error=None)
         self._touch(changed=True)
         return one
+
+    def clear(self) -> None:
+        """Close everything: files, model, effects and what was done."""
+        with self._change:
+            self.given, self.own, self.own_texts, self.history = [], {}, {}, History()
+            self._model, self.model_path, self.model_name = None, None, ""
+            self._begin_anew()
+        self._touch()
 
     def _begin_anew(self) -> None:
         """The recordings are others: what was concluded from them does not hold any more."""
@@ -385,9 +394,6 @@ class Workspace:
             if session.known(names) is None and names not in self.failed:
                 self.busy = "fitting" if names == () else f"fitting with {', '.join(names)}"
                 return lambda names=names: self._fit(session, names)  # type: ignore[misc]
-        if self._unkept and self.keeper is not None:
-            self._unkept = False
-            return partial(self._keep, self.keeper)
         if self.names in self.failed:
             return None
         ranking = session.ranking(self.names)
@@ -397,8 +403,7 @@ class Workspace:
         shown = self.names, self.verdict is None
         if self.saving is not None and self._reported != shown:
             self._reported = shown
-            self.busy = "writing the report"
-            return partial(self._keep, self.reporter)
+            return threading.Thread(target=self._write, args=(self.reporter,), daemon=True).start
         return None
 
     def _read(self, one: Given) -> None:
@@ -443,8 +448,32 @@ class Workspace:
             session.fitted(names)
         except ExoidError as error:
             self.failed[names] = error
+        self._touch(changed=True)
 
-    def _keep(self, write: Callable[[], object]) -> None:
+    @property
+    def kept(self) -> bool:
+        """Whether everything that was done is written, where there is a folder to write it to."""
+        return self.keeper is not None and self._kept == self._changes and self.unkept is None
+
+    def _keep(self) -> None:
+        """Write the session after every change, whatever else goes on."""
+        while not self._closed:
+            with self._change:
+                self._change.wait_for(lambda: self._closed or self._due)
+            self._keep_once()
+
+    @property
+    def _due(self) -> bool:
+        return self.keeper is not None and self._kept != self._changes
+
+    def _keep_once(self) -> None:
+        if self._due and self.keeper is not None:
+            changes = self._changes
+            self._write(self.keeper)
+            self._kept = changes
+            self._touch()
+
+    def _write(self, write: Callable[[], object]) -> None:
         """Write what is kept; a full disk is said, and everything else goes on."""
         self.unkept = None
         try:

@@ -32,11 +32,16 @@ async function takeTree(tree) {
   return tell("reopen", { drop });
 }
 
-export function picker(text, testid, folder = false) {
-  const input = h("input", { type: "file", multiple: true, webkitdirectory: folder, id: testid, "data-testid": testid, class: "file" });
-  const taken = () => (folder ? takeTree([...input.files].map((file) => ({ path: file.webkitRelativePath || file.name, file }))) : take(input.files));
-  input.addEventListener("change", () => doing(taken().then(() => (input.value = ""))));
+export function picker(text, testid) {
+  const input = h("input", { type: "file", multiple: true, id: testid, "data-testid": testid, class: "file" });
+  input.addEventListener("change", () => doing(take(input.files).then(() => (input.value = ""))));
   return h("label", { class: "pick", for: testid }, text, input);
+}
+
+function pickFolder() {
+  const input = h("input", { type: "file", webkitdirectory: true });
+  input.addEventListener("change", () => doing(takeTree([...input.files].map((file) => ({ path: file.webkitRelativePath, file })))));
+  input.click();
 }
 
 // Every file under what was dropped, with its path.
@@ -78,7 +83,7 @@ export function drawStart() {
     h("p", { class: "or" }, "or ", button("Begin with the demo", () => doing(tell("demo")), { "data-testid": "demo", class: "primary" }),
       " four recordings of a leg with something hidden in it"),
     h("form", { class: "or", onsubmit: reopen, "aria-label": "a saved session" },
-      "or go on with a saved session: drop its folder, ", picker("choose it …", "pick-session", true), h("label", { for: "session-folder" }, "or name it ", folder),
+      "or go on with a saved session: drop its folder, ", button("choose it …", pickFolder, { "data-testid": "pick-session" }), h("label", { for: "session-folder" }, "or name it ", folder),
       h("button", { type: "submit", "data-testid": "open-session" }, "Open")),
   );
 }

@@ -32,6 +32,7 @@ export function drawTakeaway() {
     );
   }
   const saved = document.getElementById("saved");
+  saved.dataset.kept = String(view.state.kept);
   saved.textContent = view.state.saved ? `saved in ${view.state.saved}; exoid open that folder goes on from there` : "";
   show();
 }
