@@ -15,7 +15,17 @@ import { forget, look, on, refresh, view } from "./store.js";
 
 const $ = (id) => document.getElementById(id);
 
+// Where the control that has the keyboard goes with what it did (an effect that is added is no suspect any more), its
+// section takes over.
 function draw() {
+  const held = document.activeElement, home = held && held.closest("section");
+  drawAll();
+  if (!home || held.isConnected) return;
+  home.tabIndex = -1;
+  home.focus({ preventScroll: true });
+}
+
+function drawAll() {
   const { state } = view;
   const empty = state.files.length === 0;
   $("start").hidden = !empty;
