@@ -37,6 +37,11 @@ def sensor_noise(prepared: Prepared) -> Float:
     return np.asarray(np.where(driven, prepared.noise_floor, prepared.noise_floor.max()))
 
 
+def fitted_seconds(prepared: Prepared) -> float:
+    """Return how many seconds of motion are fitted."""
+    return sum(float(one.t[-1] - one.t[0]) for one in prepared.train)
+
+
 def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
     """Return the noise (J,), N·m: what the sensors say or what does `again` not repeat, whichever is more."""
     sensors = sensor_noise(prepared)
@@ -46,7 +51,8 @@ def noise_with(again: Repeats | None, prepared: Prepared) -> Float:
 def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     """Return what a model leaves beyond the noise, at the joint where it is largest; None where it is near the noise.
 
-    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more.
+    Noise is what the sensors say is noise or, where the motion repeats, what does not repeat, whichever is more. The
+    unseen error of a model fitted to a few seconds near their noise is what these leave open, no error of the model.
     """
     again = repeats(last)
     sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
@@ -54,6 +60,9 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
     j = int(np.argmax(times))
+    few = last.verified and fitted_seconds(last.prepared) < rules.least_seconds
+    if few and np.all(last.train_rms <= rules.near_noise * floor):
+        return None
     beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
     if times[j] <= rules.near_noise:
         worst = int(np.argmax(beyond))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.rules import Rules
 from diagnosis.search.state import Extension
 from optimisation.fitting.shapes import to_unit
@@ -30,7 +31,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> st
 
 def too_short(prepared: Prepared, rules: Rules) -> str:
     """Return that the fitted recordings are too short to accept anything, and how long would be enough."""
-    seconds = sum(float(one.t[-1] - one.t[0]) for one in prepared.train)
+    seconds = fitted_seconds(prepared)
     if seconds >= rules.least_seconds:
         return ""
     return (
