@@ -303,7 +303,3 @@ def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str]
     rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
     head = ("RMS error [N·m]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
     return table(head, rows)
-
-
-Discovery = Diagnosis
-"""`discover` returns the same type as `diagnose`; it only goes further."""

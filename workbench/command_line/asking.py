@@ -60,7 +60,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
 def material_of(
     args: argparse.Namespace, title: str, given: Inputs, found: Any, comparison: Any, truth: str = ""
 ) -> Material:
-    """Return what the report of a Diagnosis or Discovery draws on."""
+    """Return what the report of a Diagnosis draws on."""
     changed = comparison is not None and len(found.steps) > 1
     falls = before_and_after(comparison, found.fit) if changed else ()
     return Material(

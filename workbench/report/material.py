@@ -55,7 +55,7 @@ class Steps:
 
     @classmethod
     def of(cls, result: Any) -> Steps:
-        """Return the steps of a Diagnosis, Discovery or Waterfall."""
+        """Return the steps of a Diagnosis or a Waterfall."""
         rows = tuple(_row(step) for step in result.steps)
         floor = getattr(result, "noise_floor", None)
         ending = str(getattr(result, "stopped_because", "") or "")
