@@ -1,0 +1,112 @@
+"""Which thresholds of the diagnosis decide: each one halved and doubled, and which answers change by it.
+
+    python benchmarks/vary_rules.py                                        every threshold, a night
+    python benchmarks/vary_rules.py --only small_gain clear --kinds small none --cases 4
+
+The legs are those of the blind trials (`exoid campaign`), so the truth is known: a line says for how many legs the
+answer (verdict and accepted effects) changed, and how many were right before and after. A threshold that changes
+nothing on any leg prevents nothing here; one that makes answers wrong on either side stands where it should.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # must be set before NumPy is imported
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from diagnosis.grading import match  # noqa: E402
+from diagnosis.results import Diagnosis  # noqa: E402
+from diagnosis.rules import RULES, Rules  # noqa: E402
+from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
+from ground.suggest import did_you_mean  # noqa: E402
+from measurement.bench.leg import random_leg  # noqa: E402
+from measurement.recording import Recording  # noqa: E402
+from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
+from symbolic.model import Model  # noqa: E402
+
+FACTORS = (0.5, 2.0)
+PREPARING = ("whole_seconds", "stretch_seconds", "searched_seconds")
+"""Thresholds that cut recordings before they are prepared; those of the trials are too short for them."""
+
+
+class Trial:
+    """One simulated leg, prepared once, and the answer under the thresholds in use."""
+
+    def __init__(self, case: Case) -> None:
+        rng = np.random.default_rng(case.number)
+        leg = random_leg(rng)
+        hidden, runs = simulated(case, leg, rng)
+        self.name = case.name
+        self.hidden = [one.name for one in hidden]
+        self.model = Model.standard(thigh_length=leg.thigh_length)
+        self.recordings: list[Recording] = [run.recording for run in runs]
+        self.prepared: Prepared = prepare(self.model, self.recordings[:3], self.recordings[3:])
+        self.usual = self.answer(RULES)
+
+    def answer(self, rules: Rules) -> tuple[str, tuple[str, ...], bool]:
+        """Return the verdict, the accepted effects, and whether they are what is hidden."""
+        found = discover(self.model, self.recordings[:3], self.recordings[3:], rules=rules, prepared=self.prepared)
+        return found.verdict, tuple(sorted(one.name for one in found.accepted)), self._right(found)
+
+    def _right(self, found: Diagnosis) -> bool:
+        accepted = [(one.name, (*one.look_alikes, *one.never_separable)) for one in found.accepted]
+        explained = match(self.hidden, accepted)
+        return len(accepted) == len(self.hidden) and None not in explained.values()
+
+
+def varied(only: list[str]) -> Iterator[tuple[str, Rules]]:
+    """Yield every threshold at every factor; whole numbers stay whole and change by one at least."""
+    for rule in RULES.table():
+        if rule.name in PREPARING or (only and rule.name not in only):
+            continue
+        for factor in FACTORS:
+            value = rule.value * factor
+            if isinstance(rule.value, int):
+                value = max(1, int(value)) if factor < 1.0 else int(value)
+            if value != rule.value:
+                yield f"{rule.name} = {value:g}", replace(RULES, **{rule.name: value})
+
+
+def main(words: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="thresholds to vary (all)")
+    parser.add_argument("--kinds", nargs="+", default=["small", "pair", "none", "outside"], choices=KINDS)
+    parser.add_argument("--cases", type=int, default=8, help="legs of each kind (8)")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first leg (0)")
+    given = parser.parse_args(words)
+    known = [rule.name for rule in RULES.table()]
+    for name in given.only:
+        if name not in known:
+            parser.error(
+                f"there is no threshold {name!r}; {did_you_mean(name, known) or 'docs/statistics.md has them'}"
+            )
+    trials = []
+    for kind in given.kinds:
+        trials += [Trial(case) for case in cases([kind], 1, given.first)[: given.cases]]
+    for one in trials:
+        verdict, accepted, right = one.usual
+        print(
+            f"{one.name}: {verdict}, {', '.join(accepted) or 'nothing accepted'}, {'right' if right else 'not right'}"
+        )
+    print(f"\nright as they are: {sum(one.usual[2] for one in trials)} of {len(trials)}", flush=True)
+    for label, rules in varied(given.only):
+        answers = [one.answer(rules) for one in trials]
+        changed = [one.name for one, now in zip(trials, answers, strict=True) if now != one.usual]
+        right = sum(now[2] for now in answers)
+        print(f"{label:32s} right {right:3d}, changed {len(changed):3d}  {' '.join(changed[:4])}", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
