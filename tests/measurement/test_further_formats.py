@@ -41,7 +41,7 @@ def test_reads_alike_and_breaks_politely(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["a.xlsx", "a.tdms", "a.bag", "a.mcap", "a.db3", "a.mot", "v7.mat", "a.zip"])
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(noise=st.binary(max_size=300))
 def test_any_bytes_are_refused(name, tmp_path, noise):
     heads = {"a.xlsx": b"PK\x03\x04", "a.tdms": b"TDSm", "a.bag": b"#ROSBAG V2.0\n", "a.mcap": b"\x89MCAP0\r\n",
