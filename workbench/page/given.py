@@ -94,8 +94,9 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import SI, assign, canonical_columns, legs, numbered, required
+    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, numbered, required
     from measurement.reading.conventions import CONVENTIONS
+    from measurement.reading.names import kind_of
     from measurement.reading.read import open_table
 
     table = open_table(given.path)
@@ -114,7 +115,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "name": given.name,
         "columns": [{"name": n, **_column(c)} for n, c in zip(names, table.columns, strict=True)],
         "wanted": [
-            {"name": name, "required": name in required(joints), "si": SI[name.rstrip("0123456789")]}
+            {"name": name, "required": name in required(joints), "si": UNIT_OF[kind_of(name, joints)]}
             for name in canonical_columns(joints)
         ],
         "guess": guess,

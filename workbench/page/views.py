@@ -10,7 +10,7 @@ from ground.plain import plain_dict
 from ground.text import printable
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from workbench.exporting import formats
-from workbench.page.given import VERIFY, error_json
+from workbench.page.given import VERIFY, error_json, without_path
 
 if TYPE_CHECKING:
     from diagnosis.evidence.score import Score
@@ -26,6 +26,8 @@ SURE = 1.96
 def state(workspace: Workspace) -> dict[str, Any]:
     """Return everything but the time series."""
     session, problem = workspace.session, workspace.problem or workspace.unkept
+    for one in workspace.given:
+        problem = None if problem is None else without_path(problem, one.path, one.name)
     out: dict[str, Any] = {
         "version": workspace.version,
         "files": [_file(one) for one in workspace.given],

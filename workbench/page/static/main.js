@@ -32,7 +32,7 @@ function drawAll() {
   $("work").hidden = empty;
   $("status").classList.toggle("hidden", !empty && !state.ready); // said in full size then
   document.body.dataset.ready = String(state.ready && state.fitted);
-  say(state.busy ? `${state.busy} …` : empty ? "" : state.ready ? "" : "give at least one recording to fit");
+  say(state.busy ? `${state.busy} …` : empty || state.ready || state.problem ? "" : "give at least one recording to fit");
   if (state.problem) problem(state.problem, false);
   else if (shownProblem) problem(null);
   shownProblem = Boolean(state.problem);

@@ -13,11 +13,12 @@ const NAMES = {
 
 // Before there is a session: what goes on, or what is missing.
 export function drawWaiting() {
-  const { busy, files } = view.state;
+  const { busy, files, problem } = view.state;
   const unread = files.filter((file) => file.error).length;
   refill(document.getElementById("verdict"),
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     busy ? [h("p", { class: "lead" }, `${busy} …`), h("progress", { "aria-label": busy })]
+      : problem ? h("p", { class: "lead" }, "These recordings cannot be fitted as they are; the reason stands above.")
       : [h("p", { class: "lead" }, "Nothing to fit yet."), h("p", {}, unread ? "Say which column is what (columns …), or add another recording." : "Mark at least one recording as fitted, or add one.")]);
 }
 
