@@ -66,6 +66,11 @@ class Comparison:
         return self.now.model.joint_names
 
     @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.now.model.torque_unit
+
+    @property
     def misread(self) -> tuple[Finding, ...]:
         """What says that the recordings keep another convention."""
         return self.now.prepared.misread
@@ -105,7 +110,7 @@ class Comparison:
         other = fitted_model(after, self.now.prepared)
         held_out = self.verify_rms is not None
         pairs = zip(self.joints, self._shown(self.now), self._shown(other), strict=True)
-        text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} N·m after" for joint, b, a in pairs)
+        text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} {self.unit} after" for joint, b, a in pairs)
         kind = "unseen motion" if held_out else "the fitted motion"
         figure = self._over_time({"before": self.now, "after": other})
         return f"Measured, before and after, on {kind}", text, figure
@@ -146,7 +151,7 @@ class Comparison:
         shown = self.rms if self.verify_rms is None else self.verify_rms
         kind = "fitted motion (nothing is held out)" if self.verify_rms is None else "unseen motion"
         numbers = ", ".join(
-            f"{joint} {e:.3g} of {s:.3g} N·m (noise floor {n:.2g})"
+            f"{joint} {e:.3g} of {s:.3g} {self.unit} (noise floor {n:.2g})"
             for joint, e, s, n in zip(self.joints, shown, self.signal_rms, self.noise_floor, strict=True)
         )
         doubts = [f"  {finding}" for finding in self.misread]
@@ -159,7 +164,7 @@ class Comparison:
             for j, joint in enumerate(self.joints)
         ]
         where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
-        return table(("RMS [N·m]", "torque", "error, fitted", "error, unseen", "noise floor"), size) + (
+        return table((f"RMS [{self.unit}]", "torque", "error, fitted", "error, unseen", "noise floor"), size) + (
             table(("share", "where the error sits", "caution"), where) if where else ""
         )
 

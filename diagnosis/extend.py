@@ -59,19 +59,24 @@ class Waterfall(AsJson):
         """Names of the joints (J,), in the order of every list per joint."""
         return cast("Model", self.fits[0].model).joint_names if self.fits else JOINTS
 
+    @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return cast("Model", self.fits[0].model).torque_unit if self.fits else "N·m"
+
     def plot(self) -> Figure:
         """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor, self.joints)
+        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""
-        return [("The error falling", falling_text(self.steps, self.joints), self.plot())]
+        return [("The error falling", falling_text(self.steps, self.joints, self.unit), self.plot())]
 
     def __repr__(self) -> str:
-        return falling_text(self.steps, self.joints)
+        return falling_text(self.steps, self.joints, self.unit)
 
     def _repr_html_(self) -> str:
-        return steps_table(self.steps, self.noise_floor, self.joints)
+        return steps_table(self.steps, self.noise_floor, self.joints, self.unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,12 +118,12 @@ class Addition(AsJson):
         return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
 
-def falling_text(steps: Sequence[Step], joints: Sequence[str]) -> str:
+def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:
     """Return the steps as lines of text."""
     lines = []
     for step in steps:
         numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.judged_rms, strict=True))
-        lines.append(f"{step.label}: {step.judged} error [N·m] {numbers}")
+        lines.append(f"{step.label}: {step.judged} error [{unit}] {numbers}")
     return "\n".join(lines)
 
 

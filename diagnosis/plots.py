@@ -41,9 +41,14 @@ Bar = tuple[str, str | None, float, bool]
 
 
 def falling_error(
-    names: Sequence[str], fitted: Float, unseen: Float | None, noise_floor: Float, joints: Sequence[str] = JOINTS
+    names: Sequence[str],
+    fitted: Float,
+    unseen: Float | None,
+    noise_floor: Float,
+    joints: Sequence[str] = JOINTS,
+    unit: str = "N·m",
 ) -> Figure:
-    """Draw the RMS error (steps, J) in N·m from step to step, fitted and unseen, with the noise floor (J,)."""
+    """Draw the RMS error (steps, J) in `unit` from step to step, fitted and unseen, with the noise floor (J,)."""
     with figure_style():
         rows = -(-len(joints) // 2)
         figure = new_figure(8.0, 3.8 * rows)
@@ -61,7 +66,7 @@ def falling_error(
                 _numbers(axes, place, fitted[:, j])
             axes.axhline(noise_floor[j], color=ROLE_COLOURS["floor"], linestyle="--", label="noise floor")
             axes.set_xticks(place, [name.replace(":", "\n") for name in names], fontsize=8)
-            axes.set(title=joint, ylabel=label("RMS error", "N·m"))
+            axes.set(title=joint, ylabel=label("RMS error", unit))
             axes.margins(y=0.18)
             axes.grid(axis="x", visible=False)
         handles, names = panels[0].get_legend_handles_labels()

@@ -180,6 +180,11 @@ class Diagnosis:
     thigh_length: ThighLength | None = None
 
     @property
+    def unit(self) -> str:
+        """Unit of the torques, in words."""
+        return self.model.torque_unit
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints (J,), in the order of every list per joint."""
         return self.model.joint_names
@@ -237,7 +242,7 @@ class Diagnosis:
 
     def plot(self) -> Figure:
         """Draw the falling error."""
-        return steps_figure(self.steps, self.noise_floor, self.joints)
+        return steps_figure(self.steps, self.noise_floor, self.joints, self.unit)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
@@ -246,7 +251,7 @@ class Diagnosis:
         if first.verify_rms is not None and last.verify_rms is not None:
             kind, before, after = "unseen", first.verify_rms, last.verify_rms
         changes = zip(self.joints, before, after, strict=True)
-        text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} N·m" for joint, b, a in changes)
+        text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} {self.unit}" for joint, b, a in changes)
         out = [("The error falling", text, self.plot())]
         if self.suspects:
             best = ", ".join(s.name for s in self.suspects[:3])
@@ -264,7 +269,7 @@ class Diagnosis:
         lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
         for step in self.steps:
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.judged_rms, strict=True))
-            lines.append(f"  {step.label:<28} {step.judged} error [N·m]: {numbers}")
+            lines.append(f"  {step.label:<28} {step.judged} error [{self.unit}]: {numbers}")
         lines += [f"  {a.name}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]
         return "\n".join(lines)
@@ -277,7 +282,7 @@ class Diagnosis:
         ranking = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
         return (
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
-            + steps_table(self.steps, self.noise_floor, self.joints)
+            + steps_table(self.steps, self.noise_floor, self.joints, self.unit)
             + (ranking if rows else "")
             + lines(*(f"{a.name}: {a.stability}" for a in self.accepted if a.stability))
             + lines(*(f"possible, {p.sentence}" for p in self.possible))
@@ -286,20 +291,24 @@ class Diagnosis:
         )
 
 
-def steps_figure(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS) -> Figure:
+def steps_figure(
+    steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
+) -> Figure:
     """Draw the falling error."""
     unseen = [step.verify_rms for step in steps if step.verify_rms is not None]
     fitted = np.array([step.train_rms for step in steps])
     names = [s.label for s in steps]
-    return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints)
+    return falling_error(names, fitted, np.array(unseen) if unseen else None, noise_floor, joints, unit)
 
 
-def steps_table(steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS) -> str:
+def steps_table(
+    steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
+) -> str:
     """Return the falling error as an HTML table, the noise floor as its last row."""
     rows = []
     for step in steps:
         unseen = (None, None) if step.verify_rms is None else step.verify_rms.tolist()
         rows.append((step.label, *(x for j in range(len(joints)) for x in (float(step.train_rms[j]), unseen[j]))))
     rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
-    head = ("RMS error [N·m]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
+    head = (f"RMS error [{unit}]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
     return table(head, rows)

@@ -132,8 +132,8 @@ def doubted(doubt: Doubt) -> Conclusion:
 def within_filter_error(base: FittedModel) -> Conclusion:
     """Return the conclusion where a model leaves no more than filter and derivatives get wrong."""
     errors = ", ".join(
-        f"{joint} {1e3 * e:.2g} of {1e3 * f:.2g} mN·m"
-        for joint, e, f in zip(base.model.joint_names, base.judged_rms, base.prepared.filter_error, strict=True)
+        f"{joint.name} {1e3 * e:.2g} of {1e3 * f:.2g} m{joint.unit('tau')}"
+        for joint, e, f in zip(base.model.joints, base.judged_rms, base.prepared.filter_error, strict=True)
     )
     return Conclusion(
         "adequate",
@@ -201,8 +201,8 @@ def _deciding(alike: Sequence[Accepted]) -> str:
 def _falls(first: FittedModel, last: FittedModel) -> str:
     before, after = first.judged_rms, last.judged_rms
     kind = "unseen" if first.verified else "fitted"
-    falls = zip(last.model.joint_names, before, after, strict=True)
-    parts = [f"{joint} {b:.3g} to {a:.3g} N·m" for joint, b, a in falls]
+    falls = zip(last.model.joints, before, after, strict=True)
+    parts = [f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls]
     return f"Error on {kind} motion: {', '.join(parts)}."
 
 

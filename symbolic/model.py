@@ -23,7 +23,7 @@ from ground.html import lines, table
 from ground.lazy import takes_methods
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
-from symbolic.joints import LEG, Joint, check_joints
+from symbolic.joints import LEG, Joint, check_joints, units
 from symbolic.language.torque import check_units
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float, Motion
@@ -148,6 +148,11 @@ class Model:
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints (J,)."""
         return tuple(joint.name for joint in self.joints)
+
+    @property
+    def torque_unit(self) -> str:
+        """The unit of its torques in words: "N·m", "N" where joints slide, "N·m, N" where some do."""
+        return units(self.joints, "tau")
 
     @cached_property
     def inertial(self) -> tuple[Parameter, ...]:

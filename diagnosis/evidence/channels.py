@@ -293,8 +293,8 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
         if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
     ]
     errors = ", ".join(
-        f"{joint} {a:.3g} N·m on fitted and {b:.3g} N·m on held-out motion"
-        for joint, a, b, k in zip(last.model.joint_names, last.train_rms, unseen, known, strict=True)
+        f"{joint.name} {a:.3g} {joint.unit('tau')} on fitted and {b:.3g} {joint.unit('tau')} on held-out motion"
+        for joint, a, b, k in zip(last.model.joints, last.train_rms, unseen, known, strict=True)
         if k
     )
     return Doubt(

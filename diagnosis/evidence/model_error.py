@@ -70,9 +70,11 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
             None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
         )
     joint, kind = last.model.joint_names[j], "unseen" if last.verified else "fitted"
+    unit = last.model.joints[j].unit("tau")
     text = (
-        f"the {joint} keeps {error[j]:.3g} N·m on {kind} motion, {times[j]:.2g} times the noise of {floor[j]:.2g} N·m. "
-        "It is not noise, and no function of angle, velocity, acceleration, load or time that was tried"
+        f"the {joint} keeps {error[j]:.3g} {unit} on {kind} motion, "
+        f"{times[j]:.2g} times the noise of {floor[j]:.2g} {unit}. It is not noise, "
+        "and no function of angle, velocity, acceleration, load or time that was tried"
     )
     if again is None:
         text += "; whether it repeats is not known, because no motion was recorded twice"
@@ -97,9 +99,9 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
 
 def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelError:
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
-    joint = last.model.joint_names[j]
+    joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
     text = (
-        f"the {joint} keeps {last.judged_rms[j]:.3g} N·m, {times:.2g} times what sensor noise explains, "
+        f"the {joint} keeps {last.judged_rms[j]:.3g} {unit}, {times:.2g} times what sensor noise explains, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion"
     )
     return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), random=True)

@@ -94,6 +94,7 @@ class FakeComparison:
     unseen: bool = True
     fit: Any = field(default_factory=FakeFit)
     rms: Any = field(default_factory=lambda: np.array([0.71, 0.53]))
+    unit: str = "N·m"
     signal_rms: Any = field(default_factory=lambda: np.array([24.0, 11.0]))
     noise_floor: Any = field(default_factory=lambda: np.array([0.5, 0.5]))
     where: tuple[Any, ...] = (

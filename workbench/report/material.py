@@ -52,6 +52,7 @@ class Steps:
     noise_floor: tuple[float, ...] | None = None
     ending: str = ""
     joints: tuple[str, ...] = JOINTS
+    unit: str = "N·m"
 
     @classmethod
     def of(cls, result: Any) -> Steps:
@@ -60,7 +61,8 @@ class Steps:
         floor = getattr(result, "noise_floor", None)
         ending = str(getattr(result, "stopped_because", "") or "")
         joints = tuple(getattr(result, "joints", JOINTS))
-        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending, joints)
+        unit = str(getattr(result, "unit", "N·m"))
+        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending, joints, unit)
 
 
 @dataclass(frozen=True, eq=False)

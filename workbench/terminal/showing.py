@@ -26,7 +26,7 @@ def show_fit(screen: Screen, fit: Any) -> None:
     rows = [(e.name, number(e.value, 5), e.unit, number(e.low), number(e.high)) for e in fit.estimates]
     screen.table("Parameters", ("name", "value", "unit", "95 % from", "to"), rows)
     errors = ", ".join(f"{joint} {number(x)}" for joint, x in zip(fit.model.joint_names, fit.rms, strict=True))
-    screen.say(f"error (RMS) on the fitted motion: {errors} N·m")
+    screen.say(f"error (RMS) on the fitted motion: {errors} {fit.model.torque_unit}")
     screen.say(str(fit.certificate))
     if fit.shapes_known:
         screen.say(fit.shapes_known)
@@ -60,7 +60,8 @@ def of_the_set(audit: Iterable[Any]) -> list[Any]:
 
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
-    head = ["joint", "torque [N·m]", "error, fitted [N·m]", "error, unseen [N·m]", "noise floor [N·m]"]
+    words = ("torque", "error, fitted", "error, unseen", "noise floor")
+    head = ["joint", *(f"{word} [{found.unit}]" for word in words)]
     unseen = found.verify_rms
     rows = [
         [
@@ -159,7 +160,7 @@ def show_steps(screen: Screen, steps: Steps) -> None:
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
         unseen = "unseen motion" if steps.rows[0]["verify_rms"] is not None else "fitted motion"
-        screen.say(f"error of the {joint}, {unseen} [N·m]", "head")
+        screen.say(f"error of the {joint}, {unseen} [{steps.unit}]", "head")
         for name, x in shown:
             screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
         if steps.noise_floor is not None:

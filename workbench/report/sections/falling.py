@@ -16,10 +16,10 @@ def context(material: Material) -> Mapping[str, Any] | None:
     """Return the bars of each joint and the same numbers as a table."""
     if material.steps is None or not material.steps.rows:
         return None
-    steps = material.steps
+    steps, kinds = material.steps, ("fitted", "unseen")
     return {
         "joints": [_bars(steps, index) for index in range(len(steps.joints))],
-        "head": ("model", *(f"{joint}, {kind} [N·m]" for joint in steps.joints for kind in ("fitted", "unseen"))),
+        "head": ("model", *(f"{joint}, {kind} [{steps.unit}]" for joint in steps.joints for kind in kinds)),
         "rows": [
             (
                 row["model"],

@@ -35,10 +35,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     return {
         "size_head": (
             "joint",
-            "torque [N·m]",
-            "error, fitted [N·m]",
-            "error, unseen [N·m]",
-            "noise floor [N·m]",
+            *(f"{word} [{found.unit}]" for word in ("torque", "error, fitted", "error, unseen", "noise floor")),
         ),
         "size": [
             (
