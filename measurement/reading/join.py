@@ -38,7 +38,7 @@ class JoinedFile:
     table: RawTable
 
 
-def joined(
+def joined_pieces(
     tables: Sequence[tuple[RawTable, str, float | None, StatedMapping]], joints: tuple[Joint, ...] = LEG
 ) -> RawTable:
     """Return one table, with canonical names in SI, of (table, path, lag in s or None, what is told).

@@ -19,7 +19,7 @@ from measurement.finding import Finding
 from measurement.reading.columns import assign, inferred, legs
 from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
-from measurement.reading.join import joined
+from measurement.reading.join import joined_pieces
 from measurement.reading.large import Progress, in_stretches
 from measurement.reading.mapping import FILE, StatedMapping, remembered
 from measurement.reading.raw import RawTable
@@ -181,7 +181,7 @@ def _whole(
         more, place, label, kept = _loaded(file, told, "")
         pieces.append((more, place.path or label, lag, kept))
         sums.append(place.sha256)
-    one = joined(pieces, machine or LEG)
+    one = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
     return one, Source(origin.path, sha256("".join(sums))), name, StatedMapping()
 
