@@ -27,7 +27,7 @@ from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
 from diagnosis.watching.questions import questions
 from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Watched, columns_of, placebos, scores, watched
-from diagnosis.watching.window import Window, joined, prepared, window
+from diagnosis.watching.window import Window, joined_windows, prepared, window
 from ground.errors import ExoidError
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
@@ -200,7 +200,7 @@ class Watcher:
     def _learn(self) -> list[Event]:
         """Fit the model to what was seen, and calibrate the detector; wait on where that does not determine it."""
         settings = self.settings
-        usual = joined(self.kept, TOGETHER)
+        usual = joined_windows(self.kept, TOGETHER)
         question = prepared(self.model.joints, usual)
         try:
             now = fitted_model(identify(self.model, question.train, optimisers=()), question)
@@ -260,7 +260,7 @@ class Watcher:
             return
         place = int(self.rng.integers(max(self.blocks // TOGETHER, 1)))
         if place < len(self.usual):
-            self.usual[place] = joined(self.leaving, TOGETHER)[0]
+            self.usual[place] = joined_windows(self.leaving, TOGETHER)[0]
         self.leaving = []
 
     # -- changes ----------------------------------------------------------------------------------------------
@@ -314,7 +314,7 @@ class Watcher:
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
         usual = self.usual[: self.settings.learn // TOGETHER]
         question = prepared(
-            self.model.joints, [*usual, *joined(recent, TOGETHER)], joined(after, TOGETHER)
+            self.model.joints, [*usual, *joined_windows(recent, TOGETHER)], joined_windows(after, TOGETHER)
         )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)

@@ -67,7 +67,7 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     )
 
 
-def joined(windows: Sequence[Window], most: int) -> tuple[Window, ...]:
+def joined_windows(windows: Sequence[Window], most: int) -> tuple[Window, ...]:
     """Return windows as longer ones, each of at most `most` that follow each other without a gap."""
     groups: list[list[Window]] = []
     for one in windows:
