@@ -82,6 +82,13 @@ def separate(
     """
     began = time.perf_counter()
     say = progress or _silent
+    if model.chain:
+        raise SeparateError(
+            "the design of a motion that separates effects serves the leg alone; this machine has "
+            f"{', '.join(model.joint_names)}",
+            where=model.name,
+            remedy="record motion that differs in speed, load and direction; exoid design finds one for the parameters",
+        )
     base, terms = _without(model, rivals)
     room = bounds(model.limits, use)
     space = motion_space(
