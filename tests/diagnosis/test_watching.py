@@ -9,7 +9,7 @@ from diagnosis.watching.course import onset
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.result import Course
-from diagnosis.watching.window import weighted, window
+from diagnosis.watching.window import joined, weighted, window
 from ground.errors import RecordingError
 from measurement.reading.live import Lines, grown
 
@@ -178,3 +178,20 @@ def test_compiled_estimation_is_that_of_python(monkeypatch: pytest.MonkeyPatch) 
     plain.steps(rows, tau, use)
     for name in ("linear", "variance", "root", "right", "credit", "score", "meat", "scale", "blocks", "inside"):
         np.testing.assert_allclose(getattr(compiled, name), getattr(plain, name), rtol=1e-9, atol=1e-12)
+
+
+def test_windows_that_follow_each_other_join_to_what_was_one() -> None:
+    front = FrontEnd(2)
+    made = _all(front, _stream(20.0), 100)
+    filters = front.filters
+    assert filters is not None
+    lead, size = filters.settled, 100 * filters.stride
+    parts = [window("w", made.part(k * size, lead + (k + 1) * size), lead, filters) for k in range(3)]
+    whole = window("w", made.part(0, lead + 3 * size), lead, filters)
+    (one,) = joined(parts, 3)
+    np.testing.assert_array_equal(one.t, whole.t)
+    np.testing.assert_array_equal(one.use, whole.use)
+    np.testing.assert_allclose(one.tau, whole.tau, atol=1e-9)
+    np.testing.assert_allclose(one.smooth(one.motion.dq), whole.smooth(whole.motion.dq), atol=1e-9)
+    assert [len(p.t) for p in joined(parts, 2)] == [len(parts[0].t) + len(parts[1].t), len(parts[2].t)]
+    assert len(joined([parts[0], parts[2]], 2)) == 2  # a gap
