@@ -9,9 +9,8 @@ import pytest
 
 from diagnosis.watching.watcher import Watcher
 from ground.errors import EffectError, RecordingError
-from measurement.bench.hidden import Hidden
 from measurement.bench.machine import standard_machine
-from measurement.bench.simulation import Bench, run_bench, simulate_runs
+from measurement.bench.simulation import Bench, run_bench
 from measurement.reading.names import recognise
 from measurement.reading.read import read_recording
 from measurement.recording import write_recording
@@ -76,19 +75,3 @@ def test_what_takes_the_base_to_stand_still_says_so():
     for act in (lambda: Watcher(PACK), lambda: design(PACK)):
         with pytest.raises(EffectError, match="that of this model is measured"):
             act()
-
-
-@pytest.mark.slow
-def test_both_legs_on_a_backpack_have_the_springs_of_both_sides_found():
-    from diagnosis.discover import discover
-
-    legs = (Joint("hip_l", length=0.42, parent="base"), Joint("knee_l"),
-            Joint("hip_r", length=0.42, parent="base"), Joint("knee_r"))  # fmt: skip
-    model = Model("both legs", limits={}, chain=legs, moving_base=True)
-    springs = [Hidden("joint_spring", f"knee_{side}", {"k": 6.0, "c": 1.0}) for side in "lr"]
-    *fitted, unseen = (run.recording for run in simulate_runs(4, model, effects=springs, seed=5))
-    found = discover(model, fitted, [unseen])
-    assert sorted((one.effect, one.joint) for one in found.accepted) == [
-        ("joint_spring", "knee_l"),
-        ("joint_spring", "knee_r"),
-    ]
