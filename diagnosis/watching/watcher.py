@@ -375,4 +375,7 @@ class Watcher:
 
 def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:
     course = answer.found[0].course
-    return None if course is None else onset(course, float(last[0].t[0]) - float(last[0].t[-1] - last[0].t[0]))
+    if course is None:
+        return None
+    block = float(last[0].t[-1] - last[0].t[0])
+    return onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both

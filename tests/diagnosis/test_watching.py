@@ -5,13 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from diagnosis.watching.alarm import SPANS
 from diagnosis.watching.course import onset
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.result import Course
+from diagnosis.watching.watcher import Settings, Watcher
 from diagnosis.watching.window import joined, weighted, window
 from ground.errors import RecordingError
+from measurement.bench.hidden import true_model
+from measurement.bench.leg import standard_leg
 from measurement.reading.live import Lines, grown
+from measurement.trajectories.trajectory import random_trajectory
+from symbolic.mechanics.payload import Payload
+from symbolic.model import Model
+from symbolic.motion import Motion
 
 
 def _stream(seconds: float = 12.0, rate: float = 100.0) -> np.ndarray:
@@ -195,3 +203,40 @@ def test_windows_that_follow_each_other_join_to_what_was_one() -> None:
     np.testing.assert_allclose(one.smooth(one.motion.dq), whole.smooth(whole.motion.dq), atol=1e-9)
     assert [len(p.t) for p in joined(parts, 2)] == [len(parts[0].t) + len(parts[1].t), len(parts[2].t)]
     assert len(joined([parts[0], parts[2]], 2)) == 2  # a gap
+
+
+@pytest.fixture(scope="module")
+def usual_run() -> tuple[Model, Motion, np.ndarray]:
+    """A leg that follows a motion exactly, and its torque."""
+    model = Model.standard()
+    motion = random_trajectory(np.random.default_rng(5), period=47.0, harmonics=24).at(np.arange(0.0, 112.0, 0.01))
+    return model, motion, true_model(model, standard_leg().base, ()).torque(motion)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "kind"), [("payload:shank", "payload"), ("coulomb:knee", "abrupt")])
+def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: str, kind: str) -> None:  # type: ignore[no-untyped-def]
+    model, motion, torque = usual_run
+    after = motion.t >= 82.0
+    number = np.zeros(len(model.parameters))
+    if kind == "payload":
+        number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
+    else:
+        number[[p.name for p in model.parameters].index(name)] = 1.0
+    added = (model.columns(motion) @ number).T
+    noise = 0.5 * np.random.default_rng(8).standard_normal(torque.shape)
+    rows = np.column_stack([motion.t, motion.q, torque + noise + after[:, None] * added])
+    watcher = Watcher(model, Settings(learn=12, draws=199))
+    events = []
+    for k in range(0, len(rows), 200):
+        events += watcher.push(rows[k : k + 200])
+        assert len(watcher.recent) <= SPANS[-1]
+        assert len(watcher.usual) <= 12
+        assert len(watcher.waiting) < 800
+    first = next(e for e in events if e.event == "change")
+    assert first.names == (name,)
+    assert first.kind == kind
+    assert first.since is not None
+    assert first.since.low <= 82.0 <= first.since.high
+    assert first.t - 82.0 < 26.0
+    assert not [e for e in events if e.alarm and e.t < 82.0]
