@@ -11,7 +11,7 @@ from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.result import Course
 from diagnosis.watching.watcher import Settings, Watcher
-from diagnosis.watching.window import joined, weighted, window
+from diagnosis.watching.window import joined_windows, weighted, window
 from ground.errors import RecordingError
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
@@ -196,13 +196,13 @@ def test_windows_that_follow_each_other_join_to_what_was_one() -> None:
     lead, size = filters.settled, 100 * filters.stride
     parts = [window("w", made.part(k * size, lead + (k + 1) * size), lead, filters) for k in range(3)]
     whole = window("w", made.part(0, lead + 3 * size), lead, filters)
-    (one,) = joined(parts, 3)
+    (one,) = joined_windows(parts, 3)
     np.testing.assert_array_equal(one.t, whole.t)
     np.testing.assert_array_equal(one.use, whole.use)
     np.testing.assert_allclose(one.tau, whole.tau, atol=1e-9)
     np.testing.assert_allclose(one.smooth(one.motion.dq), whole.smooth(whole.motion.dq), atol=1e-9)
-    assert [len(p.t) for p in joined(parts, 2)] == [len(parts[0].t) + len(parts[1].t), len(parts[2].t)]
-    assert len(joined([parts[0], parts[2]], 2)) == 2  # a gap
+    assert [len(p.t) for p in joined_windows(parts, 2)] == [len(parts[0].t) + len(parts[1].t), len(parts[2].t)]
+    assert len(joined_windows([parts[0], parts[2]], 2)) == 2  # a gap
 
 
 @pytest.fixture(scope="module")
