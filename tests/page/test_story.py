@@ -124,6 +124,7 @@ def test_from_the_start_screen_to_a_verdict(serve, visit, tmp_path):
     chooser.value.set_files(tmp_path / "kept")
     chosen.get_by_test_id(f"layer-{MISSING}").wait_for()
     expect(chosen.get_by_test_id("verdict")).to_have_attribute("data-verdict", "missing")
+    wait_ready(chosen)
     chosen.get_by_test_id("export-format").select_option("numpy")
     with chosen.expect_download() as download:
         chosen.get_by_test_id("export-model").click()

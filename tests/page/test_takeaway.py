@@ -14,7 +14,7 @@ from symbolic.mechanics.payload import Payload
 from workbench.command import verb_parser
 from workbench.commands.demo import DATA
 from workbench.page.given import VERIFY
-from workbench.page.takeaway import commands, reopen, save
+from workbench.page.takeaway import commands, exported, reopen, save
 from workbench.page.workspace import Workspace
 
 VERDICT = {
@@ -101,6 +101,13 @@ def test_the_python_says_what_was_said(full):
     compile(text, "session", "exec")
     for part in ("'q1': 'A'", "flexion-positive", ".with_payload(2.0, 0.35", ".with_passive('knee')", "cutoff=4.5"):
         assert part in text
+
+
+def test_code_is_exported_once_there_are_numbers(full):
+    with pytest.raises(RecordingError, match="no format"):
+        exported(full, "fortran")
+    with pytest.raises(RecordingError, match="no numbers yet"):
+        exported(full, "numpy")
 
 
 def test_a_misspelt_word_of_a_torque_is_no_number(full):

@@ -110,12 +110,17 @@ def report(workspace: Workspace) -> str:
 
 
 def exported(workspace: Workspace, kind: str) -> bytes:
-    """Return the present model as code, in an archive; ExportError where the format cannot carry it."""
+    """Return the present model at its numbers as code, in an archive; ExportError where the format cannot carry it,
+    RecordingError where nothing is open or there is no such format.
+    """
     from workbench.exporting import exporter, formats
     from workbench.identified import Options, read_ready
 
     if kind not in formats():
         raise RecordingError(f"there is no format {kind[:20]!r}", remedy=f"use {', '.join(formats())}")
+    if workspace.session is None:
+        raise RecordingError("there are no numbers yet", remedy="open recordings, and wait until they are fitted")
+    workspace.session.fitted(workspace.names)  # at once where it has been, as the code needs the numbers
     with tempfile.TemporaryDirectory(prefix="exoid-export-") as folder:
         model = Path(folder) / MODEL
         model.write_text(model_toml(workspace), encoding="utf-8")
