@@ -17,6 +17,7 @@ from measurement.bench.leg import standard_leg
 from symbolic.codegen.code import generate
 from symbolic.model import Model
 from symbolic.model_file import Numbers, read_model, write_model
+from tests.exported_module import python_module
 from workbench.command import main
 from workbench.command_line.files import json_text, write_text
 from workbench.export import c, casadi, numpy, urdf
@@ -160,13 +161,7 @@ def test_one_sample_that_is_no_number_does_not_stay(effect, tmp_path):
         rest = np.delete(np.arange(len(t)), list(bad))
         assert np.isfinite(seen[rest]).all()
         np.testing.assert_allclose(seen[150:], clean[150:], atol=1e-6)
-    text = numpy.write(made, Options())["exoid_leg.py"]
-    (tmp_path / "leg_module.py").write_text(text)
-    import importlib.util
-
-    spec = importlib.util.spec_from_file_location("leg_module", tmp_path / "leg_module.py")
-    scope = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(scope)
+    scope = python_module(numpy.write(made, Options())["exoid_leg.py"], tmp_path, "leg_module")
     q, dq, ddq = (np.column_stack(motion[i : i + 2]) for i in (0, 2, 4))
     for first in (0, 50):
         broken = q.copy()

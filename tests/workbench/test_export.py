@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import json
 import shutil
 import subprocess
@@ -17,6 +16,7 @@ from symbolic.catalogue import catalogue
 from symbolic.model import Model
 from symbolic.model_file import Numbers, write_model
 from symbolic.motion import Motion
+from tests.exported_module import python_module
 from workbench.command import main
 from workbench.export import c, casadi, numpy, urdf
 from workbench.exporting import formats
@@ -55,15 +55,6 @@ def motion() -> Motion:
 
 def expected(model: Model, numbers: Numbers, on: Motion) -> np.ndarray:
     return model.torque(on, np.array(list(numbers.linear.values())), np.array(list(numbers.shape.values())))
-
-
-def python_module(text: str, folder, name: str):
-    path = folder / f"{name}.py"
-    path.write_text(text, encoding="utf-8")
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def backward(t, x):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import shutil
 import subprocess
 
@@ -16,6 +15,7 @@ from symbolic.model import Model
 from symbolic.model_file import Numbers, write_model
 from symbolic.motion import Motion
 from symbolic.robot_file import planar_machine, read_robot
+from tests.exported_module import python_module
 from workbench.command import main
 from workbench.export import c, mjcf, numpy, urdf
 from workbench.identified import ExportError, Options, ready
@@ -42,15 +42,6 @@ def numbers(model: Model, seed: int = 1) -> Numbers:
     effects = [0.2 * (p.typical or 1.0) for p in model.parameters[model.base_count :]]
     linear = dict(zip([p.name for p in model.parameters], [*phi, *([0.5, 0.7] * count), *effects], strict=True))
     return Numbers(linear, {s.name: float(v) for s, v in zip(model.shapes, model.typical_shape, strict=True)}, None)
-
-
-def python_module(text: str, folder, name: str):
-    path = folder / f"{name}.py"
-    path.write_text(text, encoding="utf-8")
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def motion(model: Model) -> Motion:
