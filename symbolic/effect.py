@@ -53,6 +53,8 @@ class Shape:
     typical: float | None = None
     explains: str = ""
     per_recording: bool = False
+    counts_angle: bool = False
+    """Whether it is a number per rad although its unit is 1 (cycles per turn), so that it is one per m of a slide."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,8 @@ UNITS = {"q": ("rad", "m"), "dq": ("rad/s", "m/s"), "ddq": ("rad/s²", "m/s²"),
 LEVER = 0.1
 """m that a sliding joint moves where a turning one moves 1 rad, in thresholds written for angles: a drum of this
 radius."""
+SLIDING = (("kg·m²", "kg"), ("(N·m)", "N"), ("N·m", "N"), ("rad", "m"))
+"""Units of a turning joint, and what they are where it slides."""
 
 
 @dataclass(frozen=True)

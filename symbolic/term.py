@@ -4,13 +4,13 @@ names.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ground.errors import EffectError
 from symbolic.effect import Effect, Shape
-from symbolic.joints import LEG, Joint, parents
+from symbolic.joints import LEG, LEVER, SLIDING, Joint, parents
 from symbolic.language.deflection import deflected
 from symbolic.quantity import JOINTS
 
@@ -121,10 +121,12 @@ class Term:
     @cached_property
     def shapes(self) -> tuple[ShapeParameter, ...]:
         """The term's shape parameters, in the order of the effect."""
-        return tuple(
-            ShapeParameter(f"{self.name}.{key}", self._shape(shape), self.name)
-            for key, shape in self.effect.shape.items()
-        )
+        return tuple(ShapeParameter(f"{self.name}.{key}", shape, self.name) for key, shape in self.placed_shape.items())
+
+    @cached_property
+    def placed_shape(self) -> Mapping[str, Shape]:
+        """The effect's shapes as they are at the term's joint, by short name."""
+        return {key: self._shape(shape) for key, shape in self.effect.shape.items()}
 
     @property
     def first(self) -> int:
@@ -133,15 +135,30 @@ class Term:
 
     def unit(self, unit: str) -> str:
         """Return a unit of the catalogue as it is at the term's joint: N for N·m, m for rad where that slides."""
-        if self.effect.custom or self.joint is None or self.among[self.first].turns:
+        if not self._slides:
             return unit
-        for turning, sliding in (("kg·m²", "kg"), ("(N·m)", "N"), ("N·m", "N"), ("rad", "m")):
+        for turning, sliding in SLIDING:
             unit = unit.replace(turning, sliding)
         return unit
 
+    @property
+    def _slides(self) -> bool:
+        """Whether numbers of the catalogue, which are those of a turning joint, have to be those of a sliding one."""
+        return not self.effect.custom and self.joint is not None and not self.among[self.first].turns
+
     def _shape(self, shape: Shape) -> Shape:
-        unit = self.unit(shape.unit)
-        return shape if unit == shape.unit else replace(shape, unit=unit)
+        """Return a shape as it is at the term's joint: with its unit, and its range that of a drum of radius `LEVER`.
+
+        Places keep their range: they are not sizes, and a stage may be long.
+        """
+        if not self._slides:
+            return shape
+        turning = "1/rad" if shape.counts_angle else shape.unit
+        above, _, below = turning.partition("/")
+        power = ("rad" in above) - ("rad" in below) if shape.min >= 0.0 else 0
+        scale = LEVER**power
+        usual = None if shape.typical is None else scale * shape.typical
+        return replace(shape, unit=self.unit(turning), min=scale * shape.min, max=scale * shape.max, typical=usual)
 
     @property
     def texts(self) -> Iterator[tuple[int, str]]:

@@ -141,7 +141,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
 
 
 def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> Float:
-    shapes = list(term.effect.shape.values())
+    shapes = list(term.placed_shape.values())
     if tangent or not shapes:
         return np.zeros((len(prepared), 1, len(shapes)))
     if not any(shape.per_recording for shape in shapes):
@@ -268,7 +268,7 @@ def _extended(model: Model, term: Term) -> Model:
 
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
     """Return ∂τ/∂(the term's number) (A, 1, N) at zero, from a small value of it to either side."""
-    first, *rest = term.effect.shape.values()
+    first, *rest = term.placed_shape.values()
     step = TANGENT_STEP * (first.max - first.min)
     typical = [s.typical or 0.5 * (s.min + s.max) for s in rest]
     changes = _changes(term, one, fitted, np.array([[step, *typical], [-step, *typical]]))

@@ -197,7 +197,7 @@ def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, in
     """Return ∂τ/∂shape[index] (J, N) before filtering; zero for a choice."""
     entry = model.shapes[index].shape
     if entry.choices:
-        return np.zeros((2, len(one.motion)))
+        return np.zeros((len(model.joints), len(one.motion)))
     step = SLOPE_STEP * (entry.max - entry.min)
     up, down = shape.copy(), shape.copy()
     up[index], down[index] = min(shape[index] + step, entry.max), max(shape[index] - step, entry.min)

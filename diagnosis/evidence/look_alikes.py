@@ -27,13 +27,13 @@ def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score
     chosen = score.shape  # (R, S)
     free = [
         i
-        for i, s in enumerate(candidate.term.effect.shape.values())
+        for i, s in enumerate(candidate.term.placed_shape.values())
         if not candidate.tangent and not s.choices and not s.per_recording
     ]
     columns = columns_at(candidate, chosen, fitted)
     best = _one_node(evidence, candidate, chosen, columns, score)
     for index in free:
-        entry = list(candidate.term.effect.shape.values())[index]
+        entry = list(candidate.term.placed_shape.values())[index]
         reach = 1.0 / max(1, entry.points - 1)
         for _ in range(evidence.rules.refinements):
             middle = to_unit(entry, float(chosen[0, index]))

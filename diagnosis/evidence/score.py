@@ -130,7 +130,9 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
     effect = candidate.term.effect
     if candidate.change:
         return np.asarray(coefficients[:, 0] >= 0.0)  # in the direction that its value says
-    entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*effect.shape.values()][:1]
+    entries: Sequence[Coefficient | Shape] = [*effect.coefficients.values()] or [*candidate.term.placed_shape.values()][
+        :1
+    ]
     reach = rules.tangent_reach if candidate.tangent else 1.0
     ok = np.ones(len(coefficients), dtype=bool)
     for value, entry in zip(coefficients.T, entries, strict=True):

@@ -203,7 +203,7 @@ def _span(step: int) -> tuple[float, float]:
 
 def _from_tangent(score: Score, count: int) -> Float:
     """Return start values (R, S) for a number that was weighed as a tangent: its fitted value, inside its bounds."""
-    shapes = list(score.candidate.term.effect.shape.values())
+    shapes = list(score.candidate.term.placed_shape.values())
     value = float(np.clip(score.coefficients[0], shapes[0].min, shapes[0].max))
     rest = [s.typical if s.typical is not None else 0.5 * (s.min + s.max) for s in shapes[1:]]
     return np.tile([value, *rest], (count, 1))

@@ -1,4 +1,5 @@
-"""Blind trials: legs of the virtual bench with effects hidden in them, drawn at random, sized so that they can be seen.
+"""Blind trials: machines of the virtual bench with effects hidden in them, drawn at random, sized so that they can be
+seen.
 
 Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, the bench's usual instruments. Kinds:
 
@@ -9,7 +10,8 @@ Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, th
     none      nothing
     outside   an effect that the catalogue does not have
 
-and those of `machines.py`: what real machines have, with one effect hidden.
+and those of `machines.py`: what real machines have, with one effect hidden; and of `chains.py`: other machines than the
+leg, with one effect hidden or nothing. Their sizes are judged against the noise of the joint's own torque sensor.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from diagnosis.trials.chains import CHAINS
 from diagnosis.trials.machines import (
     CONVENTION,
     CONVENTIONS,
@@ -31,7 +34,8 @@ from diagnosis.trials.machines import (
 )
 from measurement.bench.blind import draw, relative_size
 from measurement.bench.hidden import Hidden, true_model
-from measurement.bench.leg import Leg
+from measurement.bench.leg import Leg, random_leg
+from measurement.bench.machine import Machine, random_machine
 from measurement.bench.simulation import BenchError, BenchRun, simulate_runs
 from measurement.signals.conditioning import low_pass
 from measurement.trajectories.trajectory import random_trajectory
@@ -39,9 +43,9 @@ from symbolic.catalogue import catalogue
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.model import Model
 from symbolic.motion import Motion
-from symbolic.quantity import JOINTS
+from symbolic.term import Term, places_of
 
-KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION)
+KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION, *CHAINS)
 VISIBLE = (0.25, 1.2)
 """RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
 RATE, BAND = 200.0, 5.0
@@ -59,6 +63,10 @@ PAIRS = 12
 """Pairs per seed, drawn from all there are."""
 MACHINES_PER_SEED = 4
 """Effects per seed and kind of `machines.py`."""
+CHAINS_PER_SEED = 4
+"""Effects per seed and kind of `chains.py`; beside them, one machine with nothing hidden."""
+LEAST_NEW = 0.03
+"""Part of an effect that the base model of a machine cannot imitate, below which hiding it makes no sense."""
 SHOWN_SUSPECTS = 6
 
 
@@ -123,12 +131,39 @@ class Case:
         return zlib.crc32(f"{kind}/{self.variants}/{self.seed}".encode())
 
 
-def singles() -> list[str]:
-    """Return the name of every term that the base model does not contain already."""
-    names = []
-    for effect in catalogue().values():
-        joints = [j for j in effect.joints if j not in effect.absorbed_on]
-        names += [effect.id] if effect.on_both else [f"{effect.id}:{j}" for j in joints]
+def singles(model: Model | None = None) -> list[str]:
+    """Return the name of every term of a machine (the leg) that its base model does not contain already."""
+    joints = (Model.standard() if model is None else model).joints
+    return [
+        Term(effect, joint, joints).name
+        for effect in catalogue(joints).values()
+        for joint in places_of(effect, joints)
+        if joint not in effect.absorbed_on
+    ]
+
+
+def subject(case: Case, rng: np.random.Generator) -> tuple[Model, Leg | Machine]:
+    """Return the machine of a case: the model without what is hidden in it, and what it is made of."""
+    if case.kind in CHAINS:
+        model = CHAINS[case.kind](rng)
+        return model, random_machine(model, rng)
+    leg = random_leg(rng)
+    return Model.standard(thigh_length=leg.thigh_length), leg
+
+
+def _chain_variants(kind: str, rng: np.random.Generator) -> list[str]:
+    """Return what to hide in machines of a kind of `chains.py`: effects that show on usual motions of one of them."""
+    usual = np.random.default_rng(0)
+    model, machine = subject(Case(kind, (), 0), usual)
+    names: list[str] = []
+    for name in rng.permutation(singles(model)):
+        hidden = _drawn(str(name), model, machine, usual)
+        plain, full = (true_model(model, machine.base, some) for some in ((), (hidden,)))
+        size = [float(np.sqrt(np.mean((full.torque(m) - plain.torque(m)) ** 2))) for m in motions(model)]
+        if visible(hidden, model, machine) > max(LEAST_NEW * max(size), 1e-6):
+            names.append(str(name))
+        if len(names) == CHAINS_PER_SEED:
+            break
     return names
 
 
@@ -149,6 +184,8 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
             by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(names, MACHINES_PER_SEED, replace=False)]
         for kind, choice in ((PASSIVE, [n for n in names if n.endswith(":hip")]), (CONVENTION, CONVENTIONS)):
             by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(choice, MACHINES_PER_SEED, replace=False)]
+        for kind in [kind for kind in kinds if kind in CHAINS]:
+            by_kind[kind] = [*(Case(kind, (n,), seed) for n in _chain_variants(kind, rng)), Case(kind, (), seed)]
         out += [case for kind in kinds for case in by_kind[kind]]
     return out
 
@@ -161,51 +198,59 @@ def _pair(rng: np.random.Generator, names: list[str]) -> tuple[str, str]:
             return one, two
 
 
-def hide(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[Hidden, ...]:
-    """Return what is hidden in the leg of `case`, with its numbers drawn."""
+def hide(case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> tuple[Hidden, ...]:
+    """Return what is hidden in the machine of `case`, with its numbers drawn."""
     out = []
     for name in case.variants if case.kind != CONVENTION else ():
-        identifier, _, joint = name.partition(":")
-        effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue()[identifier]
-        alone = effect if effect.on_both else replace(effect, joints=(joint,))
-        (drawn,) = draw(rng, [alone], leg=leg, nothing=0.0)
-        hidden = _placed(Hidden(effect, joint or None, drawn.values), rng)
+        hidden = _drawn(name, model, leg, rng)
         wanted = math.exp(float(rng.uniform(*np.log(VISIBLE))))
-        hidden = _scaled(hidden, min(wanted / visible(hidden, leg), MOST_SHARE / relative_size(hidden, leg)))
-        out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), leg))
+        most = MOST_SHARE / relative_size(hidden, leg, model)
+        hidden = _scaled(hidden, min(wanted / visible(hidden, model, leg), most))
+        out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), model, leg))
     return tuple(out)
 
 
-def motions() -> list[Motion]:
+def _drawn(name: str, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> Hidden:
+    """Return the term called `name` with numbers drawn, of any size."""
+    identifier, _, joint = name.partition(":")
+    effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue(model.joints)[identifier]
+    (drawn,) = draw(rng, [effect], leg=leg, model=model, nothing=0.0, joint=joint or None)
+    return _placed(drawn, model, rng)
+
+
+def motions(model: Model) -> list[Motion]:
     """Return three usual motions, 10 s each, on which sizes are judged."""
-    limits = Model.standard().limits
-    return [random_trajectory(np.random.default_rng(k), limits).at(np.arange(0.0, 10.0, 1.0 / RATE)) for k in range(3)]
+    t, limits = np.arange(0.0, 10.0, 1.0 / RATE), model.motion_limits
+    return [random_trajectory(np.random.default_rng(k), limits).at(t) for k in range(3)]
 
 
-def visible(hidden: Hidden, leg: Leg) -> float:
-    """Return the RMS in N·m (of the joint that shows it most) of what a refitted base model cannot imitate.
+def visible(hidden: Hidden, model: Model, leg: Leg | Machine) -> float:
+    """Return the RMS in N·m or N of what a refitted base model cannot imitate, at the joint that shows it most among
+    its noise; that of a finer torque sensor counts as much more as the sensor is finer.
 
     Only below the band in which accelerations are usually clean: faster torque is beyond any model fitted to these.
     """
-    model = Model.standard(thigh_length=leg.thigh_length)
     plain, full = true_model(model, leg.base, ()), true_model(model, leg.base, (hidden,))
-    columns = [low_pass(np.moveaxis(model.columns(m), 1, 0), BAND, RATE) for m in motions()]
-    added = [low_pass(full.torque(m) - plain.torque(m), BAND, RATE) for m in motions()]
-    x, y = np.concatenate(columns).reshape(-1, 8), np.concatenate(added).ravel()
-    left = y - x @ np.linalg.lstsq(x, y, rcond=None)[0]
-    return float(np.sqrt(np.mean(left.reshape(-1, 2) ** 2, axis=0)).max()) + 1e-12
+    columns = [low_pass(np.moveaxis(model.columns(m), 1, 0), BAND, RATE) for m in motions(model)]
+    added = [low_pass(full.torque(m) - plain.torque(m), BAND, RATE) for m in motions(model)]
+    x, y = np.concatenate(columns).reshape(-1, model.base_count), np.concatenate(added).ravel()
+    left = (y - x @ np.linalg.lstsq(x, y, rcond=None)[0]).reshape(-1, len(model.joints)) / leg.sensor_scale
+    return float(np.sqrt(np.mean(left**2, axis=0)).max()) + 1e-12
 
 
-def _placed(hidden: Hidden, rng: np.random.Generator) -> Hidden:
+def _placed(hidden: Hidden, model: Model, rng: np.random.Generator) -> Hidden:
     """Put what sits at an angle (an end stop) where the joint gets to, near its end; give others a usual shape."""
     assert isinstance(hidden.effect, Effect)
+    term = Term(hidden.effect, hidden.joint, model.joints)
     if hidden.effect.id in USUAL:
         key, low, high = USUAL[hidden.effect.id]
-        return replace(hidden, values={**hidden.values, key: math.exp(float(rng.uniform(*np.log((low, high)))))})
-    places = [key for key, shape in hidden.effect.shape.items() if shape.spacing == "position"]
+        scale = term.placed_shape[key].max / hidden.effect.shape[key].max
+        usual = scale * math.exp(float(rng.uniform(*np.log((low, high)))))
+        return replace(hidden, values={**hidden.values, key: usual})
+    places = [key for key, shape in term.placed_shape.items() if shape.spacing == "position"]
     if not places or hidden.joint is None:
         return hidden
-    angle = np.concatenate([m.q[:, JOINTS.index(hidden.joint)] for m in motions()])
+    angle = np.concatenate([m.q[:, term.first] for m in motions(model)])
     part = float(rng.uniform(0.75, 0.92))
     part = 1.0 - part if hidden.values.get("side", 1.0) < 0.0 else part
     return replace(hidden, values={**hidden.values, **dict.fromkeys(places, float(np.quantile(angle, part)))})
@@ -218,30 +263,32 @@ def _scaled(hidden: Hidden, factor: float) -> Hidden:
     return replace(hidden, values={k: v * (factor if k in size else 1.0) for k, v in hidden.values.items()})
 
 
-def _possible(hidden: Hidden, leg: Leg) -> Hidden:
+def _possible(hidden: Hidden, model: Model, leg: Leg | Machine) -> Hidden:
     """Keep numbers within their bounds, and presliding friction within the dry friction that it takes the place of."""
     assert isinstance(hidden.effect, Effect)
-    bounds = hidden.effect.shape
+    term = Term(hidden.effect, hidden.joint, model.joints)
+    bounds = term.placed_shape
     values = {k: min(max(v, bounds[k].min), bounds[k].max) if k in bounds else v for k, v in hidden.values.items()}
     if hidden.effect.id in ("friction_drift", "viscous_drift", "joint_elasticity"):
         values["c"] = abs(values["c"])  # more friction while cold, or it would drive the joint; a spring that yields
     if hidden.effect.id == "hysteresis":
-        dry = leg.base[4 if hidden.joint == "hip" else 6]
-        values["c"] = min(values["c"], dry)
+        values["c"] = min(values["c"], leg.base[len(model.inertial) + 2 * term.first])
     return replace(hidden, values=values)
 
 
-def simulated(case: Case, leg: Leg, rng: np.random.Generator) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
-    """Return what is hidden and its four runs; smaller where the leg could not be moved otherwise."""
-    hidden = hide(case, leg, rng)
+def simulated(
+    case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator
+) -> tuple[tuple[Hidden, ...], tuple[BenchRun, ...]]:
+    """Return what is hidden and its four runs; smaller where the machine could not be moved otherwise."""
+    hidden = hide(case, model, leg, rng)
     worse = MACHINES.get(case.kind, lambda runs, _: runs)
     if case.kind == CONVENTION:
-        return hidden, tuple(kept_in(case.variants[0], simulate_runs(4, None, leg, seed=case.number)))
-    if case.kind == PASSIVE:
+        return hidden, tuple(kept_in(case.variants[0], simulate_runs(4, model, leg, seed=case.number)))
+    if case.kind == PASSIVE and isinstance(leg, Leg):
         leg = without_knee_drive(leg)
     for _ in range(8):
         try:
-            return hidden, tuple(worse(simulate_runs(4, None, leg, effects=hidden, seed=case.number), rng))
+            return hidden, tuple(worse(simulate_runs(4, model, leg, effects=hidden, seed=case.number), rng))
         except BenchError:
             hidden = tuple(_scaled(one, 0.7) for one in hidden)
-    return hidden, tuple(worse(simulate_runs(4, None, leg, effects=hidden, seed=case.number), rng))
+    return hidden, tuple(worse(simulate_runs(4, model, leg, effects=hidden, seed=case.number), rng))

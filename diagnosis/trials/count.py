@@ -7,6 +7,7 @@ variable; `convention` is right when the option that reads the recordings rightl
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,6 +16,7 @@ import numpy as np
 
 from diagnosis.grading import match
 from diagnosis.trials.cases import KINDS, OUTSIDE
+from diagnosis.trials.chains import CHAINS
 from diagnosis.trials.machines import CONVENTION
 
 
@@ -53,8 +55,8 @@ HEADS = ("kind", "cases", "right", "extra", "missed", "look-alikes", "error/true
 def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     """Return one row per kind, in the order of `HEADS`."""
     rows: list[tuple[str, ...]] = []
-    for kind in KINDS:
-        some = [line for line in lines if line["kind"] == kind]
+    for kind, quiet in itertools.product(KINDS, (False, True)):
+        some = [line for line in lines if line["kind"] == kind and quiet == (kind in CHAINS and not line["hidden"])]
         good = [line for line in some if "error" not in line]
         if not some:
             continue
@@ -66,11 +68,11 @@ def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
         covered = [ok for line in good for ok in line["covered_true"]]
         rows.append(
             (
-                kind,
+                f"{kind}, nothing hidden" if quiet else kind,
                 str(len(some)),
                 f"{100 * sum(map(right, some)) / len(some):.1f} %",
                 str(extra),
-                str(missed) if kind not in ("none", "outside", CONVENTION) else "",
+                str(missed) if kind not in ("none", "outside", CONVENTION) and not quiet else "",
                 f"{np.mean(alike):.2f}" if alike else "",
                 f"{np.median(ratios):.3f}, {max(ratios):.3f}",
                 f"{100 * np.mean(covered):.1f} %" if covered else "",

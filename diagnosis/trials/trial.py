@@ -1,4 +1,4 @@
-"""One blind trial: draw and record the leg, let `discover` look for what is hidden, and note what it said."""
+"""One blind trial: draw and record the machine, let `discover` look for what is hidden, and note what it said."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ import numpy as np
 from diagnosis.discover import discover
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Diagnosis
-from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, visible
+from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, subject, visible
 from measurement.bench.blind import relative_size
 from measurement.bench.hidden import Hidden
-from measurement.bench.leg import random_leg
 from measurement.bench.simulation import BenchRun
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
@@ -25,10 +24,9 @@ def run_case(name: str) -> dict[str, Any]:
     """Return what became of the case called `name`, as plain data."""
     case = Case.named(name)
     rng = np.random.default_rng(case.number)
-    leg = random_leg(rng)
-    hidden, runs = simulated(case, leg, rng)
+    model, leg = subject(case, rng)
+    hidden, runs = simulated(case, model, leg, rng)
     recordings = [run.recording for run in runs]
-    model = Model.standard(thigh_length=leg.thigh_length)
     began = time.perf_counter()
     found = discover(model, recordings[:3], recordings[3:])
     seconds = time.perf_counter() - began
@@ -39,8 +37,8 @@ def run_case(name: str) -> dict[str, Any]:
         "case": case.name,
         "kind": case.kind,
         "hidden": {h.name: {k: float(v) for k, v in h.values.items()} for h in hidden},
-        "size": [relative_size(h, leg) for h in hidden],
-        "visible": [visible(h, leg) for h in hidden],
+        "size": [relative_size(h, leg, model) for h in hidden],
+        "visible": [visible(h, model, leg) for h in hidden],
         "verdict": found.verdict,
         "next": found.next_experiment,
         "accepted": [_accepted(a) for a in found.accepted],

@@ -21,7 +21,7 @@ from measurement.recording import write_recording
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.effect import Effect, Shape
 from symbolic.model import Model
-from symbolic.term import places_of
+from symbolic.term import Term, places_of
 
 SEAL = "truth.seal"
 """File name of the seal beside blind recordings."""
@@ -47,8 +47,9 @@ def draw(
     model: Model | None = None,
     share: tuple[float, float] = SHARE,
     nothing: float = NOTHING_HIDDEN,
+    joint: str | None = None,
 ) -> tuple[Hidden, ...]:
-    """Return one effect of `effects` at a random joint, of a size that fits `leg`; () with probability
+    """Return one effect of `effects` at `joint` (None: a random one), of a size that fits `leg`; () with probability
     `nothing`.
 
     `model` (the standard leg's) has the joints. Shapes are drawn from the inner part of their range, again until the
@@ -58,10 +59,10 @@ def draw(
     """
     model = Model.standard() if model is None else model
     pool = [
-        (effect, joint)
+        (effect, place)
         for effect in effects
-        for joint in places_of(effect, model.joints)
-        if joint not in effect.absorbed_on
+        for place in places_of(effect, model.joints)
+        if place not in effect.absorbed_on and joint in (None, place)
     ]
     if not pool or rng.random() < nothing:
         return ()
@@ -69,7 +70,7 @@ def draw(
     effect, joint = pool[int(rng.integers(len(pool)))]
     wanted = math.exp(float(rng.uniform(math.log(share[0]), math.log(share[1]))))
     for _ in range(TRIALS):
-        hidden = Hidden(effect, joint, _values(rng, effect))
+        hidden = Hidden(effect, joint, _values(rng, Term(effect, joint, model.joints)))
         usual = relative_size(hidden, leg, model)
         if usual > 1e-4:
             break
@@ -104,14 +105,14 @@ def write_runs(folder: str | Path, runs: Iterable[BenchRun]) -> tuple[tuple[Path
     return paths, write_seal(Path(folder) / SEAL, several[0].truth, paths)
 
 
-def _values(rng: np.random.Generator, effect: Effect) -> dict[str, float]:
+def _values(rng: np.random.Generator, term: Term) -> dict[str, float]:
     """Draw coefficients about their typical size, with either sign where both are possible, and shapes."""
     values: dict[str, float] = {}
-    for key, coefficient in effect.coefficients.items():
+    for key, coefficient in term.effect.coefficients.items():
         usual = 1.0 if coefficient.typical is None else coefficient.typical
         signed = (coefficient.min is None or coefficient.min < 0.0) and rng.random() < 0.5
         values[key] = (-1.0 if signed else 1.0) * float(rng.uniform(0.6, 1.4)) * usual + 0.0
-    return values | {key: _shape(rng, shape) for key, shape in effect.shape.items()}
+    return values | {key: _shape(rng, shape) for key, shape in term.placed_shape.items()}
 
 
 def _replaces_coulomb(hidden: Hidden) -> bool:

@@ -54,21 +54,38 @@ class Machine:
 
 def standard_machine(model: Model) -> Machine:
     """Return a machine with the joints, lengths and gravity of `model`, without its terms."""
-    return _machine(model.base())
+    return _standard(model.base())
 
 
 @lru_cache(maxsize=16)
-def _machine(model: Model) -> Machine:
+def _standard(model: Model) -> Machine:
+    return _machine(model, np.ones((len(model.joints), 5)))
+
+
+def random_machine(model: Model, rng: np.random.Generator) -> Machine:
+    """Draw a machine of `model`: the standard one with every mass, length and friction varied as those of a leg are."""
+    spread = np.array([0.3, 0.12, 0.3, 0.45, 0.45])
+    return _machine(model.base(), rng.uniform(1.0 - spread, 1.0 + spread, (len(model.joints), 5)))
+
+
+def _machine(model: Model, factors: np.ndarray) -> Machine:
+    """Return the machine with mass, centre of mass, inertia, dry and viscous friction times `factors` (J, 5)."""
     joints = model.joints
     depth = [len(ancestors(joints, j)) - 1 for j in range(len(joints))]
     own: dict[tuple[int, str], float] = {}
     for j, joint in enumerate(joints):
-        mass, along = MASS * LIGHTER ** depth[j], 0.45 * (joint.length or LENGTH)
-        about = mass * (along**2 + 0.1 * (joint.length or LENGTH) ** 2)
+        heavier, longer, thicker = factors[j, :3]
+        length = joint.length or LENGTH
+        mass, along = heavier * MASS * LIGHTER ** depth[j], longer * 0.45 * length
+        about = mass * (along**2 + thicker * 0.1 * length**2)
         own |= {(j, "m"): mass, (j, "X"): mass * along, (j, "J"): about}
     found = base_parameters(joints, model.gravity, model.moving_base)
     inertial = [own[p.link, p.kind] + sum(factor * own[link, kind] for link, kind, factor in p.parts) for p in found]
-    friction = [part * LIGHTER ** depth[j] for j, joint in enumerate(joints) for part in FRICTION[joint.turns]]
+    friction = [
+        factor * part * LIGHTER ** depth[j]
+        for j, joint in enumerate(joints)
+        for factor, part in zip(factors[j, 3:], FRICTION[joint.turns], strict=True)
+    ]
     base = np.array([*inertial, *friction])
     motion = _usual(model)
     still = np.zeros_like(motion.q)

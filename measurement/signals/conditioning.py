@@ -22,6 +22,8 @@ from symbolic.motion import Float
 ORDER = 4
 BRIDGE_ENDS = 0.03
 """Seconds beside a bridged run over which its ends are averaged."""
+MOST_APART = 0.9
+"""Share of samples left out of an estimate of noise beyond which none are."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
 
@@ -211,13 +213,16 @@ def noise_density(even: EvenSignals) -> Float:
     return np.asarray(np.median(power[frequency > 0.4 * even.rate], axis=0))
 
 
-def quiet_noise(x: Float, rate: float, cutoff: float) -> Float:
+def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None = None) -> Float:
     """Return the RMS (J,) that the steady noise of `x` (N, J) leaves below `cutoff` Hz, if it is white.
 
-    Taken from the upper half of the spectrum by the median absolute deviation, so that bursts and jumps do not count.
+    Taken from the upper half of the spectrum by the median absolute deviation, so that bursts and jumps do not count,
+    and without the samples `apart` (N, J) unless hardly any others are left.
     """
     fast = x - low_pass(x, 0.25 * rate, rate)
-    scale = np.median(np.abs(fast - np.median(fast, axis=0)), axis=0) / 0.6745
+    if apart is not None:
+        fast = np.where(apart & (np.mean(apart, axis=0) < MOST_APART), np.nan, fast)
+    scale = np.nanmedian(np.abs(fast - np.nanmedian(fast, axis=0)), axis=0) / 0.6745
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
 
 

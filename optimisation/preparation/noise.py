@@ -16,9 +16,10 @@ def noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
     """Return the RMS (J,) in N·m that sensor noise leaves below the cut-off, from the top of the torque's spectrum.
 
     Estimated without a model, from recordings in which the joint is driven: a torque that is zero for certain has no
-    noise. A torque sensor whose noise is not white has a floor of its own; this one is then low.
+    noise. Where a joint may be sticking its controller chatters, and no model is fitted: that is left out. A torque
+    sensor whose noise is not white has a floor of its own; this one is then low.
     """
-    square = np.array([quiet_noise(p.wide_tau, p.rate, cutoff) ** 2 for p in prepared])
+    square = np.array([quiet_noise(p.wide_tau, p.rate, cutoff, p.stuck) ** 2 for p in prepared])
     driven = np.array([p.driven for p in prepared])
     return np.sqrt(np.sum(square, axis=0, where=driven) / np.maximum(driven.sum(axis=0), 1))
 

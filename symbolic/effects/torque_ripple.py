@@ -21,7 +21,8 @@ EFFECT = Effect(
             max=400.0,
             points=398,
             typical=60.0,
-            explains="cycles per turn of the joint: pole pairs or teeth times gear ratio",
+            counts_angle=True,
+            explains="cycles per turn of the joint: pole pairs or teeth times gear ratio (2π over its period)",
         )
     },
     explains=("The torque pulsates at fixed angles: motor poles, gear teeth, the wave generator of a harmonic drive."),

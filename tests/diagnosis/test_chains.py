@@ -1,0 +1,76 @@
+"""Evidence and blind trials on machines that are not the leg."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.evidence.fitted import fitted_model
+from diagnosis.trials.cases import Case, cases, hide, singles, subject, visible
+from diagnosis.trials.chains import CHAINS
+from diagnosis.trials.count import counted
+from measurement.bench.simulation import Bench, run_bench
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.joints import LEVER, Joint
+from symbolic.model import Model
+from symbolic.term import Term
+
+DRIVE = Model("drive", chain=(Joint("axis"),))
+SLIDE = Model("slide", gravity=0.0, chain=(Joint("axis", "prismatic"),))
+
+
+def test_what_a_term_with_a_choice_leaves_is_weighed_on_one_joint():
+    model = DRIVE.with_effect("end_stop:axis")
+    runs = [run_bench(DRIVE, seed=1, index=k, bench=Bench(duration=6.0)).recording for k in range(2)]
+    prepared = prepare(model, runs, cutoff=6.0)
+    fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    evidence = fitted.evidence(seed=0, draws=0)
+    assert [block.columns.shape[::2] for block in evidence.blocks] == [(1, len(model.parameters) + 2)] * 2
+
+
+def test_noise_is_estimated_where_the_joint_moves():
+    run = run_bench(DRIVE, seed=2, bench=Bench(duration=12.0)).recording
+    one = prepare(DRIVE, [run], cutoff=8.0)
+    chatter = np.where(one.train[0].stuck, 3.0 * np.sin(2.5 * np.arange(len(one.train[0].stuck)))[:, None], 0.0)
+    assert len(chatter) == len(run.tau) and chatter.any(axis=0).all()
+    rough = prepare(DRIVE, [replace(run, tau=run.tau + chatter)], cutoff=8.0)
+    np.testing.assert_allclose(rough.noise_floor, one.noise_floor, rtol=0.2)
+
+
+def test_shapes_of_a_sliding_joint_are_those_of_a_drum():
+    for name in ("stribeck", "torque_ripple", "backlash", "hysteresis", "end_stop", "time_delay", "joint_elasticity"):
+        turning, sliding = (Term(m.find_effect(name), "axis", m.joints).placed_shape for m in (DRIVE, SLIDE))
+        for key, shape in turning.items():
+            scale = sliding[key].max / shape.max
+            wanted = {"v_s": LEVER, "n": 1.0 / LEVER, "h": LEVER, "sigma": 1.0 / LEVER}.get(key, 1.0)
+            assert scale == pytest.approx(wanted) and sliding[key].min == pytest.approx(wanted * shape.min), key
+    assert Term(SLIDE.find_effect("torque_ripple"), "axis", SLIDE.joints).placed_shape["n"].unit == "1/m"
+
+
+@pytest.mark.parametrize("kind", ["drive", "slide"])
+def test_what_is_hidden_in_other_machines_can_be_seen(kind):
+    names = [case.name for case in cases([kind], 1, first=3)]
+    assert names == [case.name for case in cases([kind], 1, first=3)] and names[-1] == f"{kind}/nothing/3"
+    case = Case.named(names[0])
+    rng = np.random.default_rng(case.number)
+    model, machine = subject(case, rng)
+    (hidden,) = hide(case, model, machine, rng)
+    assert hidden.name in singles(model) and visible(hidden, model, machine) > 0.05
+    term = Term(hidden.effect, hidden.joint, model.joints)
+    for key, shape in term.placed_shape.items():
+        assert shape.min <= hidden.values[key] <= shape.max
+
+
+def test_machines_with_nothing_hidden_are_counted_apart():
+    line = {"kind": "drive", "verdict": "adequate", "accepted": [], "covered_true": [True], "hidden": {}}
+    line |= {"case": "drive/nothing/1", "rms": {"found": [1.0], "true": [1.0]}}
+    wrong = {**line, "hidden": {"stribeck:axis": {}}}
+    rows = counted([line, wrong])
+    assert [row[:3] for row in rows] == [("drive", "1", "0.0 %"), ("drive, nothing hidden", "1", "100.0 %")]
+
+
+def test_every_kind_of_machine_is_drawn_anew():
+    for draw in CHAINS.values():
+        one, other = (draw(np.random.default_rng(seed)) for seed in (0, 1))
+        assert one.joint_names == other.joint_names and one.motion_limits != other.motion_limits
