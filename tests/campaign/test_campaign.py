@@ -52,12 +52,18 @@ def finished(plan_file, tmp_path_factory):
     return found, folder
 
 
+def plan_folder(found):
+    """Return the folder of the plan whose recordings lie in data/DEVICE/."""
+    return Path(found.plan.jobs[0].recordings[0]).resolve().parents[2]
+
+
 def test_every_job_has_a_row_and_what_cannot_be_read_is_one_too(finished):
     found, folder = finished
     assert found.counts == {"done": 2} and found.kept == 0
     first, second = found.rows
     assert first["result"]["rms"] == second["result"]["rms"] and not first["unreadable"]
-    assert second["unreadable"][0]["path"].endswith("run_0.csv") and second["unreadable"][0]["reason"]
+    assert second["unreadable"][0]["path"] == "d2/run_0.csv" and second["unreadable"][0]["reason"]
+    assert str(plan_folder(found)) not in (folder / "index.html").read_text("utf-8")
     lines = (folder / "unreadable.csv").read_text().splitlines()
     assert len(lines) == 2 and "run_0.csv" in lines[1]
     assert "seconds" not in json.dumps(first)

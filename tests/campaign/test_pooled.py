@@ -58,3 +58,10 @@ def test_several_sessions_of_a_device_count_as_one_device():
 def test_two_devices_or_unusable_intervals_are_not_pooled():
     assert pool(PLAN, [row("a", 1.0, 0.1), row("b", 1.0, 0.1)]) == []
     assert pool(PLAN, [row(d, 1.0, float("nan")) for d in "abc"]) == []
+
+
+def test_a_device_of_known_uncertainty_stands_out_among_few():
+    """Three devices agree within what they report; the fourth is eight of its own standard errors away."""
+    rows = [row("d1", 3.01, 0.02), row("d2", 3.02, 0.016), row("d3", 4.18, 0.14), row("d4", 2.99, 0.016)]
+    (one,) = pool(PLAN, rows)
+    assert [o.device for o in one.outliers] == ["d3"]

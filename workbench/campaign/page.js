@@ -30,7 +30,10 @@ function plainTable(id, heads, rows) {
   section.hidden = false;
   const table = section.querySelector("table");
   const head = element("tr", null, element("thead", null, table));
-  for (const name of heads) element("th", name, head).scope = "col";
+  heads.forEach((name, k) => {
+    const number = rows.every((row) => row[k] === null || typeof row[k] === "number");
+    element("th", name, head, number ? "number" : "").scope = "col";
+  });
   const body = element("tbody", null, table);
   for (const row of rows) {
     const line = element("tr", null, body);
@@ -70,7 +73,6 @@ function fleet() {
 function jobs() {
   const wrap = document.querySelector(".rows");
   const body = wrap.querySelector("tbody");
-  const links = data.rows.some((row) => row[data.heads.length]);
   const head = element("tr", null, wrap.querySelector("thead"));
   const searched = data.rows.map((row) => row.join(" ").toLowerCase());
   let order = data.rows.map((_, k) => k), shown = order, sorted = -1, down = false, height = 33;
@@ -87,7 +89,6 @@ function jobs() {
     });
     return cell;
   });
-  if (links) element("th", "report", head).scope = "col";
   const input = document.querySelector("#jobs input");
 
   function filter() {
@@ -100,7 +101,7 @@ function jobs() {
 
   function pad(rows) {
     const cell = element("td", null, element("tr", null, body), "pad");
-    cell.colSpan = data.heads.length + (links ? 1 : 0);
+    cell.colSpan = data.heads.length;
     cell.style.height = `${rows * height}px`;
   }
 
@@ -113,12 +114,11 @@ function jobs() {
       const row = data.rows[k], line = element("tr", null, body);
       data.heads.forEach((name, c) => {
         const kind = typeof row[c] === "number" ? "number" : name === "status" ? `status-${row[c]}` : "";
-        element("td", significant(row[c]), line, kind).title = typeof row[c] === "string" ? row[c] : "";
+        const report = c === 0 && row[data.heads.length];  // the name of a job leads to its report
+        const cell = element("td", report ? null : significant(row[c]), line, kind);
+        if (report) element("a", row[c], cell).href = encodeURI(report);
+        cell.title = typeof row[c] === "string" ? row[c] : "";
       });
-      if (links) {
-        const cell = element("td", null, line), target = row[data.heads.length];
-        if (target) element("a", "report", cell).href = encodeURI(target);
-      }
     }
     if (last < shown.length) pad(shown.length - last);
     const one = body.querySelector("tr:not(:first-child)");

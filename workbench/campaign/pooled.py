@@ -104,8 +104,12 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
     for device, (value, variance) in devices.items():
         others = [pair for name, pair in devices.items() if name != device]
         mean, error, tau2 = pooled_mean(others)
-        distance = (value - mean) / math.sqrt(variance + error + max(tau2, 0.0))
-        raw.append((2.0 * float(t.sf(abs(distance), len(others) - 1)), device, value, distance))
+        total = variance + error + max(tau2, 0.0)
+        distance = (value - mean) / math.sqrt(total)
+        # Degrees of freedom by Satterthwaite (1946): what is estimated is τ² among the others, beside what they report.
+        estimated = (max(tau2, 0.0) + sum(v for _, v in others) / len(others)) * (1.0 + 1.0 / len(others))
+        freedom = (len(others) - 1) * max(total / estimated, 1.0) ** 2
+        raw.append((2.0 * float(t.sf(abs(distance), freedom)), device, value, distance))
     out, highest = [], 0.0
     for rank, (p, device, value, distance) in enumerate(sorted(raw)):
         highest = max(highest, min(1.0, p * (len(raw) - rank)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -90,6 +91,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
         rows: list[dict[str, Any] | None] = [store.read(job, key) for job, key in zip(plan.jobs, keys, strict=True)]
         missing = [k for k, row in enumerate(rows) if row is None or row["status"] not in FINAL]
         kept, retried, events = len(rows) - len(missing), 0, list[str]()
+        root = _root(plan)
         drawn = 0.0  # when the page is due
 
         def call(k: int) -> tuple[Any, ...]:
@@ -98,7 +100,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
 
         for number, (k, future) in enumerate(completed(engine, in_cell, missing, call), start=1):
             job = plan.jobs[k]
-            row, page, note = _row(job, keys[k], future, here)
+            row, page, note = _row(job, keys[k], future, here, root)
             if page is not None:
                 write_whole(folder / "reports" / f"{job_file_name(job.name)}-{keys[k][:16]}.html", page, at_once=True)
             store.write(job, keys[k], row)
@@ -120,8 +122,19 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     return Campaign(plan, done, kept, retried, time.perf_counter() - began, tuple(events))
 
 
-def _row(job: Job, key: str, future: Any, here: Mapping[str, str]) -> tuple[dict[str, Any], str | None, str]:
-    """Return the row of a job that ended, its report, and what is to be said of how it went."""
+def _root(plan: Plan) -> str:
+    """Return the folder that all recordings of `plan` share, with its separator: no page names the folders above it."""
+    folders = {os.path.dirname(os.path.realpath(path)) for job in plan.jobs for path in (*job.recordings, *job.verify)}
+    try:
+        return os.path.join(os.path.commonpath(folders), "")
+    except ValueError:  # no recordings, or on several drives
+        return ""
+
+
+def _row(
+    job: Job, key: str, future: Any, here: Mapping[str, str], root: str
+) -> tuple[dict[str, Any], str | None, str]:
+    """Return the row of a job that ended, its report, and what is to be said of how it went; paths are below `root`."""
     base = {
         "name": job.name, "key": key[:16], "fields": dict(job.fields), "seed": job.seed,
         "recordings": [Path(p).name for p in job.recordings], "verify": [Path(p).name for p in job.verify],
@@ -135,7 +148,10 @@ def _row(job: Job, key: str, future: Any, here: Mapping[str, str]) -> tuple[dict
     if answer["status"] != "done":
         status = "crashed" if answer["status"] == "failed" else answer["status"]
         return base | {"status": status, "reason": answer["reason"]}, None, note
-    value = dict(answer["value"])
+    value = answer["value"]
+    if root:
+        value = json.loads(json.dumps(value).replace(json.dumps(root)[1:-1], ""))
+    value = dict(value)
     if value["status"] == "versions":
         raise CampaignError(
             f"the worker {answer['worker']} has other versions: {value['reason']}",

@@ -107,7 +107,7 @@ def _show_jobs(screen: Screen, plan: Plan) -> None:
 def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None:
     from workbench.campaign.plan import BLIND
     from workbench.campaign.pooled import has_statsmodels
-    from workbench.campaign.table import blind_lines, flat, has_parquet
+    from workbench.campaign.table import blind_lines, flat, has_parquet, unreadable
 
     rows = [flat(found.plan, row) for row in found.rows]
     if len(rows) <= 60:
@@ -126,6 +126,8 @@ def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None
     screen.say(f"{len(rows)} jobs: {parts}{kept}; {engine.name}, {found.seconds:.0f} s")
     for event in found.events:
         screen.say(event, "warn")
+    if unread := unreadable(found.rows):
+        screen.say(f"left out, since they cannot be read: {len(unread)}; why: {folder / 'unreadable.csv'}", "warn")
     if found.plan.device and not has_statsmodels():
         screen.say("numbers across devices need statsmodels: pip install 'exoid[campaign]'", "faint")
     if not has_parquet():
