@@ -9,18 +9,20 @@ trial value. Nothing here ever looks at the measured torque.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
+from ground.engines.forks import shared
 from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.prepare import Prepared
 from symbolic.catalogue import catalogue
 from symbolic.columns import derived_columns, slopes_of, transformed
 from symbolic.effect import Effect, Shape
@@ -78,6 +80,11 @@ class Candidate:
         return len(self.term.effect.coefficients) + len(self.term.effect.shape)
 
     @property
+    def width(self) -> int:
+        """How many columns it has at each of its joints."""
+        return max(1, len(self.term.effect.coefficients))
+
+    @property
     def common(self) -> np.ndarray:
         """Indices of the nodes that are the same in every recording, each once."""
         same = np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
@@ -106,16 +113,36 @@ class Library:
         Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
         computed anew where it is compared (`look_alikes.refine`).
         """
+        room = self.room(candidate, fitted.prepared, 1)
+        self.fill(candidate, fitted, room)
+        return self.keep(candidate, room)
+
+    def room(self, candidate: Candidate, prepared: Prepared, many: int) -> tuple[Columns, ...]:
+        """Return the columns that are kept of `candidate`, or room for them which `many` processes see."""
         if candidate.name in self._kept:
             return self._kept[candidate.name]
-        found = tuple(
-            candidate_columns(candidate, nodes, one, fitted)
-            for nodes, one in zip(candidate.nodes, fitted.prepared.all, strict=True)
+        own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
+        shapes = [(*own, len(one.kept)) for one in prepared.all]
+        sizes = [int(np.prod(shape)) for shape in shapes]
+        values = np.frombuffer(shared(8 * sum(sizes), many), dtype=float)
+        parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
+        return tuple(
+            Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))
+            for part, shape in zip(parts, shapes, strict=True)
         )
+
+    def fill(self, candidate: Candidate, fitted: FittedModel, room: tuple[Columns, ...]) -> None:
+        """Compute the columns of `candidate` into the `room` for them, unless they are kept."""
+        if candidate.name not in self._kept:
+            for nodes, one, columns in zip(candidate.nodes, fitted.prepared.all, room, strict=True):
+                _fill(candidate, nodes, one, fitted, columns)
+
+    def keep(self, candidate: Candidate, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
+        """Keep the columns of `candidate`, if no parameter can change them; and return them."""
         fine = candidate.nodes.shape[1] > FINE
         if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
-            self._kept[candidate.name] = found
-        return found
+            self._kept[candidate.name] = columns
+        return columns
 
 
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
@@ -180,40 +207,55 @@ def _feeds_back(term: Term) -> bool:
 
 def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Columns:
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    width = len(candidate.joints) * max(1, len(candidate.term.effect.coefficients))
-    parts = -(-len(nodes) * width * len(one.motion) // TOGETHER)
-    done = []
-    for some in np.array_split(nodes, min(len(nodes), parts)):
-        raw = np.ascontiguousarray(np.swapaxes(unfiltered_columns(candidate, some, one, fitted), 1, 2))
-        done.append(one.smooth_rows(raw, candidate.joints, 2))  # (V, m, A, K): as the evidence reads it
-    return Columns(candidate.joints, np.moveaxis(np.concatenate(done), 1, 3))
+    shape = len(nodes), candidate.width, len(candidate.joints), len(one.kept)
+    columns = Columns(candidate.joints, np.moveaxis(np.empty(shape), 1, 3))
+    _fill(candidate, nodes, one, fitted, columns)
+    return columns
 
 
-def unfiltered_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
-    """Return the columns (V, A, m, N) of a candidate on all samples of a recording, as `candidate_columns` filters."""
+def _fill(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel, into: Columns) -> None:
+    """Write the filtered columns of a candidate on one recording at `nodes` (V, S)."""
+    values = np.moveaxis(into.values, 3, 1)  # (V, m, A, K): as the evidence reads it
+    parts = -(-len(nodes) * candidate.width * len(candidate.joints) * len(one.motion) // TOGETHER)
+    unfiltered = unfiltered_columns(candidate, nodes, one, fitted)
+    for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
+        raw = np.ascontiguousarray(np.swapaxes(unfiltered(nodes[some]), 1, 2))
+        values[some[0] : some[-1] + 1] = one.smooth_rows(raw, candidate.joints, 2)
+
+
+def unfiltered_columns(
+    candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel
+) -> Callable[[Float], Float]:
+    """Return what gives the columns (V, A, m, N) of a candidate at some of its `nodes`, on all samples of a recording,
+    as `candidate_columns` filters them.
+    """
     if candidate.tangent:
-        return _tangent(candidate.term, one, fitted)[None]
+        return lambda some: _tangent(candidate.term, one, fitted)[None]
     if candidate.change:
-        return _changes(candidate.term, one, fitted, nodes)
+        return partial(_changes, candidate.term, one, fitted)
     if candidate.term.effect.derive is not None:
         return _derived(candidate.term, one, fitted, nodes)
-    return _texts(candidate, nodes, one, fitted)
+    return _texts(candidate, one, fitted)
 
 
-def _texts(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> Float:
+def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) -> Callable[[Float], Float]:
     term, motion = candidate.term, one.motion
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
     if _feeds_back(term):
         words |= _fed_back(term, one, fitted)
-    out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
-    for torque in torques(term):
-        place = candidate.joints.index(torque.joint)
-        for m, key in enumerate(keys):
-            if key in torque.names:
-                out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion)
-    out[np.isnan(out).any(axis=(1, 2, 3))] = 0.0  # zero, so that such a node is never chosen
-    return out
+
+    def at(nodes: Float) -> Float:
+        out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
+        for torque in torques(term):
+            place = candidate.joints.index(torque.joint)
+            for m, key in enumerate(keys):
+                if key in torque.names:
+                    out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion)
+        out[np.isnan(out).any(axis=(1, 2, 3))] = 0.0  # zero, so that such a node is never chosen
+        return out
+
+    return at
 
 
 def _at_nodes(
@@ -289,10 +331,14 @@ def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
     return changes[back.ravel()][:, :, None]
 
 
-def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:
-    """Return the new columns (V, A, m, N) that a changed mechanism brings, at `nodes` (V, S) of its shapes."""
+def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Callable[[Float], Float]:
+    """Return what gives the new columns (V, A, m, N) of a changed mechanism at some of `nodes` (V, S) of its shapes."""
     extended = _extended(fitted.model, term)
     new = len(extended.parameters) - len(fitted.model.parameters)
     reference = np.concatenate([fitted.linear, np.zeros(new)])
-    shapes = np.column_stack([np.tile(fitted.shape, (len(nodes), 1)), nodes])
-    return derived_columns(extended, one.motion, shapes, reference)[:, list(term.reaches)]
+
+    def shapes(some: Float) -> Float:
+        return np.column_stack([np.tile(fitted.shape, (len(some), 1)), some])
+
+    columns, joints = derived_columns(extended, one.motion, shapes(nodes), reference), list(term.reaches)
+    return lambda some: columns(shapes(some))[:, joints]

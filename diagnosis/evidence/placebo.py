@@ -15,7 +15,12 @@ from symbolic.motion import Float
 
 
 def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Score:
-    """Return `score` with its p-value: the share of placebos that gain as much through the same search."""
+    """Return `score` with its p-value."""
+    return replace(score, p_value=p_value(evidence, score, columns))
+
+
+def p_value(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> float:
+    """Return the share of placebos that gain as much as a candidate through the same search."""
     candidate, rules = score.candidate, evidence.rules
     columns = [_telegraph(c, rules.telegraph * evidence.blocks[r].rate, r) for r, c in enumerate(columns)]
     nodes = candidate.common
@@ -31,7 +36,7 @@ def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Sco
         null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(chosen)))
     seen = score.share * float(evidence.fold_losses.sum())
     beaten = int(np.count_nonzero(null >= seen))
-    return replace(score, p_value=(1 + beaten) / (1 + evidence.draws))
+    return (1 + beaten) / (1 + evidence.draws)
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:

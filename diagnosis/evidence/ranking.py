@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from diagnosis.evidence.candidates import Library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.placebo import placebo
+from diagnosis.evidence.placebo import p_value
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.evidence.stability import Splits
+from ground.engines.forks import allowed_processes, share_out
 
 
 def rank(
@@ -27,20 +29,36 @@ def rank(
 ) -> list[Score]:
     """Return all candidates, best first: weighed, the promising ones with placebos and significance."""
     present = {term.name for term in fitted.model.terms}
-    scores, columns = [], {}
     todo = [c for c in library.candidates if c.name not in present]
-    for number, candidate in enumerate(todo):
-        columns[candidate.name] = library.columns(candidate, fitted)
-        scores.append(weigh(evidence, candidate, columns[candidate.name]))
+    many = allowed_processes()
+    rooms = [library.room(c, fitted.prepared, many) for c in todo]
+    found: dict[int, Score] = {}
+
+    def weighed(k: int) -> dict[str, Any]:
+        library.fill(todo[k], fitted, rooms[k])
+        return weigh(evidence, todo[k], rooms[k]).to_plain()
+
+    def heard(k: int, answer: dict[str, Any]) -> None:
+        found[k] = Score.of(todo[k], answer)
         if tick:
-            tick(0.6 * (number + 1) / len(todo), candidate.name)
-    scores.sort(key=lambda s: -s.share)
+            tick(0.6 * len(found) / len(todo), todo[k].name)
+
+    share_out(weighed, sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width), heard, many)
+    columns = {c.name: library.keep(c, room) for c, room in zip(todo, rooms, strict=True)}
+    scores = sorted((found[k] for k in range(len(todo))), key=lambda s: -s.share)
     scores = agreed(evidence, scores, columns)
-    promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
-    for number, score in enumerate(promising):
-        scores[scores.index(score)] = placebo(evidence, score, columns[score.name])
+    promising = [k for k, s in enumerate(scores) if s.eligible][: evidence.rules.placebo_for]
+
+    def chance(k: int) -> float:
+        return p_value(evidence, scores[k], columns[scores[k].name])
+
+    def settled(k: int, answer: float) -> None:
+        scores[k] = replace(scores[k], p_value=answer)
         if tick:
-            tick(0.6 + 0.4 * (number + 1) / len(promising), score.name)
+            done = sum(scores[n].p_value is not None for n in promising)
+            tick(0.6 + 0.4 * done / len(promising), scores[k].name)
+
+    share_out(chance, sorted(promising, key=lambda k: -scores[k].candidate.nodes.shape[1]), settled, many)
     return mark_significant(scores, evidence.rules.false_discovery_rate)
 
 

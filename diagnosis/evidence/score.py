@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,12 @@ ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
+
+
+_FOUND = (
+    "nodes", "share", "folds", "unseen", "coefficients", "novelty", "helps", "steady", "caution", "joint_share",
+)  # fmt: skip
+"""What `weigh` finds of a candidate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +64,17 @@ class Score:
     def eligible(self) -> bool:
         """Whether it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
         return self.helps and self.steady and not self.caution
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return what weighing found as JSON can write it, to the last digit."""
+        found = {name: getattr(self, name) for name in _FOUND}
+        return {k: v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v for k, v in found.items()}
+
+    @classmethod
+    def of(cls, candidate: Candidate, found: Mapping[str, Any]) -> Score:
+        """Return the score of a candidate from what `to_plain` made of it."""
+        arrays = {name: np.array(found[name]) for name in ("nodes", "folds", "coefficients")}
+        return cls(candidate, **{**found, **arrays})
 
     @property
     def shape(self) -> Float:

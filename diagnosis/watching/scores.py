@@ -57,7 +57,7 @@ def columns_of(questions: Sequence[Watched], window: Window, base: Float, now: F
         elif asked.link is not None:
             loads.append(asked.load(now.model, base, PLACES[len(PLACES) // 2 :][:1]))
         else:
-            found = unfiltered_columns(asked, one.nodes, window, now)  # (V, A, m, N)
+            found = unfiltered_columns(asked, one.nodes, window, now)(one.nodes)  # (V, A, m, N)
             whole = np.zeros((found.shape[0] * found.shape[2], joints, found.shape[3]))
             whole[:, list(asked.joints)] = np.moveaxis(found, 1, 2).reshape(len(whole), -1, found.shape[3])
             effects.append(whole)

@@ -22,6 +22,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ground.engines.forks import PROCESSES
+
 MOST_JOBS = 500
 """Jobs after which a process is replaced, so that whatever leaks stays small."""
 ATTEMPTS = 2
@@ -111,7 +113,7 @@ class Cell:
         if self._process is None or self._process.poll() is not None:
             self.close()
             path = os.pathsep.join([p for p in sys.path if p] + [os.getcwd()])
-            environment = {**dict.fromkeys(ONE_THREAD, "1"), **os.environ, "PYTHONPATH": path}
+            environment = {**dict.fromkeys((*ONE_THREAD, PROCESSES), "1"), **os.environ, "PYTHONPATH": path}
             self._process = subprocess.Popen(
                 [sys.executable, "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment,
                 start_new_session=True,

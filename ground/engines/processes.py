@@ -11,6 +11,7 @@ from typing import Any
 
 from ground.engines.cell import ONE_THREAD
 from ground.engines.engine import Engine
+from ground.engines.forks import PROCESSES
 
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""
@@ -55,7 +56,11 @@ def processes(jobs: int = 0) -> Engine:
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
     executor = ProcessPoolExecutor(
-        count, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"), initializer=end_with, initargs=(os.getpid(),)
+        count,
+        timeout=IDLE,
+        env=dict.fromkeys((*ONE_THREAD, PROCESSES), "1"),
+        initializer=end_with,
+        initargs=(os.getpid(),),
     )
 
     def close(wait: bool) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -151,15 +151,22 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
 
 
 def waves(function: str, numbers: Float, x: Float) -> Float:
-    """Return sin (or cos) of n x, (V, N), for evenly spaced `numbers` n (V,): each from the one before by a turn of
-    step · x, which takes an eighth of the time of a sine, and anew every so often so that nothing adds up.
-    """
+    """Return sin (or cos) of n x, (V, N), for evenly spaced `numbers` n (V,)."""
     out = np.empty((len(numbers), len(x)))
-    now = turn = np.exp(1j * (numbers[-1] - numbers[0]) / (len(numbers) - 1) * x)
-    for k, number in enumerate(numbers):
-        now = now * turn if k % RENEWED else np.exp(1j * number * x)
-        out[k] = now.imag if function == "sin" else now.real
+    for values, turn in zip(out, turns(numbers, x), strict=True):
+        values[:] = turn.imag if function == "sin" else turn.real
     return out
+
+
+def turns(numbers: Float, x: Float) -> Iterator[Any]:
+    """Yield exp(i n x), (N,), for each of `numbers` n (V,): where they are evenly spaced each from the one before by a
+    turn of step · x, which takes an eighth of the time of a sine, and anew every so often so that nothing adds up.
+    """
+    even = len(numbers) > 1 and _even(numbers)
+    now = turn = np.exp(1j * (numbers[-1] - numbers[0]) / (len(numbers) - 1) * x) if even else x
+    for k, number in enumerate(numbers):
+        now = now * turn if even and k % RENEWED else np.exp(1j * number * x)
+        yield now
 
 
 def _even(numbers: Float) -> bool:

@@ -17,6 +17,7 @@ from symbolic.codegen import compiler
 from symbolic.codegen import fitness as fitness_module
 from symbolic.codegen.fitness import CHUNK, STRETCH
 from symbolic.codegen.kernel import NoCompilerWarning, compiled, fitness
+from symbolic.columns import derived_columns, model_columns
 
 ROOT = Path(__file__).parents[2]
 N_M = Coefficient("N·m")
@@ -321,3 +322,14 @@ def test_the_compiler_can_be_switched_off(fresh_cache, monkeypatch):
     compiler._warn_once.cache_clear()
     with pytest.warns(NoCompilerWarning, match="EXOID_COMPILER"):
         assert compiled(Model.standard()).backend == "vm"
+
+
+def test_columns_at_many_frequencies_are_those_at_each():
+    model, motion = Model.standard().with_effect("gravity_tilt").with_effect("base_motion"), random_motion()
+    reference = np.random.default_rng(2).normal(size=len(model.parameters))
+    for frequencies in (np.linspace(0.2, 5.0, 40), np.geomspace(0.2, 5.0, 9), np.array([0.7, 1.1])):
+        shapes = np.column_stack([np.full(frequencies.size, 0.03), frequencies])
+        many = derived_columns(model, motion, shapes, reference)(shapes)
+        for found, shape in zip(many, shapes, strict=True):
+            whole = model_columns(model, motion, shape, reference)[:, :, -4:]
+            np.testing.assert_allclose(found, np.swapaxes(whole, 1, 2), atol=1e-11)

@@ -1,0 +1,95 @@
+"""Work shared with copies of this process: the same answers whoever gives them, and nothing stays behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+from ground.engines import forks
+from ground.errors import ExoidError
+
+HERE = os.getpid()
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+
+
+@pytest.fixture(autouse=True)
+def nobody_left(monkeypatch):
+    """Every copy is gone, and waited for, when a test is over."""
+    begun, fork = [], os.fork
+
+    def forked():
+        process = fork()
+        begun.append(process)
+        return process
+
+    monkeypatch.setattr(os, "fork", forked)
+    yield
+    for process in begun:
+        with pytest.raises(ChildProcessError):
+            os.waitpid(process, os.WNOHANG)
+
+
+def answers(work, many, count=40):
+    found = {}
+    forks.share_out(work, range(count)[::-1], found.__setitem__, many)
+    return found
+
+
+@pytest.mark.parametrize("many", [1, 2, 4])
+def test_every_piece_is_answered_once_and_to_the_last_digit(many):
+    assert answers(lambda k: [k / 3.0, "ä\n", None], many) == {k: [k / 3.0, "ä\n", None] for k in range(40)}
+
+
+def test_what_copies_write_into_shared_memory_is_seen_here():
+    table = np.frombuffer(forks.shared(8 * 40, 2), dtype=float)
+    room, go_on = os.pipe()
+
+    def work(k):
+        if os.getpid() == HERE:
+            os.read(room, 1)  # until the copy has done something
+        table[k] = k + 0.5
+        os.write(go_on, b"." * 40)
+        return os.getpid()
+
+    who = answers(work, 2)
+    assert len(set(who.values())) == 2 and HERE in who.values()
+    np.testing.assert_array_equal(table, np.arange(40) + 0.5)
+
+
+@pytest.mark.parametrize("failing", [lambda: 1 / 0, lambda: os.kill(os.getpid(), signal.SIGKILL), lambda: os._exit(3)])
+def test_what_a_copy_does_not_answer_is_done_here(failing):
+    assert answers(lambda k: k if os.getpid() == HERE else failing(), 3) == {k: k for k in range(40)}
+
+
+def test_large_answers_do_not_stop_a_copy():
+    assert answers(lambda k: "x" * 100_000, 2, 12) == dict.fromkeys(range(12), "x" * 100_000)
+
+
+def test_an_error_or_an_interruption_here_ends_the_copies():
+    def interrupted(k, answer):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        forks.share_out(lambda k: k, range(9), interrupted, 2)
+    with pytest.raises(ZeroDivisionError):
+        forks.share_out(lambda k: 1 // 0, range(9), lambda k, answer: None, 2)
+
+
+def test_the_number_of_processes_is_said_once(monkeypatch):
+    monkeypatch.setenv(forks.PROCESSES, "3")
+    assert forks.allowed_processes() in (1, 3)  # 1 where copies are not safe
+    for wrong in ("0", "-1", "two", "²"):
+        monkeypatch.setenv(forks.PROCESSES, wrong)
+        with pytest.raises(ExoidError, match=forks.PROCESSES):
+            forks.allowed_processes()
+    monkeypatch.setenv(forks.PROCESSES, "3")
+    inside = []
+    thread = threading.Thread(target=lambda: inside.append(forks.allowed_processes()))
+    thread.start()
+    thread.join()
+    assert inside == [1]
