@@ -4,6 +4,7 @@ names.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -113,7 +114,7 @@ class Term:
                 max=c.max,
                 latex=_latex(key, self.effect.id, self.joint),
                 term=self.name,
-                typical=c.typical,
+                typical=None if c.typical is None else self._scale(c.unit) * c.typical,
             )
             for key, c in self.effect.coefficients.items()
         )
@@ -146,19 +147,25 @@ class Term:
         """Whether numbers of the catalogue, which are those of a turning joint, have to be those of a sliding one."""
         return not self.effect.custom and self.joint is not None and not self.among[self.first].turns
 
-    def _shape(self, shape: Shape) -> Shape:
-        """Return a shape as it is at the term's joint: with its unit, and its range that of a drum of radius `LEVER`.
+    def _scale(self, unit: str) -> float:
+        """Return the factor on a number with a `unit` of the catalogue at its joint: where that slides, that of a drum
+        of radius `LEVER`.
+        """
+        if not self._slides:
+            return 1.0
+        above, _, below = unit.partition("/")
+        return float(LEVER ** (_power_of_angle(above) - _power_of_angle(below)))
 
-        Places keep their range: they are not sizes, and a stage may be long.
+    def _shape(self, shape: Shape) -> Shape:
+        """Return a shape as it is at the term's joint. Places keep their range: they are not sizes, and a stage may be
+        long.
         """
         if not self._slides:
             return shape
-        turning = "1/rad" if shape.counts_angle else shape.unit
-        above, _, below = turning.partition("/")
-        power = ("rad" in above) - ("rad" in below) if shape.min >= 0.0 else 0
-        scale = LEVER**power
+        unit = "1/rad" if shape.counts_angle else shape.unit
+        scale = self._scale(unit) if shape.min >= 0.0 else 1.0
         usual = None if shape.typical is None else scale * shape.typical
-        return replace(shape, unit=self.unit(turning), min=scale * shape.min, max=scale * shape.max, typical=usual)
+        return replace(shape, unit=self.unit(unit), min=scale * shape.min, max=scale * shape.max, typical=usual)
 
     @property
     def texts(self) -> Iterator[tuple[int, str]]:
@@ -198,6 +205,11 @@ def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...
     if effect.absorbed_on:
         return tuple(name for k, name in enumerate(names) if above[k] is not None)
     return names
+
+
+def _power_of_angle(unit: str) -> int:
+    """Return the power of rad in a product of units: 2 in "N·m·s²·rad²"."""
+    return sum({"²": 2, "³": 3}.get(raised, 1) for raised in re.findall(r"rad([²³]?)", unit))
 
 
 def _latex(key: str, effect: str, joint: str | None) -> str:

@@ -109,11 +109,13 @@ def refitted(
     lag = {name: _lag(loss, least) for name, loss in losses.items()}
     score, found = min(
         ((s, f) for s, f in tried if lag[s.name] < rules.tied),
-        key=lambda p: (p[0].candidate.numbers, p[0].candidate.tangent),
+        key=lambda p: (p[0].candidate.numbers, _shapes(p[0]), p[0].candidate.tangent),
     )
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
     others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
+    # A backlash without a gap is a spring: what is the same with a shape besides says nothing more.
+    others = [s for s in others if not (_same(s, score) and _shapes(s) > _shapes(score))]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)
 
@@ -179,6 +181,11 @@ def _lag(loss: Float, least: Float) -> float:
     difference = loss - least
     spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))
     return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
+
+
+def _shapes(score: Score) -> int:
+    """Return how many shape parameters a candidate has."""
+    return len(score.candidate.term.effect.shape)
 
 
 def _same(one: Score, other: Score) -> bool:

@@ -19,9 +19,10 @@ from diagnosis.separation.distance import Filtered, Rival, Sketch, distance, pla
 from diagnosis.separation.indistinguishable import Same, same_torques
 from diagnosis.separation.result import Separation
 from ground.errors import ExoidError
+from measurement.bench.simulation import bench_machine
 from measurement.recording import Recording
 from measurement.trajectories.extremes import bounds, margin, uses
-from measurement.trajectories.trajectory import Fourier, paper_trajectory, random_trajectory
+from measurement.trajectories.trajectory import Fourier, random_trajectory
 from optimisation.excitation.criteria import Noise
 from optimisation.excitation.design import GRID, shrunk
 from optimisation.excitation.search import Remembering
@@ -32,7 +33,8 @@ from optimisation.linear.problem import Problem
 from optimisation.optimiser import minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.model import Model
+from symbolic.joints import Joint
+from symbolic.model import Model, require_still_base
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
 from symbolic.term import Term
@@ -82,34 +84,34 @@ def separate(
     """
     began = time.perf_counter()
     say = progress or _silent
-    if model.chain:
-        raise SeparateError(
-            "the design of a motion that separates effects serves the leg alone; this machine has "
-            f"{', '.join(model.joint_names)}",
-            where=model.name,
-            remedy="record motion that differs in speed, load and direction; exoid design finds one for the parameters",
-        )
+    require_still_base(model, "the design of a motion")
     base, terms = _without(model, rivals)
-    room = bounds(model.limits, use)
+    room = bounds(model.motion_limits, use)
     space = motion_space(
-        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, offsets=offsets, rest=rest
+        shrunk(room, margin(harmonics, GRID)),
+        period=period,
+        harmonics=harmonics,
+        offsets=offsets,
+        rest=rest,
+        joints=model.joint_names,
     )
-    planned(paper_trajectory(), duration, cutoff or CUTOFF)  # what is too short is told before the search
+    rng = np.random.default_rng([seed, 3])
+    drawn = [random_trajectory(rng, model.motion_limits, period=period) for _ in range(USUAL)]
+    planned(drawn[0], duration, cutoff or CUTOFF, joints=model.joints)  # what is too short is told before the search
     say(0.02, "looking for rivals that are the same")
     same = same_torques(base, terms)
     prepared = prepare(base, recordings, cutoff=cutoff) if recordings else None
     truths, measured = _truths(base, terms, prepared, numbers, say)
-    noise = noise or measured or USUAL_NOISE
+    noise = noise or measured or usual_noise(model)
     pairs = _pairs(truths, same)
     filter_ = prepared.choice.cutoff if prepared else cutoff or CUTOFF
-    measure = _Evaluator(truths, pairs, noise, duration, filter_)
+    measure = _Evaluator(truths, pairs, noise, duration, filter_, model.joints)
     motion: Fourier | None = None
     if pairs:
         found = _search(space, Sketch(truths, pairs, noise, duration, filter_), generations, seed, say)
         say(0.85, "evaluating the motions")
         motion = max(found, key=lambda one: min(measure.motion(one).values()))
-    rng = np.random.default_rng([seed, 3])
-    usual = [measure.motion(random_trajectory(rng, model.limits, period=period)) for _ in range(USUAL if pairs else 0)]
+    usual = [measure.motion(one) for one in drawn] if pairs else []
     return Separation(
         model=base,
         rivals=tuple(truths),
@@ -122,7 +124,7 @@ def separate(
         noise=noise,
         duration=duration,
         cutoff=filter_,
-        uses=uses(motion, model.limits) if motion is not None else (),
+        uses=uses(motion, model.motion_limits) if motion is not None else (),
         seed=seed,
         seconds=time.perf_counter() - began,
     )
@@ -144,17 +146,25 @@ def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ..
         raise SeparateError(
             f"{', '.join(sorted(set(names))) or 'nothing'} is named, but it takes two different effects to compare",
             where="--separate",
-            remedy=f"add a second effect: {_second(names)}",
+            remedy=f"add a second effect: {_second(names, model.joint_names[0])}",
         )
     return base, terms
 
 
-def _second(names: Sequence[str]) -> str:
+def usual_noise(model: Model) -> Noise:
+    """Return the noise that a right model leaves on the virtual bench, where nothing else is known."""
+    if not model.chain:
+        return USUAL_NOISE
+    scale = np.array(bench_machine(model).sensor_scale)
+    return Noise(float(USUAL_NOISE.sd[0]) * scale, np.full(scale.shape, 10.0), USUAL_NOISE.source, model.joints)
+
+
+def _second(names: Sequence[str], usual: str) -> str:
     """Return an example of what to write: the effect that is named, if any, and another one at the same joint."""
-    first = names[0] if names else "stribeck:hip"
+    first = names[0] if names else f"stribeck:{usual}"
     effect, _, joint = first.partition(":")
     other = "stribeck" if effect == "viscous_quadratic" else "viscous_quadratic"
-    return f"{first},{other}:{joint or 'hip'}"
+    return f"{first},{other}:{joint or usual}"
 
 
 def _truths(
@@ -187,7 +197,8 @@ def _truths(
     best = min(fits, key=lambda fit: fit.loss)
     rate = prepared.train[0].kept_rate
     data = best.data
-    return tuple(truths), residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff)
+    noise = residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff, base.joints)
+    return tuple(truths), noise
 
 
 def _has(numbers: Numbers, term: Term) -> bool:
@@ -251,6 +262,7 @@ class _Evaluator:
     noise: Noise
     duration: float
     cutoff: float
+    joints: tuple[Joint, ...]
 
     @property
     def names(self) -> tuple[tuple[str, str], ...]:
@@ -259,7 +271,7 @@ class _Evaluator:
 
     def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
         """Return D of every pair on a motion of `duration` s."""
-        return self.recordings([planned(trajectory, self.duration, self.cutoff)])
+        return self.recordings([planned(trajectory, self.duration, self.cutoff, joints=self.joints)])
 
     def recordings(self, prepared: Sequence[Filtered]) -> dict[tuple[str, str], float]:
         """Return D of every pair on prepared recordings together."""

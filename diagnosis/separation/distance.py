@@ -30,10 +30,10 @@ from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
 from optimisation.linear.uncertainty import block_length, block_outer
-from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, bridged
+from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, bridged, reaches
+from symbolic.joints import LEG, Joint
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
-from symbolic.quantity import JOINTS
 
 RATE = 100.0
 """Hz at which a designed motion is sampled when it is evaluated."""
@@ -130,7 +130,9 @@ class Planned:
         return low_pass(bridged(x, stuck, self.rate), self.cutoff, self.rate)[self.kept]
 
 
-def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE) -> Planned:
+def planned(
+    trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE, joints: Sequence[Joint] = LEG
+) -> Planned:
     """Return a motion as if it had been recorded for `duration` s and prepared with `cutoff` Hz; its torque is zero."""
     t = np.arange(round(duration * rate)) / rate
     motion = trajectory.at(t)
@@ -138,26 +140,33 @@ def planned(trajectory: Fourier, duration: float, cutoff: float, rate: float = R
     kept = np.arange(edge, len(t) - edge, max(1, int(rate // (6.0 * cutoff))))
     if len(kept) < 2:
         raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="take at least 5 s of motion")
-    reach = int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))
-    stuck = np.column_stack([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
-    return Planned("designed", motion, np.zeros((len(kept), 2)), ~stuck[kept], kept, cutoff, rate, stuck)
+    stuck = _stuck(motion, joints, int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))).T
+    return Planned("designed", motion, np.zeros((len(kept), len(joints))), ~stuck[kept], kept, cutoff, rate, stuck)
 
 
-def residual_noise(residual: Float, use: Bool, groups: NDArray[np.int64], rate: float, cutoff: float) -> Noise:
+def _stuck(motion: Motion, joints: Sequence[Joint], near: int) -> Bool:
+    """Return where each joint may stick (J, N), and `near` samples around it."""
+    return np.array([widen(slow, near) for slow in (np.abs(motion.dq) < STICK * reaches(joints)).T])
+
+
+def residual_noise(
+    residual: Float, use: Bool, groups: NDArray[np.int64], rate: float, cutoff: float, joints: Sequence[Joint] = LEG
+) -> Noise:
     """Return the noise that a fit's `residual` (J, N) shows, its autocorrelation counted.
 
     Independent samples per second are those whose mean would scatter as the residual's does (Newey-West over blocks),
     at most 2 × cut-off: a filtered signal has no more.
     """
-    sd, per_second = np.empty(len(JOINTS)), np.empty(len(JOINTS))
-    for j in range(len(JOINTS)):
+    sd, per_second = np.empty(len(joints)), np.empty(len(joints))
+    for j in range(len(joints)):
         live = np.asarray(use[j], dtype=bool)
         score = residual[j][live][:, None]
         own = np.asarray(groups)[live]
         sd[j] = float(np.sqrt(np.mean(score**2)))
         longrun = float(block_outer(score, own, block_length(score, own))[0, 0]) / len(score)
         per_second[j] = rate * float(np.mean(score**2)) / max(longrun, 1e-300)
-    return Noise(sd, np.minimum(per_second, 2.0 * cutoff), "the residual of the recordings, with its autocorrelation")
+    source = "the residual of the recordings, with its autocorrelation"
+    return Noise(sd, np.minimum(per_second, 2.0 * cutoff), source, tuple(joints))
 
 
 def distance(truth: Rival, rival: Model, prepared: Sequence[Filtered], noise: Noise, start: Float) -> float:
@@ -220,7 +229,7 @@ def nodes(model: Model, start: Float, most: int) -> list[Float]:
 def _range(model: Model, place: int) -> tuple[float, float]:
     """Return where on a joint's range a position may be looked for."""
     entry = model.shapes[place]
-    low, high = model.limits["hip" if entry.term.endswith(":hip") else "knee"].angle
+    low, high = model.motion_limits[entry.term.partition(":")[2]].angle
     return max(entry.shape.min, low), min(entry.shape.max, high)
 
 
@@ -238,8 +247,7 @@ class Sketch:
         """Return the smallest D² over the pairs (truth, rival), in `duration` s."""
         step = trajectory.period / SKETCH_SAMPLES
         motion = trajectory.at(np.arange(SKETCH_SAMPLES) * step)
-        reach = int(np.ceil(STICK_REACH / (self.cutoff * step)))
-        stuck = np.array([widen(np.abs(motion.dq[:, j]) < STICK, reach) for j in range(len(JOINTS))])
+        stuck = _stuck(motion, self.truths[0].model.joints, int(np.ceil(STICK_REACH / (self.cutoff * step))))
         weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck
         # What a Butterworth filter run forwards and backwards leaves of a periodic signal, frequency by frequency.
         gain = 1.0 / (1.0 + (np.fft.rfftfreq(SKETCH_SAMPLES, step) / self.cutoff) ** (2 * ORDER))

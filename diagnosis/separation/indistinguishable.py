@@ -1,8 +1,8 @@
 """Rivals whose torques are the same at every state: why no motion can distinguish them, and which change of set-up can.
 
-A changed set-up is a second experiment with the same unknowns and something known added: a mass on the shank changes
-the inertias by a known amount, a tilted stand turns gravity by a known angle. Whether the rivals still coincide is
-computed: the derivatives of the torque by all numbers, at random states of both set-ups together, are laid side by
+A changed set-up is a second experiment with the same unknowns and something known added: a mass on the last link
+changes the inertias by a known amount, a tilted stand turns gravity by a known angle. Whether the rivals still coincide
+is computed: the derivatives of the torque by all numbers, at random states of both set-ups together, are laid side by
 side as in symbolic/identifiability.py.
 """
 
@@ -16,12 +16,13 @@ import numpy as np
 from ground.errors import ExoidError
 from ground.plain import AsJson
 from symbolic.identifiability import Tangents, structural_look_alikes, tangents
+from symbolic.mechanics.payload import Payload
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.term import Term
 
 MASS, REACH = 2.0, 0.30
-"""kg and m below the knee of the known load that is tried."""
+"""kg and m down the last link of the known load that is tried."""
 LEAN = 0.15
 """rad by which the stand is tilted."""
 SAME = 1e-7
@@ -77,8 +78,9 @@ def same_torques(base: Model, rivals: Sequence[Term]) -> tuple[Same, ...]:
 def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
     """Return what else distinguishes two rivals (or one from the model): computed, then the catalogue's."""
     out = []
+    last = "shank" if not base.chain else base.joint_names[-1]
     for text, load, lean in (
-        (f"hang a known mass on the shank (computed for {MASS:g} kg), record again, name it (--payload)", True, False),
+        (f"hang a known mass on the {last} (computed for {MASS:g} kg), record again, name it (--payload)", True, False),
         (f"tilt the stand by a known angle (computed for {LEAN:g} rad) and record again", False, True),
     ):
         apart = _apart(base, one, other, load, lean)
@@ -125,14 +127,14 @@ def _setting(whole: Tangents, model: Model, load: bool, lean: bool) -> Float:
     function, inputs = whole.function, list(whole.inputs)
     linear, shape = np.array(inputs[-2]), np.array(inputs[-1])
     if load:
-        a = model.thigh_length
-        linear[:4] += np.array([MASS * (a**2 + REACH**2), MASS * REACH**2, MASS * a * REACH, 0.0])
+        added = Payload(MASS, REACH).added(model)
+        linear[: len(added)] += added
     for k, entry in enumerate(model.shapes):
         if entry.term == "gravity_tilt":
             shape[k] = LEAN if lean else 0.0
     values = np.asarray(function(*inputs[:-2], linear, shape))
     count = len(whole.names)
-    return np.moveaxis(values.reshape(count, 2, -1), 0, 2).reshape(-1, count)
+    return np.moveaxis(values.reshape(count, len(model.joints), -1), 0, 2).reshape(-1, count)
 
 
 def _inside(known: Float, columns: Float) -> bool:

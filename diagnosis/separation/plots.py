@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.figures import FAINT, JOINT_COLOURS, OKABE_ITO, figure_style, label, new_figure
+from ground.figures import FAINT, OKABE_ITO, figure_style, joint_colours, label, new_figure
+from symbolic.joints import LEG, Joint, names, units
 from symbolic.motion import Motion
-from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,23 +25,25 @@ def separation_figure(
     title: str,
     motion: Motion | None,
     limits: Sequence[tuple[float, float]],
+    joints: Sequence[Joint] = LEG,
 ) -> Figure:
     """Draw bars of the distances beside the angles of the motion that was designed, if there is one.
 
     `distances` are (kind of motion, one distance in σ per pair), `enough` the σ that distinguish a pair, `limits` the
-    lowest and highest angle of each joint in rad.
+    lowest and highest angle of each of the `joints` in rad, or m where it slides.
     """
     with figure_style():
         figure = new_figure(11.0, 4.2)
         bars, angles = figure.subplots(1, 2)
         _bars(pairs, distances, enough, title, bars)
         if motion is not None:
-            for j, joint in enumerate(JOINTS):
-                angles.plot(motion.t, motion.q[:, j], color=JOINT_COLOURS[joint], label=joint)
+            for j, (name, colour) in enumerate(joint_colours(names(joints)).items()):
+                angles.plot(motion.t, motion.q[:, j], color=colour, label=name)
                 for level in limits[j]:
-                    angles.axhline(level, color=JOINT_COLOURS[joint], linestyle=":", linewidth=0.9)
+                    angles.axhline(level, color=colour, linestyle=":", linewidth=0.9)
             angles.legend(loc="upper right")
-        angles.set(title="the motion, limits dotted", xlabel=label("time", "s"), ylabel=label("angle", "rad"))
+        unit = units(joints, "q")
+        angles.set(title="the motion, limits dotted", xlabel=label("time", "s"), ylabel=label("angle", unit))
         angles.margins(x=0.0, y=0.2)
     return figure
 

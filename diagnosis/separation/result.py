@@ -115,29 +115,31 @@ class Separation:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""
-        return plain_dict({
-            "separable": self.separable,
-            "smallest": self.smallest,
-            "sentence": self.sentence,
-            "rivals": [{"name": r.name, "numbers": r.own, "source": r.source} for r in self.rivals],
-            "apart": _rows(self.apart),
-            "present": None if self.present is None else _rows(self.present),
-            "present_seconds": self.present_seconds,
-            "at_random": _rows(self.usual),
-            "never": self.same,
-            "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
-            "limits": self.uses,
-            "noise": {
-                "sd": self.noise.sd,
-                "independent_per_second": self.noise.per_second,
-                "source": self.noise.source,
-            },
-            "duration": self.duration,
-            "needed": self.needed,
-            "cutoff": self.cutoff,
-            "seed": self.seed,
-            "seconds": self.seconds,
-        })
+        return plain_dict(
+            {
+                "separable": self.separable,
+                "smallest": self.smallest,
+                "sentence": self.sentence,
+                "rivals": [{"name": r.name, "numbers": r.own, "source": r.source} for r in self.rivals],
+                "apart": _rows(self.apart),
+                "present": None if self.present is None else _rows(self.present),
+                "present_seconds": self.present_seconds,
+                "at_random": _rows(self.usual),
+                "never": self.same,
+                "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
+                "limits": self.uses,
+                "noise": {
+                    "sd": self.noise.sd,
+                    "independent_per_second": self.noise.per_second,
+                    "source": self.noise.source,
+                },
+                "duration": self.duration,
+                "needed": self.needed,
+                "cutoff": self.cutoff,
+                "seed": self.seed,
+                "seconds": self.seconds,
+            }
+        )
 
     def plot(self) -> Figure:
         """Draw the distances, and the motion."""
@@ -152,6 +154,7 @@ class Separation:
             f"apart after {self.duration:g} s",
             None if path is None else path.at(np.linspace(0.0, path.period, 400)),
             [limit.angle for limit in self.model.motion_limits.values()],
+            self.model.joints,
         )
 
 

@@ -37,8 +37,9 @@ from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, random_leg
 from measurement.bench.machine import Machine, random_machine
 from measurement.bench.simulation import BenchError, BenchRun, simulate_runs
-from measurement.signals.conditioning import low_pass
+from measurement.signals.conditioning import low_pass, widen
 from measurement.trajectories.trajectory import random_trajectory
+from optimisation.preparation.filtering import STICK, reaches
 from symbolic.catalogue import catalogue
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.model import Model
@@ -65,8 +66,9 @@ MACHINES_PER_SEED = 4
 """Effects per seed and kind of `machines.py`."""
 CHAINS_PER_SEED = 4
 """Effects per seed and kind of `chains.py`; beside them, one machine with nothing hidden."""
-LEAST_NEW = 0.03
-"""Part of an effect that the base model of a machine cannot imitate, below which hiding it makes no sense."""
+SENSIBLE = 10.0
+"""Times its typical size that an effect in another machine than the leg is at most: what would have to be larger to be
+seen is not hidden there."""
 SHOWN_SUSPECTS = 6
 
 
@@ -158,9 +160,8 @@ def _chain_variants(kind: str, rng: np.random.Generator) -> list[str]:
     names: list[str] = []
     for name in rng.permutation(singles(model)):
         hidden = _drawn(str(name), model, machine, usual)
-        plain, full = (true_model(model, machine.base, some) for some in ((), (hidden,)))
-        size = [float(np.sqrt(np.mean((full.torque(m) - plain.torque(m)) ** 2))) for m in motions(model)]
-        if visible(hidden, model, machine) > max(LEAST_NEW * max(size), 1e-6):
+        small = _scaled(hidden, min(VISIBLE[0] / visible(hidden, model, machine), _largest(hidden, model)))
+        if visible(_possible(small, model, machine), model, machine) > 0.9 * VISIBLE[0]:
             names.append(str(name))
         if len(names) == CHAINS_PER_SEED:
             break
@@ -204,10 +205,20 @@ def hide(case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator)
     for name in case.variants if case.kind != CONVENTION else ():
         hidden = _drawn(name, model, leg, rng)
         wanted = math.exp(float(rng.uniform(*np.log(VISIBLE))))
-        most = MOST_SHARE / relative_size(hidden, leg, model)
+        most = min(MOST_SHARE / relative_size(hidden, leg, model), _largest(hidden, model))
         hidden = _scaled(hidden, min(wanted / visible(hidden, model, leg), most))
         out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), model, leg))
     return tuple(out)
+
+
+def _largest(hidden: Hidden, model: Model) -> float:
+    """Return by what an effect may be multiplied to be `SENSIBLE` times its typical size; infinite in a leg."""
+    assert isinstance(hidden.effect, Effect)
+    if not model.chain:
+        return math.inf
+    sizes = {p.name.rpartition(".")[2]: p.typical for p in Term(hidden.effect, hidden.joint, model.joints).parameters}
+    most = [SENSIBLE * size / max(abs(hidden.values[key]), 1e-12) for key, size in sizes.items() if size]
+    return min(most, default=math.inf)
 
 
 def _drawn(name: str, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> Hidden:
@@ -234,6 +245,10 @@ def visible(hidden: Hidden, model: Model, leg: Leg | Machine) -> float:
     columns = [low_pass(np.moveaxis(model.columns(m), 1, 0), BAND, RATE) for m in motions(model)]
     added = [low_pass(full.torque(m) - plain.torque(m), BAND, RATE) for m in motions(model)]
     x, y = np.concatenate(columns).reshape(-1, model.base_count), np.concatenate(added).ravel()
+    if model.chain:  # where a joint may stick nothing is fitted; sizes in legs stay as they were always drawn
+        slow = np.concatenate([np.abs(m.dq) < STICK * reaches(model.joints) for m in motions(model)])
+        moving = ~np.column_stack([widen(joint, int(RATE / BAND)) for joint in slow.T]).ravel()
+        x, y = x * moving[:, None], y * moving
     left = (y - x @ np.linalg.lstsq(x, y, rcond=None)[0]).reshape(-1, len(model.joints)) / leg.sensor_scale
     return float(np.sqrt(np.mean(left**2, axis=0)).max()) + 1e-12
 

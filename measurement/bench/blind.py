@@ -108,8 +108,9 @@ def write_runs(folder: str | Path, runs: Iterable[BenchRun]) -> tuple[tuple[Path
 def _values(rng: np.random.Generator, term: Term) -> dict[str, float]:
     """Draw coefficients about their typical size, with either sign where both are possible, and shapes."""
     values: dict[str, float] = {}
-    for key, coefficient in term.effect.coefficients.items():
-        usual = 1.0 if coefficient.typical is None else coefficient.typical
+    sizes = (parameter.typical for parameter in term.parameters)
+    for (key, coefficient), typical in zip(term.effect.coefficients.items(), sizes, strict=True):
+        usual = 1.0 if typical is None else typical
         signed = (coefficient.min is None or coefficient.min < 0.0) and rng.random() < 0.5
         values[key] = (-1.0 if signed else 1.0) * float(rng.uniform(0.6, 1.4)) * usual + 0.0
     return values | {key: _shape(rng, shape) for key, shape in term.placed_shape.items()}

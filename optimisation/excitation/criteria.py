@@ -20,8 +20,8 @@ import numpy as np
 
 from measurement.bench.sensors import Sensors
 from measurement.trajectories.trajectory import TrajectoryError
+from symbolic.joints import LEG, Joint, units
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
 TINY = 1e-300
 
@@ -40,13 +40,14 @@ class Noise:
     sd: Float
     per_second: Float
     source: str
-    joints: tuple[str, ...] = JOINTS
+    joints: tuple[Joint, ...] = LEG
 
     @classmethod
     def white(
-        cls, sd: Sequence[float] | float | None = None, rate: float = 100.0, joints: Sequence[str] = JOINTS
+        cls, sd: Sequence[float] | float | None = None, rate: float = 100.0, joints: Sequence[Joint] = LEG
     ) -> Noise:
-        """Return white noise on samples of `joints` at `rate` Hz; default the virtual bench's torque sensors, 0.5 N·m.
+        """Return white noise on samples of `joints` at `rate` Hz; default the virtual bench's torque sensors, 0.5 N·m
+        (0.5 N where a joint slides).
 
         `sd` is one standard deviation for all joints or one each.
         """
@@ -58,8 +59,8 @@ class Noise:
             )
         if not (np.all((given >= LEAST_NOISE) & (given <= MOST_NOISE)) and 1e-3 <= rate <= 1e7):
             raise TrajectoryError(
-                f"noise of {', '.join(f'{x:g}' for x in given)} N·m at {rate:g} Hz",
-                remedy=f"give {LEAST_NOISE:g} to {MOST_NOISE:g} N·m, and a rate of 0.001 to 1e7 Hz",
+                f"noise of {', '.join(f'{x:g}' for x in given)} {units(joints, 'tau')} at {rate:g} Hz",
+                remedy=f"give {LEAST_NOISE:g} to {MOST_NOISE:g} {units(joints, 'tau')}, and a rate of 0.001 to 1e7 Hz",
             )
         if sd is None:
             sd, source = Sensors().torque_noise, "the torque sensors of the virtual bench"
@@ -73,7 +74,7 @@ class Noise:
 
     def __str__(self) -> str:
         parts = ", ".join(
-            f"{joint} {sd:.3g} N·m on {count:.3g} independent samples/s"
+            f"{joint.name} {sd:.3g} {joint.unit('tau')} on {count:.3g} independent samples/s"
             for joint, sd, count in zip(self.joints, self.sd, self.per_second, strict=True)
         )
         return f"{parts} ({self.source})"

@@ -84,7 +84,7 @@ def design(
         offsets="middle" if offsets == "paper" and model.chain else offsets,
     )  # fmt: skip
     at = nominal(model, numbers)
-    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joint_names), duration)
+    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joints), duration)
     info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
     search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
     found = search.run()
@@ -115,7 +115,7 @@ def evaluate(
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
     at = nominal(model, numbers)
-    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joint_names), duration)
+    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joints), duration)
     room = bounds(model.motion_limits, use)
     info = information(
         model, at.linear, at.shape, room,

@@ -173,3 +173,10 @@ def test_a_recording_without_a_usable_sample_says_nothing_and_stops_nothing():
     context = replace(context, prepared=replace(context.prepared, train=(unusable, *others)))
     _, scores = context.rank(state_with(context).last, 1)
     assert scores[0].name == "torque_offset:knee" and scores[0].share > 0.1
+
+
+def test_a_spring_stands_for_the_backlash_without_a_gap_that_is_the_same():
+    context = search({"joint_spring:knee": ([3.0, 0.2], [])}, ["joint_spring:knee", "backlash:knee"])
+    found = forward(context, state_with(context))
+    assert found.names == ("joint_spring:knee",)
+    assert found.last.alike == found.last.never == ()

@@ -8,6 +8,7 @@ import pytest
 from diagnosis.separation.design import SeparateError, separate
 from diagnosis.separation.distance import Rival, distance, planned, residual_noise
 from diagnosis.separation.indistinguishable import same_torques
+from ground.errors import EffectError
 from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import simulate
 from measurement.trajectories.trajectory import random_trajectory
@@ -15,6 +16,7 @@ from optimisation.excitation.criteria import Noise
 from optimisation.fitting.identify import identify
 from optimisation.fitting.nominal import nominal
 from optimisation.preparation.prepare import prepare
+from symbolic.joints import Joint
 from symbolic.model import Model
 
 LEG = Model.standard()
@@ -98,6 +100,34 @@ def test_autocorrelated_noise_counts_for_fewer_samples():
 def test_fewer_than_two_rivals_are_refused(rivals):
     with pytest.raises(SeparateError, match="two different effects"):
         separate(LEG, rivals)
+
+
+@pytest.mark.parametrize(
+    "joint, rivals",
+    [
+        (Joint("axis"), ["viscous_quadratic:axis", "end_stop:axis"]),
+        (Joint("axis", "prismatic"), ["torque_offset:axis", "viscous_asymmetry:axis"]),
+    ],
+)
+def test_a_motion_for_rivals_in_other_machines(joint, rivals):
+    model = Model("bench", chain=(joint,))
+    found = separate(model, rivals, generations=1)
+    assert found.separable and all(use.holds for use in found.uses)
+    assert f" {joint.unit('tau')} on" in repr(found)
+    assert found.plot().axes[1].get_ylabel().endswith(f"[{joint.unit('q')}]")
+
+
+def test_what_else_distinguishes_look_alikes_of_a_chain():
+    model = Model("bench", chain=(Joint("axis"),))
+    terms = [model.with_effect(name).terms[-1] for name in ("com_offset:axis", "gravity_tilt")]
+    (one,) = same_torques(model, terms)
+    assert one.mutual and one.ways[0].startswith("hang a known mass on the axis")
+
+
+def test_a_machine_on_a_moving_base_is_refused():
+    model = Model("bench", chain=(Joint("axis"),), moving_base=True)
+    with pytest.raises(EffectError, match="takes the base to stand still"):
+        separate(model, ["stribeck:axis", "viscous_cubic:axis"])
 
 
 def lead(recording, true, rival):

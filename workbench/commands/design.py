@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
         "--noise", metavar="NM", type=_noise,
-        help="standard deviation of a torque sample in N·m, one or hip,knee (0.5: the virtual bench's sensors)",
+        help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
     noise.add_argument(
         "--duration", metavar="S", type=between(0.1, 1e7, "s"), default=30.0, help="length of the recording in s (30)"
@@ -140,7 +140,7 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     from optimisation.excitation.criteria import Noise
     from optimisation.excitation.design import design, evaluate
 
-    noise = Noise.white(args.noise, args.rate, model.joint_names)
+    noise = Noise.white(args.noise, args.rate, model.joints)
     common = {
         "criterion": args.criterion, "noise": noise, "numbers": numbers, "duration": args.duration, "use": args.use,
     }  # fmt: skip
@@ -247,7 +247,7 @@ def _separate(args: argparse.Namespace) -> int:
     from optimisation.excitation.criteria import Noise
     from workbench.command_line.inputs import load, load_model
 
-    joints = load_model(args.model).joint_names
+    joints = load_model(args.model).joints
     white = Noise.white(args.noise, args.rate, joints) if args.noise else None
     toml = [name for name in args.inputs if name.lower().endswith(".toml")]
     if toml:
@@ -270,7 +270,7 @@ def _separate(args: argparse.Namespace) -> int:
         from measurement.trajectories.trajectory_file import sample_table
 
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
-    alt = "How far apart the rivals will be on this motion, at random and at present; the angles of both joints."
+    alt = "How far apart the rivals will be on this motion, at random and at present; the angles of all joints."
     payload = {"schema": "exoid.separation/1", **found.to_json()}
     deliver_results(
         args, screen, payload, lambda: _material(args, "A motion that distinguishes rivals", found.sentence, found, alt)
