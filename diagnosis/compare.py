@@ -18,6 +18,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders, variables
 from diagnosis.plots import against, over_time
 from diagnosis.where import Where, samples_of, where_it_sits
+from ground.frames import pandas
 from ground.html import table
 from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
@@ -94,9 +95,7 @@ class Comparison:
 
     def to_frame(self) -> pd.DataFrame:
         """Return where the error is, one row each."""
-        import pandas as pd
-
-        return pd.DataFrame([w.to_json() for w in self.where], columns=["joint", "variable", "share", "sentence"])
+        return pandas().DataFrame([w.to_json() for w in self.where], columns=["joint", "variable", "share", "sentence"])
 
     def plot(self) -> Figure:
         """Draw measured and modelled torque over time, with what is left."""

@@ -11,6 +11,7 @@ import numpy as np
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
+from ground.frames import pandas
 from ground.html import bullets, lines
 from ground.plain import AsJson
 from measurement.recording import Recording
@@ -49,10 +50,8 @@ class Waterfall(AsJson):
 
     def to_frame(self) -> Any:
         """Return one row per step."""
-        import pandas as pd
-
         rows = [s.to_json() for s in self.steps]
-        return pd.DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
+        return pandas().DataFrame(rows, columns=["model", "train_rms", "verify_rms"])
 
     @property
     def joints(self) -> tuple[str, ...]:

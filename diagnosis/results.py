@@ -14,6 +14,7 @@ from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
+from ground.frames import pandas
 from ground.html import lines, table
 from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
@@ -235,10 +236,8 @@ class Diagnosis:
 
     def to_frame(self) -> pd.DataFrame:
         """Return the suspects, one row each, best first."""
-        import pandas as pd
-
         rows = [(s.name, s.explained_share, s.p_value, ", ".join(s.look_alikes), s.caution) for s in self.suspects]
-        return pd.DataFrame(rows, columns=["effect", "explained_share", "p_value", "look_alikes", "caution"])
+        return pandas().DataFrame(rows, columns=["effect", "explained_share", "p_value", "look_alikes", "caution"])
 
     def plot(self) -> Figure:
         """Draw the falling error."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ground.errors import RecordingError
 from ground.files import write_whole
+from ground.frames import pandas
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
 from measurement.plots import angles_and_torques
@@ -160,9 +161,7 @@ class Recording:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame of the canonical columns; invalid rows are NaN except for their time."""
-        import pandas as pd
-
-        return pd.DataFrame(self.columns())
+        return pandas().DataFrame(self.columns())
 
     def to_polars(self) -> Any:
         """Return a polars DataFrame of the canonical columns, as `to_frame`."""

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ground.frames import pandas
 from ground.html import table
 from ground.plain import AsJson
 from optimisation.fitting.plots import run_figure
@@ -112,9 +113,7 @@ class OptimiserRun(AsJson):
 
     def to_frame(self) -> pd.DataFrame:
         """Return the best fitness after so many evaluations, one row per generation."""
-        import pandas as pd
-
-        return pd.DataFrame({"evaluations": self.counts.astype(int), "loss": self.history})
+        return pandas().DataFrame({"evaluations": self.counts.astype(int), "loss": self.history})
 
     def plot(self, optimum: float | None = None) -> Figure:
         """Draw the best fitness against evaluations; above `optimum` where one is known."""

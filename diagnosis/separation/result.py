@@ -13,6 +13,7 @@ import numpy as np
 from diagnosis.separation.distance import Rival
 from diagnosis.separation.indistinguishable import Same
 from diagnosis.separation.plots import separation_figure
+from ground.frames import pandas
 from ground.plain import plain_dict
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
@@ -105,13 +106,11 @@ class Separation:
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per (truth, rival): σ apart by design, at random, in the present recordings."""
-        import pandas as pd
-
         rows = [
             (a, b, far, self.usual[a, b], None if self.present is None else self.present[a, b])
             for (a, b), far in self.apart.items()
         ]
-        return pd.DataFrame(rows, columns=["truth", "rival", "designed", "at_random", "present"])
+        return pandas().DataFrame(rows, columns=["truth", "rival", "designed", "at_random", "present"])
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.watching.plots import errors_figure
+from ground.frames import pandas
 from ground.html import bullets, lines, table
 from ground.plain import plain_dict
 from symbolic.motion import Float
@@ -156,8 +157,6 @@ class Differences:
 
     def to_frame(self) -> Any:
         """Return one row per number that differs."""
-        import pandas as pd
-
         rows = [
             {
                 "name": d.name, "kind": d.kind, "number": b.name, "unit": b.unit,
@@ -167,7 +166,7 @@ class Differences:
             for d in self.found
             for a, b in zip(d.before, d.after, strict=True)
         ]  # fmt: skip
-        return pd.DataFrame(rows)
+        return pandas().DataFrame(rows)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.figures import figure_style, new_figure
+from ground.frames import pandas
 from ground.html import lines, table
 from ground.plain import plain_dict
 from measurement.bench.hidden import Hidden, TrueModel, true_model
@@ -80,9 +81,7 @@ class Tracking:
 
     def to_frame(self) -> Any:
         """Return one row per feed-forward and joint."""
-        import pandas as pd
-
-        return pd.DataFrame(self._rows(), columns=list(_HEAD))
+        return pandas().DataFrame(self._rows(), columns=list(_HEAD))
 
     def to_json(self) -> dict[str, Any]:
         """Return everything but the courses in plain types."""

@@ -1,6 +1,6 @@
 """Tables that are in memory already: pandas, polars, PyArrow, NumPy structured arrays, xarray, mappings of arrays.
 
-None of these libraries is imported for it; an object is known by what it can do.
+None of these libraries is needed for it: an object is known by what it can do, and who has a DataFrame has pandas.
 """
 
 from __future__ import annotations
@@ -47,28 +47,36 @@ def _from_pandas(frame: Any) -> RawTable:
     import pandas as pd
 
     columns = []
-    if isinstance(frame.index, (pd.DatetimeIndex, pd.TimedeltaIndex)):
-        columns.append((str(frame.index.name or "time"), pd.Series(frame.index), ""))
-    elif not isinstance(frame.index, pd.RangeIndex):
-        numeric = pd.api.types.is_float_dtype(frame.index)
-        if frame.index.name is not None or numeric:
-            columns.append((str(frame.index.name or "time"), pd.Series(frame.index.to_numpy()), ""))
+    index = frame.index.to_series()
+    if not isinstance(frame.index, pd.RangeIndex) and (
+        frame.index.name is not None or pd.api.types.is_float_dtype(index) or index.dtype.kind in "mM"
+    ):
+        columns.append((str(frame.index.name or "time"), _array(index), ""))
     for i, name in enumerate(frame.columns):
         text = ".".join(str(part) for part in name if str(part)) if isinstance(name, tuple) else str(name)
         units = frame.attrs.get("units", {})
         unit = units.get(name, "") if isinstance(units, Mapping) else ""
-        columns.append((text, frame.iloc[:, i].reset_index(drop=True), str(unit)))
+        columns.append((text, _array(frame.iloc[:, i]), str(unit)))
     return _table(columns)
 
 
-def _cells(series: Any) -> Any:
-    """Return a polars or PyArrow column as a pandas Series or an array."""
-    import pandas as pd
+def _array(series: Any) -> np.ndarray:
+    """Return the cells of a Series: numbers as such, dates and durations in ns, anything else as it is or None."""
+    from pandas.api import types
 
+    if types.is_numeric_dtype(series) and not types.is_bool_dtype(series) and not types.is_complex_dtype(series):
+        return np.asarray(series.to_numpy(dtype=float, na_value=np.nan))
+    if series.dtype.kind in "mM":
+        return np.asarray(series.to_numpy(dtype=f"{series.dtype.kind}8[ns]"))
+    return np.asarray(series.astype(object).where(series.notna(), None).to_numpy())
+
+
+def _cells(series: Any) -> Any:
+    """Return a polars or PyArrow column as an array or a list."""
     try:
-        return pd.Series(series.to_numpy())
+        return series.to_numpy()
     except (TypeError, ValueError, RuntimeError):
-        return pd.Series(series.to_list() if hasattr(series, "to_list") else series.to_pylist())
+        return series.to_list() if hasattr(series, "to_list") else series.to_pylist()
 
 
 def _from_xarray(source: Any) -> RawTable:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -55,37 +56,57 @@ def column_from_cells(name: str, cells: Any, unit: str = "") -> RawColumn:
 
     A column of dates, clock times or durations becomes seconds since its first stamp.
     """
-    if isinstance(cells, np.ndarray) and cells.dtype == np.float64:
-        return RawColumn(name, cells, unit)
-    import pandas as pd
-
-    if not isinstance(cells, pd.Series):
-        plain = np.asarray(cells)
-        native = plain.dtype.newbyteorder("=")  # big-endian files would upset pandas
-        cells = pd.Series(plain.astype(native) if plain.dtype.kind in "iuf" else list(plain))
-    types = pd.api.types
-    if types.is_numeric_dtype(cells) and not types.is_bool_dtype(cells) and not types.is_complex_dtype(cells):
-        return RawColumn(name, cells.to_numpy(dtype=float, na_value=np.nan), unit)
-    if types.is_datetime64_any_dtype(cells) or types.is_timedelta64_dtype(cells):
+    if not isinstance(cells, np.ndarray):
+        cells = np.fromiter(cells, dtype=object, count=len(cells))
+    if cells.dtype.kind in "iuf":
+        return RawColumn(name, np.asarray(cells, dtype=float), unit)
+    if cells.dtype.kind in "mM":
+        return RawColumn(name, since_first(cells), "s")
+    there = [cell for cell in cells if cell is not None and cell == cell]
+    if there and all(isinstance(cell, NUMERIC) and not isinstance(cell, bool) for cell in there):
+        return RawColumn(name, np.array([np.nan if cell is None else cell for cell in cells], dtype=float), unit)
+    if there and all(isinstance(cell, (datetime, timedelta, np.datetime64, np.timedelta64)) for cell in there):
         return RawColumn(name, since_first(cells), "s")
     texts = ["" if cell is None or cell != cell else str(cell).strip() for cell in cells]
+    values = _all_numbers(texts)
+    if values is not None:
+        return RawColumn(name, values, unit)
     stamps = seconds(texts)
     if stamps is not None:
         return RawColumn(name, stamps, "s")
     values = np.array([_number(text) for text in texts], dtype=float)
-    missing = ("", "nan", "na", "n/a", "null", "none", "nat")
-    wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in missing]
+    wrong = [i for i in np.flatnonzero(np.isnan(values)).tolist() if texts[i].lower() not in MISSING]
     return RawColumn(name, values, unit, {i: texts[i][:40] for i in wrong[:20]}, len(wrong))
+
+
+NUMERIC = (int, float, np.integer, np.floating)
+MISSING = frozenset(
+    ("", "nan", "-nan", "na", "<na>", "n/a", "#n/a", "#na", "null", "none", "nat", "1.#ind", "-1.#ind", "1.#qnan")
+)
+"""What programs write where there is no number."""
+
+
+def _all_numbers(texts: Sequence[str]) -> Float | None:
+    """Return the numbers (N,) of cells that are all plain numbers or empty, read at once; None for any others."""
+    together = "".join(texts)
+    if not together.isascii() or "_" in together or max(map(len, texts), default=0) > LONGEST:
+        return None  # Python takes for numbers what no instrument writes
+    try:
+        return np.array([text or "nan" for text in texts], dtype=object).astype(float)
+    except ValueError:
+        return None
 
 
 GROUPS = re.compile(r"([+-]?[1-9]\d{0,2})((?:,\d{3})+(?=[.])|(?:[ '’\u00a0\u2009\u202f]\d{3})+)([.]\d*)?", re.ASCII)
 """A number with thousands separators. Commas need a decimal point behind them: "1,234" alone may be a decimal comma."""
+LONGEST = 60
+"""Characters of a number at most."""
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?inf(inity)?", re.ASCII | re.IGNORECASE)
 
 
 def _number(text: str) -> float:
     """Return the number written in `text`, NaN unless it is a plain ASCII decimal number ("1_000" is not)."""
-    if len(text) > 60:
+    if len(text) > LONGEST:
         return float("nan")
     text = ungrouped(text)
     if not NUMBER.fullmatch(text):

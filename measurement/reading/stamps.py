@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,11 @@ import numpy as np
 from symbolic.motion import Float
 
 DAY = 86400.0
-ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d", re.ASCII)
+ISO = re.compile(
+    r"(?P<day>\d{4}-\d\d-\d\d)[T ](?P<clock>\d\d:\d\d(?::\d\d)?)(?:[.,](?P<part>\d{1,12}))?"
+    r"\s*(?P<zone>Z|[+-]\d\d(?::?\d\d)?)?$",
+    re.ASCII,
+)
 CLOCK = re.compile(
     r"(?:(?P<date>\d{1,4}[./-]\d{1,2}[./-]\d{1,4})[ T,]+)?(?P<h>\d{1,2}):(?P<m>\d\d):(?P<s>\d\d(?:[.,:]\d{1,9})?)"
     r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?",
@@ -29,10 +34,7 @@ def seconds(texts: Sequence[str]) -> Float | None:
     """Return seconds (N,) since the first stamp, NaN where a text is none; None when they are no stamps at all."""
     first = next((text for text in texts if text), "")
     if ISO.match(first):
-        import pandas as pd
-
-        stamps = pd.to_datetime(pd.Series(list(texts)), errors="coerce", format="ISO8601", utc=True)
-        return since_first(stamps)
+        return since_first(np.array([_iso(text) for text in texts], dtype="datetime64[ns]"))
     pattern = CLOCK if CLOCK.fullmatch(first) else SHORT_CLOCK if SHORT_CLOCK.fullmatch(first) else None
     if pattern is None:
         return None
@@ -45,10 +47,26 @@ def seconds(texts: Sequence[str]) -> Float | None:
     return _past_midnight(out, DAY if pattern is CLOCK else 3600.0) - first_of(out)
 
 
-def since_first(series: Any) -> Float:
-    """Return seconds since the first stamp for a datetime or duration column (N,)."""
-    first = series.dropna().iloc[0] if series.notna().any() else series.iloc[0]
-    return np.asarray((series - first).dt.total_seconds(), dtype=float)
+def since_first(stamps: Any) -> Float:
+    """Return seconds since the first stamp of an array (N,) of dates or durations, NaN where there is none."""
+    if stamps.dtype.kind == "O":
+        first = next(one for one in stamps if one is not None and one == one)
+        stamps = np.array([None if one is None or one != one else one - first for one in stamps], "timedelta64[ns]")
+    there = stamps[~np.isnat(stamps)]
+    return np.asarray((stamps - (there if there.size else stamps)[:1]) / np.timedelta64(1, "s"), dtype=float)
+
+
+def _iso(text: str) -> np.datetime64:
+    """Return the instant, in UTC, of a date and time as ISO 8601 writes it; NaT for any other text."""
+    found = ISO.match(text)
+    if not found:
+        return np.datetime64("NaT", "ns")
+    try:
+        moment = datetime.fromisoformat(f"{found['day']}T{found['clock']}{found['zone'] or ''}")
+    except ValueError:
+        return np.datetime64("NaT", "ns")
+    moment = moment.astimezone(UTC).replace(tzinfo=None) if found["zone"] else moment
+    return np.datetime64(moment, "ns") + np.timedelta64(int((found["part"] or "0").ljust(9, "0")[:9]), "ns")
 
 
 def _clock(found: dict[str, str | None], days: dict[str | None, int]) -> float:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.frames import pandas
 from ground.html import lines, table
 from ground.plain import plain_dict
 from optimisation.contest.ioh_log import write_logs
@@ -123,21 +124,18 @@ class Rivals:
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per optimiser and target: ERT with interval, hits, runs, success rate."""
-        import pandas as pd
-
         rows = [
             (name, r.target, r.ert, r.low, r.high, r.hits, r.runs, r.success)
             for name, all_ in self.runtimes.items()
             for r in all_
         ]
-        return pd.DataFrame(rows, columns=["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"])
+        columns = ["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"]
+        return pandas().DataFrame(rows, columns=columns)
 
     def runs_frame(self) -> pd.DataFrame:
         """Return one row per run: optimiser, seed, gap at the end, evaluations, seconds."""
-        import pandas as pd
-
         rows = [(n, r.seed, r.gap, r.evaluations, r.seconds) for n, runs in self.outcomes.items() for r in runs]
-        return pd.DataFrame(rows, columns=["optimiser", "seed", "gap", "evaluations", "seconds"])
+        return pandas().DataFrame(rows, columns=["optimiser", "seed", "gap", "evaluations", "seconds"])
 
     def to_json(self) -> dict[str, Any]:
         """Return what was found in plain types."""

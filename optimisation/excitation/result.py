@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.frames import pandas
 from ground.plain import AsJson, plain_dict
 from measurement.trajectories.extremes import UNITS, Use
 from measurement.trajectories.trajectory import Fourier
@@ -126,11 +127,9 @@ class Excitation:
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per number of the model: value assumed, unit, predicted standard deviation."""
-        import pandas as pd
-
         rows = [(p.value, p.unit, p.deviation, p.relative) for p in self.precision]
         columns = ["value", "unit", "deviation", "relative"]
-        return pd.DataFrame(rows, index=[p.name for p in self.precision], columns=columns)
+        return pandas().DataFrame(rows, index=[p.name for p in self.precision], columns=columns)
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""

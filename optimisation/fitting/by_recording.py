@@ -18,6 +18,7 @@ import numpy as np
 
 from ground.errors import ExoidError
 from ground.figures import figure_style, new_figure
+from ground.frames import pandas
 from ground.html import table
 from optimisation.fitting.fit import Fit
 from optimisation.linear.problem import LinearData
@@ -86,8 +87,6 @@ class ByRecording:
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per parameter: value and 95 % half-width together and of each recording, p-value, verdict."""
-        import pandas as pd
-
         out = {}
         for row in self.rows:
             cells: dict[tuple[str, str], Any] = {
@@ -99,7 +98,7 @@ class ByRecording:
             cells["agreement", "p"], cells["agreement", "scatter"] = row.p_value, row.scatter
             cells["agreement", "verdict"] = row.verdict
             out[row.name] = cells
-        return pd.DataFrame.from_dict(out, orient="index")
+        return pandas().DataFrame.from_dict(out, orient="index")
 
     def to_json(self) -> dict[str, Any]:
         """Return everything in plain types; what a recording cannot tell is None."""

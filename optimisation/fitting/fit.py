@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.frames import pandas
 from ground.html import bullets, lines, table
 from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
@@ -137,12 +138,10 @@ class Fit:
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per parameter: value, unit, 95 % interval, value of the SSE stage."""
-        import pandas as pd
-
         first = [*self.sse.linear, *self.sse.shape]
         rows = [(e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
         names = [e.name for e in self.estimates]
-        return pd.DataFrame(rows, index=names, columns=["value", "unit", "low", "high", "sse"])
+        return pandas().DataFrame(rows, index=names, columns=["value", "unit", "low", "high", "sse"])
 
     def to_json(self) -> dict[str, Any]:
         """Return the fit in plain types; an interval the data do not determine is null."""

@@ -1,6 +1,7 @@
 """Every kind of file people hand in gives the same recording."""
 
 import codecs
+import sys
 
 import h5py
 import numpy as np
@@ -9,7 +10,9 @@ import pytest
 import scipy.io
 from tables import HEADER, leg, lines, text
 
-from ground.errors import RecordingError
+from ground.errors import ExoidError, RecordingError
+from measurement.bench.simulation import Bench, simulate
+from measurement.reading.formats import csv
 from measurement.reading.read import read_recording
 from measurement.recording import to_csv, write_recording
 
@@ -155,3 +158,29 @@ def test_exactness_of_digits(tmp_path):
     rows = "\n".join(",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns.values()), strict=True))
     (tmp_path / "a.csv").write_text(HEADER + "\n" + rows)
     np.testing.assert_array_equal(read_recording(tmp_path / "a.csv").tau[:, 0], columns["tau1"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,q1,q2,tau1,tau2\n" + "".join(f"{k / 10},{k % 7 / 9:.12f},1e-3,-2,{k}\n" for k in range(40)),
+        "t;q1;q2;tau1;tau2\n" + "".join(f"{k / 10};{k % 7};;x;1.234,5\n".replace(".", ",", 1) for k in range(40)),
+        "t,q1,q2,tau1,tau2\n" + "".join(f"2024-01-01T10:00:{k:02}.25Z,{k},{k or 'NA'},2,{k}\n" for k in range(40)),
+        "t q1 q2 tau1 tau2\n" + "".join(f"{k / 10} {k} nan -inf {k}\n" for k in range(40)),
+    ],
+)
+def test_a_text_is_read_alike_with_pandas_and_without(text, tmp_path, monkeypatch):
+    (tmp_path / "run.csv").write_text(text)
+    monkeypatch.setattr(csv, "SHORT", 0)
+    quick = csv.read(tmp_path / "run.csv")
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    plain = csv.read(tmp_path / "run.csv")
+    assert [(c.name, c.unit, c.texts) for c in plain.columns] == [(c.name, c.unit, c.texts) for c in quick.columns]
+    for one, other in zip(plain.columns, quick.columns, strict=True):
+        assert np.array_equal(one.values, other.values, equal_nan=True)
+
+
+def test_who_asks_for_a_data_frame_without_pandas_is_told_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ExoidError, match=r"pip install 'exoid\[pandas\]'"):
+        simulate(bench=Bench(duration=5.0)).to_frame()

@@ -14,6 +14,7 @@ from typing import Any
 from ground.engines.cell import in_cell
 from ground.engines.engine import Engine, completed
 from ground.files import write_whole
+from ground.frames import pandas
 from workbench.campaign.plan import Job, Plan
 from workbench.campaign.store import FINAL, CampaignError, JobStore, job_file_name, task_of
 from workbench.campaign.work import FUNCTION
@@ -60,11 +61,9 @@ class Campaign:
 
     def to_frame(self) -> Any:
         """Return the table of jobs as a pandas DataFrame."""
-        import pandas as pd
-
         from workbench.campaign.table import flat
 
-        return pd.DataFrame([flat(self.plan, row) for row in self.rows])
+        return pandas().DataFrame([flat(self.plan, row) for row in self.rows])
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{count} {status}" for status, count in sorted(self.counts.items()))

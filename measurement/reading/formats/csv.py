@@ -11,6 +11,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,14 @@ from measurement.reading.camera import with_time
 from measurement.reading.limits import Budget
 from measurement.reading.raw import RawTable, column_from_cells
 from measurement.reading.sniff import COMMENTS, Layout, decode, sniff, split_line
+from symbolic.motion import Float
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
 SIGNATURES: tuple[bytes, ...] = ()
 APART = "\u2009"
 """Stands for a delimiter inside quotes: a thin space, which also parts thousands."""
 SHORT = 10_000_000
-"""Characters up to which NumPy reads a table of numbers in less time than pandas takes to be imported."""
+"""Characters up to which NumPy reads a table of numbers in less time than pandas, where there is one, is imported."""
 HEAD = 1_000_000
 """Bytes in which the header of a long text ends."""
 UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
@@ -115,56 +117,62 @@ def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
 
 def _parse(body: str, layout: Layout) -> Sequence[Any] | None:
     """Return the cells of each column; None when some row has more cells than the header."""
-    if len(body) < SHORT:
-        numbers = _numbers(body, layout)
-        if numbers is not None:
-            return numbers
-    import pandas as pd
-
-    # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
-    exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
-    try:
-        frame = pd.read_csv(
-            io.BytesIO(body.encode(errors="replace")),  # a StringIO would take four bytes a character
-            sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
-            decimal=layout.decimal,
-            header=None,
-            names=range(len(layout.names)),
-            engine="c",
-            quoting=3,
-            low_memory=False,
-            **exact,
-            skip_blank_lines=False,
-            on_bad_lines="error",
-        )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError):
+    numbers = _numbers(body, layout)
+    if numbers is not None:
+        return numbers
+    width = len(layout.names)
+    delimiter = None if layout.delimiter == " " else layout.delimiter
+    rows = [line.split(delimiter) for line in body.removesuffix("\n").split("\n")]
+    if any(len(row) > width for row in rows):
         return None
-    if not isinstance(frame.index, pd.RangeIndex):
-        return None  # more cells than names: pandas took the first ones for an index
-    for name in frame.columns:
-        if layout.decimal == "," and not pd.api.types.is_numeric_dtype(frame[name]):
-            frame[name] = frame[name].astype(object).map(_with_point, na_action="ignore")
-    return [frame[name] for name in frame.columns]
+    columns = zip_longest(*rows, fillvalue="")
+    if layout.decimal == ",":
+        return [[_with_point(cell) for cell in column] for column in columns]
+    found = list(columns)
+    return found + [[""] * len(rows)] * (width - len(found))
 
 
 def _numbers(body: str, layout: Layout) -> Sequence[Any] | None:
     """Return the columns of a table that holds a plain number in every cell; None for any other."""
     text = body if layout.decimal == "." else body.replace(".", "?").replace(",", ".")
     try:
-        table = np.loadtxt(
-            io.StringIO(text),
-            delimiter=None if layout.delimiter == " " else layout.delimiter,
-            comments=None,
-            ndmin=2,
-        )
-    except ValueError:
+        table = _quickly(text, layout) if len(body) > SHORT else None
+        if table is None:
+            table = np.loadtxt(
+                io.StringIO(text),
+                delimiter=None if layout.delimiter == " " else layout.delimiter,
+                comments=None,
+                ndmin=2,
+            )
+    except (ValueError, OverflowError):
         return None
     return list(np.ascontiguousarray(table.T)) if table.shape[1] == len(layout.names) else None
 
 
-def _with_point(cell: object) -> object:
-    if not isinstance(cell, str):
-        return cell
+def _quickly(text: str, layout: Layout) -> Float | None:
+    """Return the numbers (N, C) of a long text, which pandas reads four times as fast; None where it is not installed.
+
+    ValueError where a cell is no number; an empty one is NaN.
+    """
+    try:
+        import pandas as pd
+    except ImportError:
+        return None
+    # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
+    exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
+    frame = pd.read_csv(
+        io.BytesIO(text.encode(errors="replace")),  # a StringIO would take four bytes a character
+        sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+        header=None,
+        dtype=float,
+        quoting=3,
+        **exact,
+        skip_blank_lines=False,
+    )
+    return frame.to_numpy()
+
+
+def _with_point(cell: str) -> str:
     return (cell.strip().replace(".", "") if GROUPED.fullmatch(cell.strip()) else cell).replace(",", ".")
 
 

@@ -173,11 +173,8 @@ def _object(
             arrays[f"{name}.Time"], arrays[f"{name}.Data"] = time, np.squeeze(np.asarray(data))
         return
     if hasattr(value, "columns") and hasattr(value, "iloc"):
-        import pandas as pd
-
-        kinds = (pd.DatetimeIndex, pd.TimedeltaIndex)
-        if isinstance(value.index, kinds):
-            arrays[f"{name}.Time"] = since_first(pd.Series(value.index))
+        if value.index.dtype.kind in "mM":
+            arrays[f"{name}.Time"] = since_first(value.index.to_numpy())
             units[f"{name}.Time"] = "s"
         told = _texts(value.attrs)
         for k, column in enumerate(value.columns):

@@ -100,12 +100,22 @@ def _columns(table: Any) -> tuple[RawColumn, ...]:
     return tuple(
         column_from_cells(
             "time" if _is_index_of_time(field) else split_unit(field.name)[0],
-            table.column(i).to_pandas(),
+            _cells(table.column(i)),
             _unit(field.metadata) or split_unit(field.name)[1],
         )
         for i, field in enumerate(table.schema)
         if not pyarrow.types.is_nested(field.type)
     )
+
+
+def _cells(column: Any) -> Any:
+    """Return the cells of an Arrow column as an array or, where NumPy has no type for them, as a list."""
+    import pyarrow
+
+    if pyarrow.types.is_dictionary(column.type):
+        column = column.cast(column.type.value_type)
+    plain = pyarrow.types.is_boolean(column.type) or not pyarrow.types.is_primitive(column.type)
+    return column.to_pylist() if plain else column.to_numpy()
 
 
 def _together(counts: list[int], rows: int) -> Iterator[list[int]]:
