@@ -2,20 +2,25 @@
 
     python benchmarks/vary_rules.py                                        every threshold, a night
     python benchmarks/vary_rules.py --only small_gain clear --kinds small none --cases 4
+    python benchmarks/vary_rules.py --tests tests/measurement/test_audit.py   which of these tests fail, for every one
 
 The legs are those of the blind trials (`exoid campaign`), so the truth is known: a line says for how many legs the
 answer (verdict and accepted effects) changed, and how many were right before and after. A threshold that changes
-nothing on any leg prevents nothing here; one that makes answers wrong on either side stands where it should.
+nothing on any leg prevents nothing here; one that makes answers wrong on either side stands where it should. What
+decides in audit, preparation, fits and watching is varied by --tests alone: legs of the bench are no bad recordings.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # must be set before NumPy is imported
 
@@ -28,8 +33,10 @@ from diagnosis.discover import discover  # noqa: E402 - the repository must be o
 from diagnosis.grading import match  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
 from diagnosis.rules import RULES, Rules  # noqa: E402
+from diagnosis.thresholds import every_threshold  # noqa: E402
 from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
 from ground.suggest import did_you_mean  # noqa: E402
+from ground.thresholds import Rule, Threshold  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
@@ -66,16 +73,76 @@ class Trial:
 
 
 def varied(only: list[str]) -> Iterator[tuple[str, Rules]]:
-    """Yield every threshold at every factor; whole numbers stay whole and change by one at least."""
+    """Yield the thresholds of the search at every factor."""
     for rule in RULES.table():
         if rule.name in PREPARING or (only and rule.name not in only):
             continue
-        for factor in FACTORS:
-            value = rule.value * factor
-            if isinstance(rule.value, int):
-                value = max(1, int(value)) if factor < 1.0 else int(value)
-            if value != rule.value:
-                yield f"{rule.name} = {value:g}", replace(RULES, **{rule.name: value})
+        for value in halved_and_doubled(rule.value):
+            yield f"{rule.name} = {value:g}", replace(RULES, **{rule.name: value})
+
+
+@contextmanager
+def in_force(rule: Rule, value: float) -> Iterator[None]:
+    """Let a threshold have another value everywhere, as if it had been written so."""
+    if "." not in rule.name:
+        object.__setattr__(RULES, rule.name, value)  # frozen for everybody else
+        try:
+            yield
+        finally:
+            object.__setattr__(RULES, rule.name, rule.value)
+        return
+    name = rule.name.rpartition(".")[2]
+    places = [
+        (module, old)
+        for module in list(sys.modules.values())
+        for old in (getattr(module, "__dict__", {}).get(name),)
+        if isinstance(old, Threshold) and old.module.endswith(rule.name.rpartition(".")[0])
+    ]
+    for module, old in places:
+        setattr(module, name, Threshold(value, old.prevents))
+    try:
+        yield
+    finally:
+        for module, old in places:
+            setattr(module, name, old)
+
+
+class Failed:
+    """What a run of pytest says of tests that fail."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:
+            self.names.append(report.nodeid)
+
+
+def by_tests(files: list[str], only: list[str], whole: bool) -> None:
+    """Say for every threshold which tests fail where it is halved or doubled; the first one unless `whole`."""
+    import pytest
+
+    options = [*files, "-q", "--no-header", "--no-summary", "-p", "no:cacheprovider", *(() if whole else ("-x",))]
+    for rule in every_threshold():
+        if only and rule.name not in only:
+            continue
+        lines = []
+        for value in halved_and_doubled(rule.value):
+            failed = Failed()
+            with in_force(rule, value), redirect_stdout(io.StringIO()):
+                pytest.main(options, plugins=[failed])
+            lines.append(f"{value:g}: {', '.join(failed.names) or 'none'}")
+        print(f"{rule.name:26s} {'   '.join(lines)}", flush=True)
+
+
+def halved_and_doubled(value: float) -> Iterator[float]:
+    """Yield other values of a threshold; whole numbers stay whole and change by one at least."""
+    for factor in FACTORS:
+        other = value * factor
+        if isinstance(value, int):
+            other = max(1, int(other)) if factor < 1.0 else int(other)
+        if other != value:
+            yield other
 
 
 def main(words: list[str] | None = None) -> int:
@@ -84,13 +151,18 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--kinds", nargs="+", default=["small", "pair", "none", "outside"], choices=KINDS)
     parser.add_argument("--cases", type=int, default=8, help="legs of each kind (8)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first leg (0)")
+    parser.add_argument("--tests", nargs="+", default=[], metavar="FILE", help="run these tests instead of legs")
+    parser.add_argument("--whole", action="store_true", help="with --tests: name all that fail, not the first")
     given = parser.parse_args(words)
-    known = [rule.name for rule in RULES.table()]
+    known = [rule.name for rule in every_threshold()]
     for name in given.only:
         if name not in known:
             parser.error(
                 f"there is no threshold {name!r}; {did_you_mean(name, known) or 'docs/statistics.md has them'}"
             )
+    if given.tests:
+        by_tests(given.tests, given.only, given.whole)
+        return 0
     trials = []
     for kind in given.kinds:
         trials += [Trial(case) for case in cases([kind], 1, given.first)[: given.cases]]

@@ -14,6 +14,7 @@ from diagnosis.verdict import biased_parameters, sentence_of
 from ground.frames import pandas
 from ground.html import bullets, lines
 from ground.plain import AsJson
+from ground.thresholds import Threshold
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -28,8 +29,7 @@ from symbolic.quantity import JOINTS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WORTH = 0.002
-"""Relative fall of the unseen error, of the joint that gains most, from which on an effect counts as helping."""
+WORTH = Threshold(0.002, "relative fall of the unseen error, of the joint that gains most: any column helps a little")
 
 
 @dataclass(frozen=True, eq=False)

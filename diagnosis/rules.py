@@ -10,15 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-
-@dataclass(frozen=True)
-class Rule:
-    """One threshold as a table shows it: the question it belongs to, its name, value, and what it prevents."""
-
-    group: str
-    name: str
-    value: float
-    prevents: str
+from ground.thresholds import Rule
 
 
 def _rule(group: str, value: Any, prevents: str) -> Any:

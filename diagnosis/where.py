@@ -15,21 +15,19 @@ from numpy.typing import NDArray
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.remainder import Remainder, signal_of, variables
 from ground.plain import AsJson
+from ground.thresholds import Threshold
 from symbolic.motion import Float
 
 Int = NDArray[np.int64]
 
-LEAST_SHARE = 0.01
-"""Smallest share worth a line."""
-SLOW = 0.1
-"""Velocity in rad/s below which a joint counts as slow."""
-AT_LIMIT = 0.05
-"""Share of the joint's range at either end that counts as near the end."""
+LEAST_SHARE = Threshold(0.01, "share of a joint's squared error that is worth a line: what curves follow by chance")
+SLOW = Threshold(0.1, "rad/s below which a joint counts as slow: errors of reversal spread over all speeds")
+AT_LIMIT = Threshold(0.05, "share of the range at either end that counts as its end: a stop hides in the whole range")
 BINS = 24
 BLOCK = 2.0
 """s, stretches of time whose means scatter independently of each other."""
-CONCENTRATED, LEAST_REGION = 2.0, 0.15
-"""A region is worth a line where it holds this many times more error than time, and this share of the error."""
+CONCENTRATED = Threshold(2.0, "times more error than time that a region holds: every region has some")
+LEAST_REGION = Threshold(0.15, "share of the error that a region holds: a short peak beside the rest of it")
 
 
 @dataclass(frozen=True)

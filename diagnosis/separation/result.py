@@ -15,6 +15,7 @@ from diagnosis.separation.indistinguishable import Same
 from diagnosis.separation.plots import separation_figure
 from ground.frames import pandas
 from ground.plain import plain_dict
+from ground.thresholds import Threshold
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
@@ -25,8 +26,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-ENOUGH = 3.0
-"""σ from which rivals count as distinguished."""
+ENOUGH = Threshold(3.0, "σ between rivals on the designed motion: one run would choose by chance")
 
 Distances = Mapping[tuple[str, str], float]
 """(truth, rival) -> σ apart after the rival and everything else have been refitted."""

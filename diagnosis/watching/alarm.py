@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from diagnosis.watching.scores import Scores
+from ground.thresholds import Threshold
 from symbolic.motion import Float
 
 SPANS = (1, 2, 6, 24)
@@ -25,8 +26,10 @@ REMEMBERED = 120
 TAIL = 0.2
 """Share of the placebos from which the tail is told."""
 DAY = 86400.0
-LEAST_POWER = 0.02
-"""Part of a column's usual information that a block must have to be judged by it."""
+LEAST_POWER = Threshold(
+    0.02,
+    "part of a column's usual information that a block must have: rest would be taken for change",
+)
 
 
 @dataclass(frozen=True)

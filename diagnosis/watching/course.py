@@ -7,12 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.watching.result import Course
+from ground.thresholds import Threshold
 from symbolic.motion import Float
 
-SURE = 6.0
-"""Fall of the weighted squares, in variances, within which another moment explains the course as well (95 %)."""
-SLOW = 12.0
-"""The same by which a slow change must explain it better than a jump."""
+SURE = Threshold(
+    6.0,
+    "fall of the weighted squares, in variances, within which another moment explains the course as well: an "
+    "interval too short",
+)
+SLOW = Threshold(
+    12.0,
+    "the same by which a slow change must explain it better than a jump: noise after a jump looks like a ramp",
+)
 RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
 """Durations of a slow change that are tried, s."""
 VISIBLE = 8

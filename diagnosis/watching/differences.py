@@ -26,6 +26,7 @@ from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
 from diagnosis.watching.questions import Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
+from ground.thresholds import Threshold
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -39,10 +40,14 @@ from symbolic.quantity import Estimate
 
 PARTS = 4
 """Parts at least into which each side is cut, so that some can be held out."""
-OLD_ERROR = 0.05
-"""Least share of the loss from which an error that was there all along is told where nothing changed."""
-SCATTER = 3.0
-"""Standard deviations between recordings made before by which a change must exceed what they differ by anyway."""
+OLD_ERROR = Threshold(
+    0.05,
+    "share of the loss from which an error that was there all along is told: trifles listed where nothing changed",
+)
+SCATTER = Threshold(
+    3.0,
+    "standard deviations between recordings made before: what differs between them anyway is named a change",
+)
 STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
 ROUNDS = 3

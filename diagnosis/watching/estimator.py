@@ -23,15 +23,13 @@ from scipy.linalg.lapack import dgeqrf, dtrtri
 from scipy.stats import t as student
 
 from diagnosis.watching.estimator_c import kernel, layout
+from ground.thresholds import Threshold
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
-ROBUST = 2.0
-"""Scales beyond which a residual counts linearly."""
-CREDIT = 20.0
-"""Samples' worth of forgetting that may be saved up."""
-LEAST_BLOCKS = 4.0
-"""Blocks that must be remembered before an interval is told."""
+ROBUST = Threshold(2.0, "scales beyond which a residual counts linearly: a burst would move the numbers")
+CREDIT = Threshold(20.0, "samples' worth of forgetting that may be saved up: a long rest would be followed by a jump")
+LEAST_BLOCKS = Threshold(4.0, "blocks remembered before an interval is told: a scatter of two or three is chance")
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.signal import lfilter
 
+from ground.thresholds import Threshold
 from optimisation.preparation.filtering import STICK, WORKING_RATE
 from symbolic.motion import Float
 
@@ -24,8 +25,10 @@ Bool = np.ndarray
 
 HALF = 5
 """Samples on either side of one that its torque is compared with."""
-SPIKE = 4.0
-"""Robust deviations from their median beyond which it is a spike."""
+SPIKE = Threshold(
+    4.0,
+    "robust deviations from their median beyond which a torque sample is replaced: a spike rings in the filter",
+)
 ORDER, COMMON_ORDER = 4, 3
 """Poles of the two filters."""
 ANGLE_BAND, COMMON_BAND = 4.0, 2.0
@@ -34,10 +37,11 @@ CUTOFF = 4.0
 """Hz, unless asked otherwise."""
 SIGN_WIDTH = 0.01
 """rad/s over which the sign of a velocity fades; slower samples are not used."""
-HOLE = 2.5
-"""Steps of the clock from which on samples are missing."""
-LONGEST_HOLE = 1.0
-"""s of missing samples after which the filters start anew."""
+HOLE = Threshold(2.5, "steps of the clock from which samples are missing: jitter would empty the filter")
+LONGEST_HOLE = Threshold(
+    1.0,
+    "s of missing samples after which the filters start anew: motion invented across the hole",
+)
 FIRST = 50
 """Samples from which the rate is told."""
 

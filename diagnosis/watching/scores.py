@@ -16,12 +16,12 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import RecordingEvidence, robust_weight
 from diagnosis.watching.questions import PLACES, Asked, Questions
 from diagnosis.watching.window import Window
+from ground.thresholds import Threshold
 from symbolic.motion import Float
 
 NODES = 1
 """Values of the shapes of an effect that are watched: an alarm only has to see it, a name is searched finely."""
-SHIFT = 1.0
-"""Shortest shift of a placebo, s."""
+SHIFT = Threshold(1.0, "s, shortest shift of a placebo: one that is nearly the column itself")
 
 
 @dataclass(frozen=True, eq=False)

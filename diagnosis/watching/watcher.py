@@ -29,6 +29,7 @@ from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Watched, columns_of, placebos, scores, watched
 from diagnosis.watching.window import Window, joined_windows, prepared, window
 from ground.errors import ExoidError
+from ground.thresholds import Threshold
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
 from symbolic.model import Model, require_still_base
@@ -40,8 +41,10 @@ LEAD = 2.0
 """s before each block in which its filters and operators with memory settle."""
 JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""
-GROWN = 1.5
-"""Times the usual error from which a change that has no name is reported."""
+GROWN = Threshold(
+    1.5,
+    "times the usual error from which a change without a name is reported: other motion alone grows it",
+)
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
+from ground.thresholds import Threshold
 from optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
 from symbolic.joints import Joint
 from symbolic.motion import Float, Motion
 
-LEAST_WEIGHT = 0.3
-"""Part of the second filter's past that must have been usable for a sample to be fitted."""
+LEAST_WEIGHT = Threshold(
+    0.3,
+    "part of the filter's past that was usable: samples made of holes and sticking are fitted",
+)
 
 
 @dataclass(frozen=True, eq=False)

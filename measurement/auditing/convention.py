@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ground.minimum import minimum
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.auditing.non_negative import non_negative
 from measurement.auditing.rough import Smooth, columns, smooth
@@ -27,29 +28,44 @@ from symbolic.joints import is_leg
 from symbolic.motion import Float
 
 CHECK = "convention"
-GOOD = 0.25
-"""Share of the torques' power left, summed over the joints: a reading that fits leaves less."""
-DOUBTS = ((0.08, 4.0), (0.03, 15.0))
-"""Another reading is only named when the recordings as they stand leave so much, and so many times more than it."""
+GOOD = Threshold(
+    0.25,
+    "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
+)
+DOUBT = Threshold(0.08, "share of power left as recorded, from which another reading is looked for: friction left out")
+TIMES = Threshold(4.0, "times more than the other reading leaves: two readings that fit alike")
+SLIGHT_DOUBT = Threshold(0.03, "the same share where the other reading is far better: a light payload or a small tilt")
+SLIGHT_TIMES = Threshold(15.0, "times more that is far better: a reading that absorbs what the rough leg leaves out")
+DOUBTS = ((DOUBT, TIMES), (SLIGHT_DOUBT, SLIGHT_TIMES))
 LEAST = min(least for least, _ in DOUBTS)
-QUIET = 0.1
-"""A joint whose torque varies less than this times the other's counts as if it varied so much."""
-PASSIVE = 0.02
-"""A joint whose torque varies less than this times the other's is passive: what a reading leaves there is compared with
-the other's torque, since it has none of its own."""
-STANDS = 0.01
-"""rad; the standard deviation below which a joint stands still. A lock or a brake then carries what the drive does not,
-so its torque speaks for no reading."""
-AS_GOOD = 1.5
-"""Among readings that leave at most so many times what the best leaves, the one with the fewest names is named."""
-FEW, MOST, WRONG = 2, 4, 0.4
-"""Readings of few names are tried first; those of more only where the recordings as they stand leave so much."""
+QUIET = Threshold(
+    0.1,
+    "variation of a torque, of the other's, below which it counts as so much: noise of a light joint would "
+    "choose the reading",
+)
+PASSIVE = Threshold(
+    0.02,
+    "the same below which a joint is passive: what is left there would be compared with a torque that is none",
+)
+STANDS = Threshold(
+    0.01,
+    "rad, standard deviation below which a joint stands: a lock carries its torque, which speaks for no reading",
+)
+AS_GOOD = Threshold(
+    1.5,
+    "times what the best reading leaves, within which the one with the fewest names is named: three errors for one",
+)
+FEW, MOST = 2, 4
+"""Readings of few names are tried first; those of more only where the recordings as they stand leave `WRONG`."""
+WRONG = Threshold(0.4, "share of power left, from which readings of three and four names are tried: chance fits some")
 ROUNDING = 1e-13
 """Power of a column, relative to the largest, below which it is rounding."""
 STOP = (0.1, 0.9)
 """Quantiles of an angle beyond which something may push back."""
-TURNING = 2.5
-"""rad that a joint moves at least where its angle is looked at as that of a motor."""
+TURNING = Threshold(
+    2.5,
+    "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
+)
 ROWS = 600
 """Samples of all recordings together."""
 RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])

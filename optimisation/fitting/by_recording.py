@@ -20,6 +20,7 @@ from ground.errors import ExoidError
 from ground.figures import figure_style, new_figure
 from ground.frames import pandas
 from ground.html import table
+from ground.thresholds import Threshold
 from optimisation.fitting.fit import Fit
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_huber
@@ -30,10 +31,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-STRICT = 0.01
-"""Probability, shared out over all parameters, below which recordings contradict each other."""
-USEFUL = 1.0
-"""A recording says something of a parameter where its half-interval is at most so many times the joint value."""
+STRICT = Threshold(0.01, "probability, shared out over all parameters: recordings that contradict each other by chance")
+USEFUL = Threshold(1.0, "half-interval of a recording over the joint value: one that says nothing would be compared")
 NORMAL = 1.96
 ADVICE = {
     "Phi": "faster motion of both joints, over more of the range, in every recording",

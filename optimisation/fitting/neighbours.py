@@ -15,6 +15,7 @@ import numpy as np
 
 from ground.errors import ExoidError
 from ground.plain import plain_dict
+from ground.thresholds import Threshold
 from measurement.finding import Finding
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
@@ -25,8 +26,7 @@ from symbolic.motion import Float
 
 FACTORS = (0.8, 1.25)
 """Neighbouring cut-offs, relative to the one used."""
-BEYOND = 0.1
-"""Half-widths by which a value must leave its interval; less is a matter of rounding."""
+BEYOND = Threshold(0.1, "half-widths by which a value leaves its interval at another cut-off: rounding")
 
 
 @dataclass(frozen=True, eq=False)

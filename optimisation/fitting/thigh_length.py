@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from ground.plain import AsJson
+from ground.thresholds import Threshold
 from measurement.finding import Finding
 from optimisation.fitting.assemble import is_paper_leg
 from optimisation.linear.problem import LinearData
@@ -28,12 +29,9 @@ if TYPE_CHECKING:
     from symbolic.model import Model
 
 COUPLING = "Phi3"
-FAR, HELPS = 0.2, 0.1
-"""A length is called wrong when it is so far (as a share) from what the data want, outside the interval, and the other
-one lowers a joint's squared error by so much: what else the model misses moves the estimate by a tenth (measured on two
-rigs of known length)."""
-VAGUE = 2.0
-"""An interval whose ends differ by more than this factor cannot tell."""
+FAR = Threshold(0.2, "share by which a length is off: what else is missing moves it by a tenth (on two known rigs)")
+HELPS = Threshold(0.1, "part of a joint's squared error that the other length removes: one that explains nothing")
+VAGUE = Threshold(2.0, "factor between the ends of an interval: a length that the data do not know")
 
 
 @dataclass(frozen=True)

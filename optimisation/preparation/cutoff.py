@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.signals.conditioning import EvenSignals, acceleration_noise, acceleration_quality
 from optimisation.fitting.assemble import assemble
 from optimisation.fitting.plausibility import mass_matrix
@@ -24,19 +25,26 @@ CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 """Cut-off frequencies tried, Hz."""
 COMMON_BAND = 3.0
 """Every cut-off is judged on the unseen torque below this frequency, Hz."""
-BIAS_LIMIT = 0.005
-"""Largest share of noise in the accelerations: about the relative bias of an inertia."""
-NOISE_LIMIT = 0.05
-"""Largest noise power that accelerations may carry into the model's torque, relative to the torque sensor's own: more,
-and effects that happen to smooth the model (a flexible drive) look real."""
-TOLERANCE = 0.03
-"""A cut-off may predict this much worse than the best one; then the faster one is preferred (more information)."""
-NOISE_SEEN = 1e-4
-"""Share of noise in the accelerations at the fastest cut-off tried from which on the spectrum of the angles plainly
-shows the encoders' noise, so that what it does at every cut-off is known."""
-LOOSE_TOLERANCE = 0.25
-"""The same where the noise is known: unseen torque is then mostly predicted worse because faster motion shows more of
-what the base model misses (friction near standstill), which is no reason to look away."""
+BIAS_LIMIT = Threshold(0.005, "share of noise in the accelerations: about the relative bias of an inertia")
+NOISE_LIMIT = Threshold(
+    0.05,
+    "noise power that accelerations carry into the model's torque, of the sensor's own: effects that smooth the "
+    "model (a flexible drive) look real",
+)
+TOLERANCE = Threshold(
+    0.03,
+    "by which a faster cut-off may predict unseen torque worse than the best: information thrown away",
+)
+NOISE_SEEN = Threshold(
+    1e-4,
+    "share of noise in the accelerations at the fastest cut-off from which the encoders' noise is known: a guess "
+    "at it would decide",
+)
+LOOSE_TOLERANCE = Threshold(
+    0.25,
+    "the same tolerance where the noise is known: friction near standstill, which faster motion shows, would "
+    "slow the cut-off",
+)
 MOST_POSES = 64
 """Postures in which the mass matrix is looked at, at most."""
 

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.checks.motion import NOTHING
 from measurement.signals.conditioning import (
     Bridge,
@@ -35,28 +36,34 @@ from symbolic.motion import Float, Motion
 
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
-OUTLIER = 4.0
-"""Robust deviations from the local median beyond which a torque sample is an outlier."""
+OUTLIER = Threshold(
+    4.0,
+    "robust deviations from the local median beyond which a torque sample is replaced: spikes spread by the filter",
+)
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
 INNER = 2.0
 """Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
 torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
 were flexible. What noise the wider band lets in, the common filter takes out again."""
-STICK = 0.03
-"""Velocity in rad/s below which a joint may be sticking: dry friction then takes any value up to its limit, which no
-function of the motion can tell, so these samples of that joint are not fitted."""
-STICK_REACH = 0.5
-"""Periods of the angles' cut-off by which these samples reach into their neighbours: there velocity and direction are
-smeared. The torque of all of them, and every column of a model alike, is replaced by a straight line before the common
-filter, so that nothing of it gets into the samples that are fitted."""
-LOADED = 3.0
-"""A joint that stands shows its load where its torque varies by more than this many times the sensor's noise."""
+STICK = Threshold(
+    0.03,
+    "rad/s below which a joint may stick and is not fitted: dry friction takes any value there, which no "
+    "function of motion tells",
+)
+STICK_REACH = Threshold(0.5, "periods of the cut-off by which such samples reach further: direction is smeared there")
+LOADED = Threshold(
+    3.0,
+    "times the sensor's noise by which the torque of a standing joint varies when it shows its load: noise "
+    "fitted as load",
+)
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
-RESTS = 0.5
-"""Share of a recording from which on a joint that sticks rests for most of the time: robust deviations are of rest."""
+RESTS = Threshold(
+    0.5,
+    "share of a recording in which a joint sticks, from which deviations are those of rest: motion taken for outliers",
+)
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 

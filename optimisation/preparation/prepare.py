@@ -15,6 +15,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.html import bullets, lines, table
+from ground.thresholds import Threshold
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.overlap import held_apart
@@ -28,12 +29,12 @@ from symbolic.joints import LEG, Joint, names
 from symbolic.model import Model
 from symbolic.motion import Float
 
-SWAYS = 0.02
-"""rad by which a base may turn in recordings of a machine whose base is taken to stand still."""
-LEAST_CYCLES = 2.0
-"""Cycles of the cut-off that the shortest recording must hold: below, the filter leaves a line."""
-UNDRIVEN = 0.5
-"""Part of the largest torque beyond which the torque of a joint that is said to be passive contradicts that."""
+SWAYS = Threshold(0.02, "rad by which a base taken to stand still may turn: its motion passes for effects")
+LEAST_CYCLES = Threshold(2.0, "cycles of the cut-off in the shortest recording: the filter leaves a line")
+UNDRIVEN = Threshold(
+    0.5,
+    "part of the largest torque that a joint said to be passive may show: a driven joint fitted as free",
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.auditing.rough import smooth, unexplained
 from measurement.finding import Finding
@@ -12,7 +13,9 @@ from symbolic.joints import is_leg
 
 TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
-LEAST, GAIN, FITS = 0.005, 0.15, 0.2
+LEAST = Threshold(0.005, "s of delay that is noted: half a step of usual loggers")
+GAIN = Threshold(0.15, "part of the torque's power that another timing explains: a missing effect looks late")
+FITS = Threshold(0.2, "share of power left, beyond which the rough leg is no witness: other errors are worse")
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -7,11 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import Channel, channels, place, runs
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-LEAST_ROWS, LEAST_SECONDS = 10, 0.1
+LEAST_ROWS = Threshold(10, "rows of one value: a slow turning point on a coarse grid passes for a frozen channel")
+LEAST_SECONDS = Threshold(0.1, "s of one value: the same at a high rate")
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-WIDE = 2.5
-"""In median steps: anything shorter is jitter."""
-LONG = 0.1
-"""In s: a joint can have started and stopped again in there."""
+WIDE = Threshold(2.5, "median steps: jitter would be counted as gaps")
+MISSING = Threshold(0.01, "share of samples, below which short gaps are not warned of: a lost packet")
+LONG = Threshold(0.1, "s: a joint can have started and stopped again in a gap that is not warned of")
 
 
 def check(recording: Recording) -> list[Finding]:
@@ -28,7 +28,7 @@ def check(recording: Recording) -> list[Finding]:
     missing = float(np.sum(steps[wide] / usual - 1.0))
     longest = float(steps[wide].max())
     share = missing / (missing + at.size)
-    calm = longest < LONG and share < 0.01
+    calm = longest < LONG and share < MISSING
     what = f"{int(wide.sum())} gaps with about {missing:.0f} samples missing ({share:.1%}), the longest {longest:.3g} s"
     return [
         Finding(

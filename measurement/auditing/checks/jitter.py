@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-NOTED, HEAVY = 0.05, 0.30
+NOTED = Threshold(0.05, "variation of the time step that is noted: rounded stamps")
+HEAVY = Threshold(0.30, "variation that is warned of: stamps of arrival make accelerations of their own")
 
 
 def check(recording: Recording) -> list[Finding]:

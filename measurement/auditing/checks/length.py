@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-LEAST_ROWS, LEAST_SECONDS, GOOD_SECONDS = 50, 1.0, 5.0
+LEAST_ROWS = Threshold(50, "usable rows: a fit of ten parameters to a handful of samples")
+LEAST_SECONDS = Threshold(1.0, "s: the filter alone takes more")
+GOOD_SECONDS = Threshold(5.0, "s, below which it is warned: one stroke of a leg shows no effect twice")
+USABLE = Threshold(0.8, "share of rows that are not masked, below which it is warned: little data is left")
 REMEDY = "record at least 10 s of motion of every joint at 100 Hz (35 s is usual)"
 
 
@@ -14,7 +18,7 @@ def check(recording: Recording) -> list[Finding]:
     """Refuse fewer than 50 usable rows or less than 1 s; warn below 5 s and when most rows are masked."""
     where, usable, count = place(recording), int(recording.valid.sum()), len(recording)
     if usable < LEAST_ROWS:
-        what = f"only {usable} usable rows of {count}: too short to identify anything (at least {LEAST_ROWS})"
+        what = f"only {usable} usable rows of {count}: too short to identify anything (at least {LEAST_ROWS:g})"
         return [Finding("length", "refused", what, where, usable, LEAST_ROWS, REMEDY)]
     if recording.duration < LEAST_SECONDS:
         what = f"the recording lasts {recording.duration:.3g} s: too short to identify anything (at least 1 s)"
@@ -27,8 +31,8 @@ def check(recording: Recording) -> list[Finding]:
             Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, False, consequence)
         )
     share = usable / count
-    if share < 0.8:
+    if share < USABLE:
         what = f"{1 - share:.0%} of the rows are masked"
         remedy = "look at the findings above for the reason, and at the logger"
-        found.append(Finding("length", "warning", what, where, share, 0.8, remedy, False, "little data is left"))
+        found.append(Finding("length", "warning", what, where, share, USABLE, remedy, False, "little data is left"))
     return found

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
 from measurement.reading.columns import listed
 from measurement.recording import Recording
 
-STILL, LITTLE = 0.01, 0.15
-"""Range of motion in rad (2nd to 98th percentile): below the first a joint stands, below the second it hardly
-moves."""
-
-
-NOTHING = 0.08
-"""A torque whose middle 80 % span less than this part of the other joint's reads next to nothing."""
+STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")
+LITTLE = Threshold(0.15, "the same, below which it hardly moves: its inertia and friction cannot be seen")
+NOTHING = Threshold(0.08, "middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing")
 
 
 def check(recording: Recording) -> list[Finding]:

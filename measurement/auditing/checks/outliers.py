@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import channels, place, step_of
 from measurement.finding import Finding
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 
-FAR, NOTED, HEAVY = 6.0, 0.005, 0.12
+FAR = Threshold(6.0, "robust deviations off the running median: noise would be counted")
+NOTED = Threshold(0.005, "share of such torques that is noted: a spike or two are no finding")
+HEAVY = Threshold(0.12, "share that is warned of: beyond 14 % even the Huber loss is pulled")
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import channels, place, step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-NOTED, COARSE = 500.0, 60.0
-"""Grid steps within the usual range of the channel: below the first it is worth knowing, below the second it
-hurts."""
+NOTED = Threshold(500.0, "grid steps within a channel's usual range, below which the grid is worth knowing")
+COARSE = Threshold(60.0, "the same, below which it is warned of: accelerations drown in the steps")
 
 
 def check(recording: Recording) -> list[Finding]:

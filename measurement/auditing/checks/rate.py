@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.finding import Finding
 from measurement.recording import Recording
 
-LEAST, GOOD = 10.0, 40.0
+LEAST = Threshold(10.0, "Hz: inertias from accelerations that were never sampled")
+GOOD = Threshold(40.0, "Hz, below which it is warned: a leg moves at a few hertz, accelerations need ten times that")
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -7,17 +7,22 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import Channel, channels, place, runs, step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.motion import Float
 
-PILE = 8.0
-"""Rows at the extreme value over rows at the levels next to it; a smooth turning point read on a grid stays
-below 4."""
-RESTING = 0.03
-"""Last step before an angle stays, over its usual step, below which the joint came to rest by itself (also where that
-step is one of the encoder's own)."""
+PILE = Threshold(
+    8.0,
+    "rows at the extreme value over rows at the levels next to it: a smooth turning point on a grid (below 4) "
+    "passes for an end of scale",
+)
+RESTING = Threshold(
+    0.03,
+    "last step before an angle stays, over its usual step: a joint that came to rest by itself passes for a "
+    "saturated angle",
+)
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.auditing.rough import Smooth, smooth, unexplained
 from measurement.finding import Finding
@@ -15,11 +16,11 @@ from measurement.recording import Recording
 from symbolic.joints import is_leg
 
 TRIED = np.logspace(-3, 3, 37)
-DOUBT, GOOD, TIMES, LEAST = 0.02, 0.12, 4.0, 1.4
-"""Share of the torques' power (summed over the joints) that must be left before a factor is looked for and that it may
-leave; how many times less that must be; and the smallest factor that is worth saying."""
-WEAK = 0.02
-"""N·m, as the standard deviation of the larger torque: whatever moves like a leg needs more."""
+DOUBT = Threshold(0.02, "share of the torques' power left, from which a factor is looked for: friction left out")
+GOOD = Threshold(0.12, "share of power that the factor leaves at most: one that fits nothing would be named")
+TIMES = Threshold(4.0, "times less than without it: two scales that fit alike")
+LEAST = Threshold(1.4, "smallest factor that is named: tolerances of torque constants")
+WEAK = Threshold(0.02, "N·m, standard deviation of the larger torque: a small rig would be taken for kN·m or currents")
 
 
 def check(recording: Recording) -> list[Finding]:

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.joints import is_leg
 
-TURNS = 4 * np.pi
-"""A link that swings right over reaches 2π and a little more (the real rig does); two turns it does not."""
-STRONG = 1000.0
-"""N·m, as a median: no drive of a leg gives so much."""
-WEAK = 0.1
-"""N·m, reached by the stronger of the torques: less carries no leg, nor the smallest rig."""
-FAR = 20.0
-"""m; hardly a drive slides so far."""
-LITTLE = 0.3
-"""rad, over which the joint that moves most swings: about as much as a usual motion, when it is counted in turns."""
+TURNS = Threshold(4 * np.pi, "rad: a link that swings right over (2π and a little more) would be taken for degrees")
+STRONG = Threshold(1000.0, "N·m, as a median: the torque of a strong drive would be taken for mN·m")
+WEAK = Threshold(0.1, "N·m, reached by the stronger torque: the smallest rig would be taken for kN·m")
+FAR = Threshold(20.0, "m: a long slide would be taken for millimetres")
+LITTLE = Threshold(0.3, "rad, over which the joint that moves most swings: a small motion would be taken for turns")
 
 
 def check(recording: Recording) -> list[Finding]:

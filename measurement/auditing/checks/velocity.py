@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.thresholds import Threshold
 from measurement.auditing.channels import WORDS, place
 from measurement.finding import Finding
 from measurement.recording import Recording
 
 WINDOW = 0.1
 """s over which the velocity is summed: long enough to average noise, short against the motion."""
+WRONG = Threshold(0.2, "relative difference of logged velocity and derivative: a filtered velocity called wrong")
 SCALES = (
     (57.3, "it looks like degrees per second", "deg/s"),
     (9.55, "it looks like rpm", "rpm"),
@@ -34,7 +36,7 @@ def check(recording: Recording) -> list[Finding]:
         if by_angle.size < 10 or np.ptp(by_angle) < 1e-3 * owner.reach:
             continue
         slope = float(by_speed @ by_angle / (by_angle @ by_angle))
-        if abs(slope - 1.0) < 0.2:
+        if abs(slope - 1.0) < WRONG:
             continue
         scales = SCALES if owner.turns else SLIDING
         close = [(text, unit) for scale, text, unit in scales if abs(slope / scale - 1.0) < 0.2]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from diagnosis.rules import RULES
+from diagnosis.thresholds import thresholds_of_a_diagnosis
 from workbench.report.material import Material
 
 TITLE = "Thresholds of the diagnosis"
@@ -17,4 +18,5 @@ def context(material: Material) -> Mapping[str, Any] | None:
     if material.diagnosis is None:
         return None
     rules = getattr(material.diagnosis, "rules", RULES)
-    return {"rows": [(rule.group, rule.name, f"{rule.value:g}", rule.prevents) for rule in rules.table()]}
+    found = thresholds_of_a_diagnosis(rules)
+    return {"rows": [(rule.group, rule.name, f"{rule.value:g}", rule.prevents) for rule in found]}
