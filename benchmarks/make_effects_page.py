@@ -64,7 +64,7 @@ def entry(effect: Effect, never: list[tuple[str, tuple[str, ...]]]) -> list[str]
         lines += ["", "| number | unit | range | typical | meaning |", "|---|---|---|---|---|"]
         lines += [row(name, number) for name, number in {**effect.coefficients, **effect.shape}.items()]
     if effect.tells_apart:
-        lines += ["", f"Look-alikes, and the experiment that tells: {effect.tells_apart}"]
+        lines += ["", f"Look-alikes, and the experiment that distinguishes them: {effect.tells_apart}"]
     return [*lines, "", f"Reference: {effect.reference}"]
 
 

@@ -29,7 +29,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from diagnosis.discover import Question, answer_of  # noqa: E402 - the repository must be on the path first
 from diagnosis.grading import match  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
 from diagnosis.rules import RULES, Rules  # noqa: E402
@@ -39,6 +39,7 @@ from ground.suggest import did_you_mean  # noqa: E402
 from ground.thresholds import Rule, Threshold  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
+from measurement.signals.derivatives import BUTTERWORTH  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 
@@ -63,7 +64,8 @@ class Trial:
 
     def answer(self, rules: Rules) -> tuple[str, tuple[str, ...], bool]:
         """Return the verdict, the accepted effects, and whether they are what is hidden."""
-        found = discover(self.model, self.recordings[:3], self.recordings[3:], rules=rules, prepared=self.prepared)
+        question = Question(self.model, 0, None, BUTTERWORTH, rules=rules)
+        found = answer_of(question, self.recordings[:3], self.recordings[3:], prepared=self.prepared)
         return found.verdict, tuple(sorted(one.name for one in found.accepted)), self._right(found)
 
     def _right(self, found: Diagnosis) -> bool:

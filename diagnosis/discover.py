@@ -62,29 +62,38 @@ def discover(
     derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
     progress: Progress | None = None,
-    most: int | None = None,
     rules: Rules = RULES,
     splits: str = LINEARISED,
-    prepared: Prepared | None = None,
-    found: Callable[[Sequence[Step]], None] | None = None,
 ) -> Diagnosis:
-    """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
-    `rules`, the thresholds that decide, say).
+    """Find which effects `model` (or the model of a Fit) is missing and add them; `rules` are the thresholds that
+    decide.
 
     `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue and
     the model's own (`[[custom_effects]]` of its file), which are suspected anyway. Every random number comes
     from `seed`. `splits` is how the decision is repeated over splits of the recordings: "linearised", about the models
     that were found, or "all", the whole search from scratch in each split, which takes as many times as long as there
-    are splits. `prepared` are the recordings where they are prepared already; `found` is called with the steps so far
-    whenever the search has another one. Refuses recordings that are too short, too slow or do not determine the model.
+    are splits. Refuses recordings that are too short, too slow or do not determine the model.
     """
-    began = time.perf_counter()
     if splits not in (LINEARISED, ALL):
         raise ExoidError(f"splits cannot be repeated as {splits!r}", remedy=f"use {LINEARISED} or {ALL}")
     model = cast("Model", model.model) if isinstance(model, Fit) else model
-    tick = progress or silent
-    most = rules.most_terms if most is None else most
-    question = _Question(model, seed, cutoff, derivative, tuple(extra), most, rules)
+    question = Question(model, seed, cutoff, derivative, tuple(extra), rules, splits)
+    return answer_of(question, recordings, verify, progress or silent)
+
+
+def answer_of(
+    question: Question,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress = silent,
+    prepared: Prepared | None = None,
+    found: Callable[[Sequence[Step]], None] | None = None,
+) -> Diagnosis:
+    """Return what `discover` finds; `prepared` are the recordings where they are prepared already, `found` is called
+    with the steps so far whenever the search has another one.
+    """
+    began = time.perf_counter()
+    rules, splits = question.rules, question.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
     done = question.search(recordings, verify, whole, prepared, found)
     prepared, state = done.prepared, done.found.state
@@ -105,14 +114,14 @@ def discover(
         agreements, possible = _from_scratch(question, recordings, verify, state.names, _part(tick, 0.5, 0.96))
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
-    left = None if len(extensions) > most else state.left
+    left = None if len(extensions) > rules.most_terms else state.left
     names = [one.name for one in done.context.prepared.all]
     accepted = tuple(
         replace(one, agreement=found, against=tuple(names[k] for k in found.against))
         for one in _accepted(extensions)
         for found in (agreements.get(one.name, Agreement()),)
     )
-    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), most, rules, possible)
+    answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
     return _write_up(done, extensions, accepted, left, possible, answer, began)
 
 
@@ -130,7 +139,7 @@ def diagnose(
     """Find the effect that `model` misses most: `discover` that stops after one step."""
     return discover(
         model, recordings, verify, seed=seed, cutoff=cutoff, derivative=derivative, extra=extra, progress=progress,
-        most=1,
+        rules=replace(RULES, most_terms=1),
     )  # fmt: skip
 
 
@@ -149,16 +158,16 @@ class _Searched:
 
 
 @dataclass(frozen=True, eq=False)
-class _Question:
-    """What is asked of recordings, whichever of them are fitted."""
+class Question:
+    """What is asked of recordings, whichever of them are fitted; `extra` are the user's own effects."""
 
     model: Model
     seed: int
     cutoff: float | None
     derivative: str
-    extra: tuple[Effect, ...]
-    most: int
-    rules: Rules
+    extra: tuple[Effect, ...] = ()
+    rules: Rules = RULES
+    splits: str = LINEARISED
 
     def search(
         self,
@@ -176,7 +185,7 @@ class _Question:
         answer = _before_any_search(base, self.rules)
         part = prepared if answer is not None else searched_stretches(prepared, self.rules)
         library = build_library(self.model, part.all, own_effects(self.model, self.extra))
-        context = SearchContext(part, library, self.seed, tick, self.most, self.rules)
+        context = SearchContext(part, library, self.seed, tick, self.rules)
         if found is not None:
             context = replace(context, grown=lambda state: found(_steps(state.extensions)))
         if answer is not None:
@@ -191,7 +200,7 @@ def _part(tick: Progress, low: float, high: float) -> Progress:
 
 
 def _from_scratch(
-    question: _Question,
+    question: Question,
     recordings: Sequence[Recording],
     verify: Sequence[Recording],
     accepted: Sequence[str],
@@ -203,18 +212,18 @@ def _from_scratch(
     lost: dict[str, list[int]] = {}
     count = 0
     splits = splits_of(len(everything), len(verify), question.rules, question.seed)
-    for number, aside in enumerate(splits):
+    for number, held_out in enumerate(splits):
         tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
-        fitted = [r for k, r in enumerate(everything) if k not in aside]
+        fitted = [r for k, r in enumerate(everything) if k not in held_out]
         try:
-            state = question.search(fitted, [everything[k] for k in aside], silent).found.state
+            state = question.search(fitted, [everything[k] for k in held_out], silent).found.state
         except NotEnoughDataError:  # these recordings alone do not determine the model: this split cannot tell
             continue
         count += 1
         for score in state.accepted:
             found.setdefault(score.name, []).append((score, _numbers_of(state.last.fitted.fit, score.name)))
         for name in set(accepted) - set(state.names):
-            lost.setdefault(name, []).extend(aside)
+            lost.setdefault(name, []).extend(held_out)
     agreements = {}
     for name, entries in found.items():
         values = [numbers for _, numbers in entries]

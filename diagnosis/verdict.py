@@ -44,13 +44,11 @@ def conclude(
     last: FittedModel,
     verified: bool,
     recordings: int,
-    most: int,
     rules: Rules = RULES,
     possible: Sequence[Possible] = (),
 ) -> Conclusion:
-    """Return the conclusion; `first` and `last` are the models at both ends, `most` the steps that were allowed,
-    `possible` what helps and was not accepted.
-    """
+    """Return the conclusion; `first` and `last` are the models at both ends, `possible` helps and was not accepted."""
+    most = rules.most_terms
     error = model_error(last, rules)
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
@@ -76,7 +74,7 @@ def conclude(
             "adequate",
             f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
             f"{_times(last):.2g} times the noise floor",
-            "The model explains these recordings; nothing that can be told from noise is missing."
+            "The model explains these recordings; nothing is missing that can be distinguished from noise."
             + ("" if error is None else f" Yet {error.sentence}.")
             + (f" They could not show much: {short}." if short else "")
             + (_nearest(possible, rules) if short or error is not None else ""),
@@ -95,7 +93,7 @@ def conclude(
             swing.advice
             if swing is not None
             else "repeat slow motion through that range with and without load, then write the effect as "
-            "[[custom_effects]] (a suggestion is in the report) and let `exoid add` judge it",
+            "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`",
             error,
         )
     if error is not None and left is None:
@@ -178,7 +176,7 @@ def _advice(verified: bool, recordings: int) -> str:
     if recordings == 1 and not verified:
         return "record at least two more motions: with one recording nothing is tested on a motion of its own"
     if not verified:
-        return "keep one recording aside with --verify: it is the only judge that no step has seen"
+        return "hold one recording out with --verify: no step of the search then sees it"
     return ""
 
 

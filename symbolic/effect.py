@@ -110,7 +110,7 @@ class Effect:
             lines(self.explains, strong=f"{self.id}: {self.title or self.family}")
             + (code(torque) if torque else lines(self.made_by))
             + table(("number", "unit", "at least", "at most", "meaning"), numbers)
-            + lines(self.tells_apart and f"What tells it apart: {self.tells_apart}", f"Reference: {self.reference}")
+            + lines(self.tells_apart and f"What distinguishes it: {self.tells_apart}", f"Reference: {self.reference}")
         )
 
     @property

@@ -64,7 +64,7 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:
         parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, fitted.model.joint_names))
         text = f"This model leaves {parts} of the torque's variance: channels are wrong, or something large is missing"
-        doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` tells which of both")
+        doubt = Doubt("unexplained", text, f"{_COLUMNS}; `exoid discover` finds which of the two it is")
     if doubt is None:
         return ()
     return (Finding("channels", "warning", doubt.sentence.rstrip("."), "all recordings", remedy=doubt.remedy),)

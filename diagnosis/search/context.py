@@ -42,13 +42,12 @@ def unheard(state: State) -> None:
 
 @dataclass(frozen=True, eq=False)
 class SearchContext:
-    """Recordings, candidates, seed and thresholds of one search; `most` terms may be added."""
+    """Recordings, candidates, seed and thresholds of one search."""
 
     prepared: Prepared
     library: Library
     seed: int = 0
     tick: Progress = silent
-    most: int = RULES.most_terms
     rules: Rules = RULES
     grown: Callable[[State], None] = unheard
     """Called with the state whenever a term was added."""

@@ -10,7 +10,7 @@ from diagnosis.search.state import State
 def forward(context: SearchContext, state: State) -> State:
     """Add the best candidate, and again, as long as one helps and more may be added."""
     out = state.banned | state.dropped | state.unsteady
-    while len(state.extensions) <= context.most:
+    while len(state.extensions) <= context.rules.most_terms:
         evidence, scores = context.rank(state.last, len(state.extensions))
         choice = choose(context, state.last, evidence, scores, out)
         if choice.found is None:

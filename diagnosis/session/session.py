@@ -11,19 +11,20 @@ Models are named by the effects that they have beyond the one given: `("stribeck
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from diagnosis.compare import Comparison, compare_prepared
-from diagnosis.discover import discover, own_effects
+from diagnosis.discover import Question, answer_of, own_effects
 from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import ModelError, model_error
 from diagnosis.evidence.stretches import origins, searched_stretches
 from diagnosis.results import Diagnosis, Step
 from diagnosis.rules import RULES, Rules
-from diagnosis.search.context import Progress
+from diagnosis.search.context import Progress, silent
 from diagnosis.session.ranking import Ranking
 from measurement.recording import Recording
 from measurement.signals.derivatives import BUTTERWORTH
@@ -164,10 +165,9 @@ class Session:
 
         `found` is called with the steps so far whenever there is another one.
         """
-        return discover(
-            self.with_effects(names), self.recordings, self.verify, seed=self.seed, extra=self.extra,
-            progress=progress, most=most, rules=self.rules, prepared=self.prepared, found=found,
-        )  # fmt: skip
+        rules = self.rules if most is None else replace(self.rules, most_terms=most)
+        question = Question(self.with_effects(names), self.seed, self.cutoff, self.derivative, self.extra, rules)
+        return answer_of(question, self.recordings, self.verify, progress or silent, self.prepared, found)
 
     def light(self) -> Session:
         """Return the session with its prepared recordings alone, as it is sent to another process."""

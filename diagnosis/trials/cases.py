@@ -11,7 +11,7 @@ Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, th
     outside   an effect that the catalogue does not have
 
 and those of `machines.py`: what real machines have, with one effect hidden; and of `chains.py`: other machines than the
-leg, with one effect hidden or nothing. Their sizes are judged against the noise of the joint's own torque sensor.
+leg, with one effect hidden or nothing. Their sizes are compared with the noise of the joint's own torque sensor.
 """
 
 from __future__ import annotations
@@ -230,7 +230,7 @@ def _drawn(name: str, model: Model, leg: Leg | Machine, rng: np.random.Generator
 
 
 def motions(model: Model) -> list[Motion]:
-    """Return three usual motions, 10 s each, on which sizes are judged."""
+    """Return three usual motions, 10 s each, on which sizes are assessed."""
     t, limits = np.arange(0.0, 10.0, 1.0 / RATE), model.motion_limits
     return [random_trajectory(np.random.default_rng(k), limits).at(t) for k in range(3)]
 

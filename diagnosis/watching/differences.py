@@ -42,7 +42,7 @@ PARTS = 4
 """Parts at least into which each side is cut, so that some can be held out."""
 OLD_ERROR = Threshold(
     0.05,
-    "share of the loss from which an error that was there all along is told: trifles listed where nothing changed",
+    "share of the loss from which an error that was there all along is reported: trifles listed where nothing changed",
 )
 SCATTER = Threshold(
     3.0,

@@ -29,7 +29,7 @@ from symbolic.quantity import Estimate
 
 ROBUST = Threshold(2.0, "scales beyond which a residual counts linearly: a burst would move the numbers")
 CREDIT = Threshold(20.0, "samples' worth of forgetting that may be saved up: a long rest would be followed by a jump")
-LEAST_BLOCKS = Threshold(4.0, "blocks remembered before an interval is told: a scatter of two or three is chance")
+LEAST_BLOCKS = Threshold(4.0, "blocks remembered before an interval is reported: a scatter of two or three is chance")
 
 
 @dataclass(frozen=True)

@@ -167,7 +167,7 @@ def _row(
     useful = [(v, h) for v, h in alone if math.isfinite(h) and h <= USEFUL * max(abs(together[0]), together[1])]
     advice = next((text for start, text in ADVICE.items() if name.startswith(start)), "more motion of that joint")
     if len(useful) < 2:
-        told = "one recording tells" if useful else "no recording tells alone"
+        told = "one recording determines it" if useful else "no recording determines it alone"
         return Row(name, unit, together, tuple(alone), None, 0.0, told, f"record more: {advice}")
     value, half = np.array(useful).T
     weight = (NORMAL / np.maximum(half, 1e-300)) ** 2

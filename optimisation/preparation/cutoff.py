@@ -24,7 +24,7 @@ from symbolic.motion import Float
 CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 """Cut-off frequencies tried, Hz."""
 COMMON_BAND = 3.0
-"""Every cut-off is judged on the unseen torque below this frequency, Hz."""
+"""Every cut-off is assessed on the unseen torque below this frequency, Hz."""
 BIAS_LIMIT = Threshold(0.005, "share of noise in the accelerations: about the relative bias of an inertia")
 NOISE_LIMIT = Threshold(
     0.05,

@@ -154,7 +154,7 @@ def prepare_one(
     reach: float = np.inf,
     derivative: str = BUTTERWORTH,
 ) -> PreparedRecording:
-    """Prepare one recording; without `beta` the outliers are judged by the torque's own running median.
+    """Prepare one recording; without `beta` outliers are found by the torque's own running median.
 
     Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
     """

@@ -1,7 +1,7 @@
 """From recordings to samples that a fit may use: derivatives, one cut-off for all, outliers taken out.
 
 The cut-off matters more than any added term (docs: how the numbers are made), so it is chosen from the data and
-its reason is told. Outliers of the torque are judged against the *local median of the residual* of a robust
+its reason is reported. Outliers of the torque are found against the *local median of the residual* of a robust
 fit of the base model: an unmodelled effect moves that median and is kept, a single bad sample does not. They are
 bridged before filtering, once, before anything is diagnosed, so that every model sees the same samples.
 """

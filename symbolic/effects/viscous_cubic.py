@@ -12,7 +12,7 @@ EFFECT = Effect(
     coefficients={"c": Coefficient("N·m·s³/rad³", min=0.0, typical=4.0, explains="steepening of the resistance")},
     explains="The faster it moves, the more steeply the resistance rises, the same in both directions.",
     tells_apart=(
-        "Constant speeds up to the highest allowed; only a wide range of speeds tells the cube from the square."
+        "Constant speeds up to the highest allowed; only a wide range of speeds distinguishes the cube from the square."
     ),
     reference=(
         "Waiboer, Aarts, Jonker, Velocity dependence of joint friction in robotic manipulators with gear "

@@ -41,7 +41,7 @@ def test_forward_adds_what_is_hidden_and_stops(plain):
 def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     start = replace(state_with(plain), banned=frozenset({"torque_offset:knee"}))
     assert "torque_offset:knee" not in forward(plain, start).names
-    assert len(forward(replace(plain, most=1), state_with(plain)).names) == 1
+    assert len(forward(replace(plain, rules=replace(plain.rules, most_terms=1)), state_with(plain)).names) == 1
 
 
 def test_prune_drops_what_the_later_terms_made_superfluous(plain):

@@ -66,7 +66,7 @@ def test_same_seed_same_fit():
     assert np.array_equal(first.linear, second.linear)
 
 
-def test_light_mode_is_the_same_fit_without_witnesses(fit):
+def test_light_mode_is_the_same_fit_without_nfo_and_ipopt(fit):
     light = identify(Leg(), [record(noise=5.0, outliers=0.1, samples=700, step=0.05)], optimisers=())
     assert np.array_equal(light.linear, fit.linear)
     assert light.runs == {}

@@ -9,8 +9,14 @@ import pytest
 
 import exoid
 from diagnosis.discover import own_effects
+from diagnosis.watching.watcher import Settings
+from ground.engines.local import local
 from symbolic.codegen.code import generate
+from workbench.campaign.plan import read_plan
+from workbench.campaign.run import run_campaign
 from workbench.command import main
+from workbench.exporting import exporter
+from workbench.identified import Options, read_ready
 
 LEG = """\
 name = "my leg"
@@ -73,6 +79,13 @@ def same(command, result, *beyond):
 def test_compare(given):
     model, train, verify = given
     assert same(by_command("compare", *FILES), exoid.compare(model, train, verify))
+
+
+def test_compare_before_against_after(given):
+    model, train, verify = given
+    words = ("compare", "run0.csv", "run1.csv", "--against", "run2.csv", "--model", "leg.toml", "--seed", "4")
+    found = exoid.compare_against(model, train, verify, seed=4, extra=model.custom)
+    assert same(by_command(*words), found)
 
 
 def test_identify(given):
@@ -155,6 +168,44 @@ def test_generate(given):
     for name, text in files.items():
         with open(f"code/{name}", encoding="utf-8") as stream:
             assert stream.read() == text
+
+
+def test_export(given):
+    assert main(["identify", "run0.csv", "run1.csv", "--model", "leg.toml", "--write", "ready.toml", "--quiet"]) == 0
+    command = by_command("export", "ready.toml", "--format", "numpy", "casadi", "--out", "exported")
+    ready = read_ready("ready.toml")
+    for name, written in command["files"].items():
+        files = exporter(name).write(ready, Options("exoid_leg", None, 0.0))
+        assert written == sorted(files)
+        for file, text in files.items():
+            with open(f"exported/{file}", encoding="utf-8") as stream:
+                assert stream.read() == text
+
+
+def test_watch(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    exoid.write_recording(exoid.simulate_runs(1, seed=5, bench=exoid.Bench(duration=26.0))[0].recording, "long.csv")
+    words = "watch standard long.csv --learn 20 --seed 2 --json events.json --quiet"
+    assert main(words.split()) == 0
+    with open("events.json", encoding="utf-8") as stream:
+        command = [plain(json.loads(line)) for line in stream]
+    settings = Settings(learn=4, most_learn=12, seed=2)
+    found = exoid.watch(exoid.Model.standard(), exoid.read_recording("long.csv"), settings)
+    assert [(one["event"], one["sentence"]) for one in command] == [(one.event, one.sentence) for one in found]
+
+
+@pytest.mark.slow
+def test_campaign(given):
+    model, train, verify = given
+    with open("plan.toml", "w", encoding="utf-8") as stream:
+        stream.write('verb = "compare"\nfiles = "run{run}.csv"\ngroup = []\nverify = 1\nmodel = "leg.toml"\n')
+    engine = local(1)
+    found = run_campaign(read_plan("plan.toml"), "fleet", engine)
+    engine.close(True)
+    result = {key: value for key, value in found.rows[0]["result"].items() if key not in ("schema", "seconds")}
+    assert result == plain(json.loads(json.dumps(exoid.compare(model, train, verify).to_json())))
+    command = by_command("campaign", "plan.toml", "--out", "fleet")
+    assert command["rows"] == found.to_json()["rows"] and command["kept"] == 1
 
 
 def test_effects(given):

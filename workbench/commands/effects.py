@@ -115,7 +115,7 @@ def describe_effect(effect: Effect) -> str:
         lines += ["", "  shape (searched within its bounds)"]
         lines += [f"    {name}: {_shape(s)}" for name, s in effect.shape.items()]
     if effect.tells_apart:
-        lines += ["", f"  look-alikes, and the experiment that tells: {effect.tells_apart}"]
+        lines += ["", f"  look-alikes, and the experiment that distinguishes it: {effect.tells_apart}"]
     lines += ["", f"  reference: {effect.reference}"]
     where = "" if effect.on_both else ":knee" if "knee" in effect.joints else ":hip"
     if not effect.custom:

@@ -36,6 +36,6 @@ def torque(name: str, model: Any = None) -> str:
 
 
 def tells_apart(name: str, model: Any = None) -> str:
-    """Return the look-alikes and the experiment that tells, as the catalogue has them, or ""."""
+    """Return the look-alikes and the experiment that distinguishes them, as the catalogue has them, or ""."""
     effect = effect_of(name, model)
     return "" if effect is None else effect.tells_apart

@@ -15,7 +15,7 @@ TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
 LEAST = Threshold(0.005, "s of delay that is noted: half a step of usual loggers")
 GAIN = Threshold(0.15, "part of the torque's power that another timing explains: a missing effect looks late")
-FITS = Threshold(0.2, "share of power left, beyond which the rough leg is no witness: other errors are worse")
+FITS = Threshold(0.2, "share of power left, beyond which the rough leg cannot tell: other errors are larger")
 
 
 def check(recording: Recording) -> list[Finding]:
