@@ -109,13 +109,19 @@ def refitted(
     lag = {name: _lag(loss, least) for name, loss in losses.items()}
     score, found = min(
         ((s, f) for s, f in tried if lag[s.name] < rules.tied),
-        key=lambda p: (p[0].candidate.numbers, _shapes(p[0]), p[0].candidate.tangent),
+        key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
     )
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
     others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
-    # A backlash without a gap is a spring: what is the same with a shape besides says nothing more.
-    others = [s for s in others if not (_same(s, score) and _shapes(s) > _shapes(score))]
+    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a shape besides, and
+    # is the same or explains less, says nothing more.
+    behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}
+    others = [
+        s
+        for s in others
+        if _plainness(s) <= _plainness(score) or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
+    ]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)
 
@@ -183,9 +189,9 @@ def _lag(loss: Float, least: Float) -> float:
     return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
 
 
-def _shapes(score: Score) -> int:
-    """Return how many shape parameters a candidate has."""
-    return len(score.candidate.term.effect.shape)
+def _plainness(score: Score) -> tuple[int, int]:
+    """Return how many numbers a candidate has, and how many of them are shape parameters: the fewer, the plainer."""
+    return score.candidate.numbers, len(score.candidate.term.effect.shape)
 
 
 def _same(one: Score, other: Score) -> bool:

@@ -66,9 +66,9 @@ MACHINES_PER_SEED = 4
 """Effects per seed and kind of `machines.py`."""
 CHAINS_PER_SEED = 4
 """Effects per seed and kind of `chains.py`; beside them, one machine with nothing hidden."""
-SENSIBLE = 10.0
-"""Times its typical size that an effect in another machine than the leg is at most: what would have to be larger to be
-seen is not hidden there."""
+SENSIBLE, SENSIBLE_SHARE = 10.0, 0.3
+"""Times its typical size, and share of the torque of the machine, that an effect has at most where it is no leg's: what
+would have to be larger to be seen is not hidden there."""
 SHOWN_SUSPECTS = 6
 
 
@@ -160,7 +160,7 @@ def _chain_variants(kind: str, rng: np.random.Generator) -> list[str]:
     names: list[str] = []
     for name in rng.permutation(singles(model)):
         hidden = _drawn(str(name), model, machine, usual)
-        small = _scaled(hidden, min(VISIBLE[0] / visible(hidden, model, machine), _largest(hidden, model)))
+        small = _scaled(hidden, min(VISIBLE[0] / visible(hidden, model, machine), _largest(hidden, model, machine)))
         if visible(_possible(small, model, machine), model, machine) > 0.9 * VISIBLE[0]:
             names.append(str(name))
         if len(names) == CHAINS_PER_SEED:
@@ -205,20 +205,20 @@ def hide(case: Case, model: Model, leg: Leg | Machine, rng: np.random.Generator)
     for name in case.variants if case.kind != CONVENTION else ():
         hidden = _drawn(name, model, leg, rng)
         wanted = math.exp(float(rng.uniform(*np.log(VISIBLE))))
-        most = min(MOST_SHARE / relative_size(hidden, leg, model), _largest(hidden, model))
-        hidden = _scaled(hidden, min(wanted / visible(hidden, model, leg), most))
+        hidden = _scaled(hidden, min(wanted / visible(hidden, model, leg), _largest(hidden, model, leg)))
         out.append(_possible(_scaled(hidden, SMALL if case.kind == "small" else 1.0), model, leg))
     return tuple(out)
 
 
-def _largest(hidden: Hidden, model: Model) -> float:
-    """Return by what an effect may be multiplied to be `SENSIBLE` times its typical size; infinite in a leg."""
+def _largest(hidden: Hidden, model: Model, leg: Leg | Machine) -> float:
+    """Return by what an effect may be multiplied at most."""
     assert isinstance(hidden.effect, Effect)
+    share = max(relative_size(hidden, leg, model), 1e-12)
     if not model.chain:
-        return math.inf
+        return MOST_SHARE / share
     sizes = {p.name.rpartition(".")[2]: p.typical for p in Term(hidden.effect, hidden.joint, model.joints).parameters}
     most = [SENSIBLE * size / max(abs(hidden.values[key]), 1e-12) for key, size in sizes.items() if size]
-    return min(most, default=math.inf)
+    return min([*most, SENSIBLE_SHARE / share])
 
 
 def _drawn(name: str, model: Model, leg: Leg | Machine, rng: np.random.Generator) -> Hidden:

@@ -27,8 +27,8 @@ def _drive(rng: np.random.Generator) -> Model:
 
 
 def _slide(rng: np.random.Generator) -> Model:
-    stroke, velocity, acceleration = _vary(rng, 0.25, 0.25, 1.0)
-    limits = {"axis": Limits((0.0, stroke), velocity, acceleration)}
+    reach, velocity, acceleration = _vary(rng, 0.12, 0.25, 1.0)
+    limits = {"axis": Limits((-reach, reach), velocity, acceleration)}
     return Model("sliding drive", gravity=0.0, limits=limits, chain=(Joint("axis", "prismatic"),))
 
 

@@ -8,11 +8,14 @@ inertias could produce Φ1 to Φ4 at all.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
 from measurement.finding import Finding
 from optimisation.fitting.assemble import FittableModel, is_paper_leg
+from optimisation.linear.links import nearest_links
+from symbolic.model import Model
 from symbolic.motion import Float, Motion
 from symbolic.quantity import Estimate
 
@@ -120,13 +123,15 @@ def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[F
 
 
 def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
-    """Φ comes from some positive m, l, I exactly when Φ2, Φ3 > 0 and Φ3²/Φ2 < Φ1 - Φ2 + min(0, Φ4).
+    """The leg's Φ comes from some positive m, l, I exactly when Φ2, Φ3 > 0 and Φ3²/Φ2 < Φ1 - Φ2 + min(0, Φ4).
 
     Reason: I_sh > 0 means m_sh a² > Φ3²/Φ2; I_th + m_th l_th² = Φ1 - Φ2 - m_sh a² and m_th a l_th = Φ4 + that
     must stay positive; a short thigh lever with a large mass then always leaves I_th > 0.
     """
     at = {p.name: i for i, p in enumerate(model.parameters)}
-    if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")) or not is_paper_leg(model):
+    if not is_paper_leg(model):
+        return _links(cast(Model, model), linear)
+    if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")):
         return []
     one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))
     remedy = "no masses and lengths can be computed from this fit; its torque prediction may still be good"
@@ -141,3 +146,15 @@ def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
         return []
     what = "no positive masses, lengths and inertias give Φ1 to Φ4 (Φ3²/Φ2 must be below Φ1 - Φ2 + min(0, Φ4))"
     return [Finding("realisable", "warning", what, "Phi1..Phi4", three**2 / two, room, remedy)]
+
+
+def _links(model: Model, linear: Float) -> list[Finding]:
+    """Say where no links of positive mass and inertia have the inertial parameters of a machine."""
+    count = len(model.inertial)
+    if any(p.min is not None and value <= p.min for p, value in zip(model.inertial, linear, strict=False)):
+        return []  # `_bounds` has said it
+    if nearest_links(model, np.asarray(linear[:count])) is not None:
+        return []
+    what = f"no links of positive mass and inertia have Φ1 to Φ{count}"
+    remedy = "its torque prediction may still be good; --physical asks for the best fit that a machine can have"
+    return [Finding("realisable", "warning", what, f"Phi1..Phi{count}", 0.0, 0.0, remedy)]

@@ -9,6 +9,14 @@ same loss is minimised over the parameters that can. That set is convex, so the 
 The two matrix inequalities say Φ3²/Φ2 ≤ Φ1 - Φ2 + min(0, Φ4), which holds exactly for what positive m, l, I give (see
 `plausibility`), and make M(θ) positive definite in every posture. The margin m keeps it from being nearly singular.
 
+Of a machine that is not the leg, the base parameters are sums over its links (`links.mixture`), Φ = A (J, X, m), and
+the condition is that of each link (Wensing, Kim, Slotine, IEEE Robotics and Automation Letters 3(1), 2018; here of a
+planar body on its axis):
+
+    links     [[J_k, X_k], [X_k, m_k]] ⪰ m 1   for some J, X, m with A (J, X, m) = Φ
+
+The same problem is then solved, and proven, with those numbers of links in the place of Φ.
+
 IPOPT solves it. The proof is ours. Every vector v makes vᵀF(Φ)v ≥ 0 a condition linear in Φ, as a bound is one; with
 multipliers λ ≥ 0 of such conditions gₖ(Φ) ≥ 0 and any u with |u_i| ≤ 2δ_i and Ȳᵀu + Σ λₖ ∇gₖ = 0,
 
@@ -22,21 +30,27 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
 
 import numpy as np
 
 from optimisation.fitting.assemble import FittableModel, is_paper_leg
 from optimisation.linear.certificate import Certificate, fenchel, ratio
+from optimisation.linear.factor import factorise
+from optimisation.linear.links import PARAMETERS, mixture, nearest_links, tree_of
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import OPTIONS, Reference, column_scale, loss_expression
 from optimisation.linear.solve import solve_huber, solve_sse
+from symbolic.model import Model
 from symbolic.motion import Float
 
 MARGIN = 1e-4
-"""Least eigenvalue of the two mass matrices, kg·m²."""
+"""Least eigenvalue of the two mass matrices, kg·m², or of a link in units of a rod of `MASS` kg."""
+MASS, LENGTH, HEAVIEST = 4.0, 0.3, 1e3
+"""kg and m of a rod in whose units numbers of links are, and how many times its mass a link has at most: where nothing
+shows it, it would grow without end."""
 ACTIVE = 1e-5
 """Relative distance to a condition up to which it may have a multiplier."""
 PROVEN = 1e-7
@@ -47,12 +61,16 @@ ANGLES = 33
 
 @dataclass(frozen=True, eq=False)
 class Inequality:
-    """A 2×2 matrix [[a, b], [b, c]] ⪰ MARGIN·1 with a, b, c linear in Φ; each is a row (P,)."""
+    """A 2×2 matrix [[a, b], [b, c]] ⪰ MARGIN·1 with a, b, c linear in Φ; each is a row (P,).
+
+    `push` (P,) added to Φ raises both its eigenvalues by one at least.
+    """
 
     name: str
     a: Float
     b: Float
     c: Float
+    push: Float
 
     def matrix(self, linear: Float) -> Float:
         """Return the matrix (2, 2) at `linear`, the margin taken off."""
@@ -67,12 +85,13 @@ class Inequality:
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """What is possible for a model: `low`, `high` (P,), and matrix inequalities."""
+    """What is possible for a model: `low`, `high` (P,), and matrix inequalities, or those of the links behind it."""
 
     names: tuple[str, ...]
     low: Float
     high: Float
     inequalities: tuple[Inequality, ...]
+    lift: Lift | None = None
 
     def conditions(self, linear: Float) -> list[tuple[str, Float, float]]:
         """Return (name, row, constant) of every linear condition row·Φ + constant ≥ 0 that is tight near `linear`."""
@@ -103,20 +122,69 @@ class Physics:
         """Return the names of what `linear` (P,) violates."""
         out = [n for n, x, a, b in zip(self.names, linear, self.low, self.high, strict=True) if not a <= x <= b]
         out += [i.name for i in self.inequalities if np.linalg.eigvalsh(i.matrix(linear))[0] < 0.0]
+        if self.lift is not None and self.lift.raised(linear) is None:
+            out.append("inertial parameters: no links of positive mass have them")
         return tuple(out)
 
     def inside(self, linear: Float) -> Float:
         """Return `linear` put back inside: bounds exactly, matrices by adding as little inertia as rounding needs."""
         out = np.clip(linear, self.low, self.high)
-        at = {name: p for p, name in enumerate(self.names)}
         for _ in range(8):
-            least = min((float(np.linalg.eigvalsh(i.matrix(out))[0]) for i in self.inequalities), default=0.0)
-            if least >= 0.0:
+            least = [float(np.linalg.eigvalsh(i.matrix(out))[0]) for i in self.inequalities]
+            if min(least, default=0.0) >= 0.0:
                 break
-            push = 1.5 * abs(least) + 1e-16
-            out[at["Phi2"]] += push
-            out[at["Phi1"]] += 2.0 * push
+            worst = int(np.argmin(least))
+            out = out + (1.5 * abs(least[worst]) + 1e-16) * self.inequalities[worst].push
         return out
+
+
+@dataclass(frozen=True, eq=False)
+class Lift:
+    """Parameters (P,) as `matrix` (P, Q) times numbers of links and all others, of which `inner` says what is possible.
+
+    `unit` (3 J,) are those of the links' numbers (J, X, m, link after link).
+    """
+
+    model: Model
+    matrix: Float
+    unit: Float
+    inner: Physics
+    _known: dict[bytes, Float] = field(default_factory=dict)
+
+    def data(self, data: LinearData) -> LinearData:
+        """Return the same data with columns for the numbers of links."""
+        return replace(
+            data,
+            columns=data.columns @ self.matrix,
+            names=self.inner.names,
+            units=("",) * len(self.inner.names),
+            factoriser=factorise,
+        )
+
+    def start(self, linear: Float) -> Float:
+        """Return numbers (Q,) to begin from: rods, and all others of `linear` (P,)."""
+        rods = np.tile([1.0, 0.5 * np.sqrt(3.0), 1.0], len(self.unit) // 3)
+        return np.concatenate([rods, linear[len(self.model.inertial) :]])
+
+    def lowered(self, numbers: Float) -> Float:
+        """Return the parameters (P,) of `numbers` (Q,), and remember whose they are."""
+        linear = np.asarray(self.matrix @ numbers)
+        self._known[linear.tobytes()] = numbers
+        return linear
+
+    def raised(self, linear: Float) -> Float | None:
+        """Return numbers (Q,) that have these parameters (P,), None where no possible ones do."""
+        if linear.tobytes() not in self._known:
+            count = len(self.model.inertial)
+            links = nearest_links(self.model, np.asarray(linear[:count]))
+            if links is None:
+                return None
+            own = np.array([(one.inertia, one.along, one.mass) for one in links]).ravel() / self.unit
+            numbers = np.concatenate([own, linear[count:]])
+            if self.inner.broken(numbers):
+                return None
+            self._known[linear.tobytes()] = numbers
+        return self._known[linear.tobytes()]
 
 
 def physics(model: FittableModel) -> Physics:
@@ -124,19 +192,47 @@ def physics(model: FittableModel) -> Physics:
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
-    if any(f"Phi{k}" not in names for k in range(1, 5)) or not is_paper_leg(model):
+    if not is_paper_leg(model):
+        return Physics(names, low, high, (), _lift(cast(Model, model), names, low, high))
+    if any(f"Phi{k}" not in names for k in range(1, 5)):
         return Physics(names, low, high, ())
     one, two, three, four = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))
     low[names.index("Phi3")] = max(low[names.index("Phi3")], 0.0)
+    heavier = two + 2.0 * one
     return Physics(
         names,
         low,
         high,
         (
-            Inequality("Phi1 to Phi3: no positive masses", two, three, one - two),
-            Inequality("Phi1 to Phi4: no positive masses", two, three, one - two + four),
+            Inequality("Phi1 to Phi3: no positive masses", two, three, one - two, heavier),
+            Inequality("Phi1 to Phi4: no positive masses", two, three, one - two + four, heavier),
         ),
     )
+
+
+def _lift(model: Model, names: tuple[str, ...], low: Float, high: Float) -> Lift:
+    """Return the parameters of a machine as numbers of its links, in units of rods of `MASS` kg."""
+    joints, count = tree_of(model), len(model.inertial)
+    rods = [(joint.length or LENGTH) / np.sqrt(3.0) for joint in joints]
+    unit = np.array([(MASS * a**2, MASS * a, MASS) for a in rods]).ravel()
+    others = len(names) - count
+    matrix = np.zeros((len(names), unit.size + others))
+    matrix[:count, : unit.size] = mixture(model) * unit
+    matrix[count:, unit.size :] = np.eye(others)
+    called = tuple(f"{joint.name}.{kind}" for joint in joints for kind in PARAMETERS)
+    eye = np.eye(matrix.shape[1])
+    inequalities = []
+    for k, joint in enumerate(joints):
+        a, b, c = (eye[3 * k + PARAMETERS.index(kind)] for kind in ("J", "X", "m"))
+        inequalities.append(Inequality(f"link of {joint.name}: no positive mass and inertia", a, b, c, a + c))
+    heaviest = np.where([name.endswith(".m") for name in called], HEAVIEST, np.inf)
+    inner = Physics(
+        (*called, *names[count:]),
+        np.concatenate([np.full(unit.size, -np.inf), low[count:]]),
+        np.concatenate([heaviest, high[count:]]),
+        tuple(inequalities),
+    )
+    return Lift(model, matrix, unit, inner)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +262,9 @@ def physical_reference(data: LinearData, delta: Float, possible: Physics, start:
     """Solve the problem with its conditions by IPOPT, from `start` (P,); infinite thresholds give SSE."""
     import casadi as ca
 
+    if (lift := possible.lift) is not None:
+        raised = physical_reference(lift.data(data), delta, lift.inner, lift.start(np.asarray(start, dtype=float)))
+        return replace(raised, x=lift.lowered(raised.x))
     began = time.perf_counter()
     scale = column_scale(data)
     x = ca.MX.sym("x", scale.size)
@@ -205,6 +304,10 @@ def certify_physical(
     """
     from scipy.optimize import nnls
 
+    if (lift := possible.lift) is not None:
+        numbers = lift.raised(linear)
+        if numbers is not None:
+            data, linear, possible = lift.data(data), numbers, lift.inner
     residual = data.residual(linear).reshape(-1)
     limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
     basis, backward = data.factor.basis, data.factor.backward
@@ -218,7 +321,11 @@ def certify_physical(
     # Both enter the gap: what the multipliers leave of the gradient, times |z|, and what they put on slack conditions.
     slack = np.array([float(row @ linear) + constant for _, row, constant in known])
     waste = slack / np.where(size > 0.0, size, 1.0) / max(float(np.linalg.norm(data.factor.forward @ linear)), 1e-300)
-    equations, right = np.vstack([pull.T, waste]), np.append(wanted, 0.0)
+    # What pulls along a direction that no data determine must vanish altogether.
+    blind = (rows - (rows @ backward) @ data.factor.forward) / np.where(size > 0.0, size, 1.0)[:, None]
+    if data.factor.rank == linear.size:
+        blind = blind[:, :0]
+    equations, right = np.vstack([pull.T, waste, blind.T]), np.concatenate([wanted, np.zeros(1 + blind.shape[1])])
     weight: Float = np.asarray(nnls(equations, right)[0]) if known else np.zeros(0)
     part: float
     u, part = _feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight) if known else np.zeros(data.factor.rank))

@@ -8,11 +8,14 @@ import pytest
 from ground.errors import RecordingError
 from measurement.bench.simulation import Bench, run_bench
 from optimisation.fitting.identify import identify
+from optimisation.linear.loss import huber
+from optimisation.linear.physical import physics
 from optimisation.preparation.prepare import prepare
 from symbolic.joints import Joint
 from symbolic.model import Model
 
 DRIVE = Model("drive", chain=(Joint("drive"),))
+CHAIN = Model("arm", chain=(Joint("shoulder", length=0.3), Joint("elbow")))
 SLIDE = Model("slide", gravity=0.0, chain=(Joint("stage", "prismatic"),))
 
 
@@ -24,6 +27,31 @@ def test_the_numbers_of_the_bench_are_found_again(model):
     for estimate, true in zip(fit.estimates, runs[0].true.linear, strict=True):
         assert abs(estimate.value - true) < 0.1 * abs(true) + 1e-3, estimate
     assert len(fit.plot().axes) == 4
+
+
+@pytest.mark.parametrize("chain", [(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")), DRIVE.chain])
+def test_the_best_possible_links_of_any_machine(chain):
+    model = Model("machine", chain=chain)
+    run = run_bench(model, seed=4, bench=Bench(duration=8.0)).recording
+    last = np.eye(len(chain))[-1]
+    wrong = replace(run, tau=run.tau - 1.2 * last * run.tau)  # the last drive seems to push the wrong way a little
+    free = identify(model, [wrong], optimisers=())
+    held = identify(model, [wrong], optimisers=(), physical=True)
+    assert held.certificate.holds and held.certificate.gap < 1e-7 and held.held.cost > 0.0
+    assert any("no links of positive mass" in text for text in held.held.broken)
+    assert np.isclose(held.reference.loss, held.certificate.primal, rtol=1e-6) and held.loss > free.loss
+    possible = physics(model)
+    numbers = possible.lift.start(held.linear)
+    for one in possible.lift.inner.inequalities:  # rods are possible, and no better
+        assert np.linalg.eigvalsh(one.matrix(numbers))[0] > 0.0
+    rods = np.asarray(possible.lift.matrix @ numbers)
+    assert huber(held.data.residual(rods), held.delta) > held.loss
+
+
+def test_links_that_cannot_be_are_told():
+    run = run_bench(CHAIN, seed=4, bench=Bench(duration=8.0)).recording
+    fit = identify(CHAIN, [replace(run, tau=run.tau * [1.0, -0.2])], optimisers=())
+    assert any(finding.check in ("realisable", "inertia", "bounds") for finding in fit.plausibility)
 
 
 def test_a_joint_that_rests_most_of_the_time_makes_no_outliers():
