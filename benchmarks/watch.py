@@ -17,14 +17,19 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.signal import butter, sosfiltfilt
 
 from diagnosis.watching.events import Event
-from diagnosis.watching.front import FrontEnd, Samples
+from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
+from diagnosis.watching.result import Differences
 from diagnosis.watching.watcher import Settings, Watcher
-from diagnosis.watching.window import window
+from diagnosis.watching.window import Window, window
 from measurement.bench.deflection import at_encoders, rigid_torque
 from measurement.bench.equation import split_channel
 from measurement.bench.hidden import Hidden, true_model
@@ -33,18 +38,24 @@ from measurement.bench.sensors import Sensors
 from measurement.bench.simulation import Bench, run_bench
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.catalogue import catalogue
+from symbolic.mechanics.payload import LINKS, Payload
 from symbolic.model import Model
 from symbolic.motion import Motion
+from symbolic.quantity import Estimate
 
-DAY = 86400.0
+HOUR = 3600.0
 LEAVE_OUT = ("drift", "base")
 """Families whose effects do not appear at a moment."""
 CUSUM = 12.0
+PERIOD = 47.0
+"""s after which a motion repeats."""
+STREAM = 4.0 * 3600.0
+"""s of a stream in which nothing changes."""
 
 
 def motion(seed: int) -> Fourier:
     """Return a motion that does not repeat for most of a minute."""
-    return random_trajectory(np.random.default_rng([seed, 5]), period=47.0, harmonics=24)
+    return random_trajectory(np.random.default_rng([seed, 5]), period=PERIOD, harmonics=24)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,73 +66,166 @@ class Truth:
     torque: np.ndarray
 
     @classmethod
-    def of(cls, seed: int, seconds: float) -> Truth:
+    def of(cls, seed: int, seconds: float, folder: Path | None = None) -> Truth:
+        """Simulate motion number `seed`, or take it from `folder`, where it is kept."""
+        kept = None if folder is None else folder / f"motion_{seed}_{seconds:g}.npz"
+        if kept is not None and kept.exists():
+            with np.load(kept) as found:
+                return cls(Motion(*(found[name] for name in ("t", "q", "dq", "ddq", "sign"))), found["torque"])
         made = run_bench(seed=seed, excitation=motion(seed), bench=Bench(duration=seconds))
+        if kept is not None:
+            m = made.motion
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            np.savez(kept, t=m.t, q=m.q, dq=m.dq, ddq=m.ddq, sign=m.sign, torque=made.torque)
         return cls(made.motion, made.torque)
 
-    def rows(self, seed: int, hidden: Hidden | None = None, moment: float = np.inf) -> np.ndarray:
-        """Return samples (N, 5) with noise of their own; from `moment` s on with the effect."""
+    def repeated(self, seconds: float) -> Truth:
+        """Return whole periods of the motion again and again, `seconds` long in all."""
+        m, step = self.link, self.link.t[1] - self.link.t[0]
+        once = round(int(self.link.t[-1] / PERIOD) * PERIOD / step)
+        at = np.arange(round(seconds / step)) % once
+        return Truth(Motion(step * np.arange(len(at)), m.q[at], m.dq[at], m.ddq[at], m.sign[at]), self.torque[at])
+
+    def part(self, first: int, last: int) -> Truth:
+        """Return the samples from `first` to before `last`, their time from zero on."""
+        m, at = self.link, slice(first, last)
+        return Truth(Motion(m.t[at] - m.t[first], m.q[at], m.dq[at], m.ddq[at], m.sign[at]), self.torque[at])
+
+    def rows(self, seed: int, change: Change | None = None, moment: float = np.inf) -> np.ndarray:
+        """Return samples (N, 5) with noise of their own; from `moment` s on with the change."""
         q, tau = self.link.q, self.torque
-        if hidden is not None:
-            read, added = self.with_effect(hidden)
+        if change is not None:
             after = self.link.t[:, None] >= moment
-            q, tau = np.where(after, read, q), np.where(after, tau + added, tau)
+            q, tau = np.where(after, change.q, q), np.where(after, tau + change.added, tau)
         rng, sensors, rate = np.random.default_rng([seed, 7]), Sensors(), 1.0 / (self.link.t[1] - self.link.t[0])
         scale = np.array(standard_leg().sensor_scale)
         return np.column_stack([self.link.t, sensors.angle(q, rng), sensors.torque(tau, rate, rng, scale)])
 
-    def with_effect(self, hidden: Hidden) -> tuple[np.ndarray, np.ndarray]:
-        """Return the angles at the encoders, and what this motion takes more with the effect, both (N, J)."""
-        base = standard_leg().base
-        true, bare = true_model(Model.standard(), base, (hidden,)), true_model(Model.standard(), base, ())
-        mechanical, heard = split_channel(true)
-        added = heard.torque(self.link) - bare.torque(self.link)
-        seen = at_encoders(true, mechanical, self.link)
-        if seen is not self.link:
-            sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (seen, self.link))
-            added = added + next(sides) - next(sides)
-        return seen.q, added
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """What appears in a run: its name, the angles that are read from then on and what the torque is more, (N, J).
+
+    `numbers` are by how much which of its numbers change, none where a shape that is not told decides that as well.
+    """
+
+    name: str
+    q: np.ndarray
+    added: np.ndarray
+    numbers: dict[str, float]
 
 
-def drawn(rng: np.random.Generator, size: float, truth: Truth) -> Hidden:
-    """Return an effect of the catalogue whose torque has `size` N·m RMS at the joint that shows most of it."""
-    pool = [
+def with_effect(truth: Truth, hidden: Hidden) -> tuple[Change, float]:
+    """Return what `hidden` changes of this motion, and the RMS in N·m by which the base model then misses the torque.
+
+    That is of the joint that misses most, at the angles that are read and below the cut-off: what the controller
+    chatters is seen by nobody.
+    """
+    base = standard_leg().base
+    true, bare = true_model(Model.standard(), base, (hidden,)), true_model(Model.standard(), base, ())
+    mechanical, heard = split_channel(true)
+    added = heard.torque(truth.link) - bare.torque(truth.link)
+    seen = at_encoders(true, mechanical, truth.link)
+    if seen is not truth.link:
+        sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (seen, truth.link))
+        added = added + next(sides) - next(sides)
+    missed = truth.torque + added - bare.torque(seen)
+    missed -= truth.torque - bare.torque(truth.link)  # what the motion takes more by its own steps in time
+    effect = true.model.terms[-1].effect
+    told = {} if effect.shape and effect.coefficients else {k: float(v) for k, v in hidden.values.items()}
+    return Change(hidden.name, seen.q, added, told), visible(missed, truth.link.t)
+
+
+def visible(torque: np.ndarray, t: np.ndarray) -> float:
+    """Return the RMS of a torque (N, J) N·m below the cut-off, at the joint where it is largest."""
+    low = sosfiltfilt(butter(4, CUTOFF, fs=1.0 / (t[1] - t[0]), output="sos"), torque, axis=0)
+    return float(np.sqrt(np.mean(low**2, axis=0)).max())
+
+
+def sized(truth: Truth, one: Hidden, size: float) -> Change | None:
+    """Return the effect for which the base model misses `size` N·m; None where that is beyond its bounds."""
+    entries = one.effect.coefficients or dict([*one.effect.shape.items()][:1])
+    numbers = true_model(Model.standard(), standard_leg().base, (one,)).numbers()
+    values = {key: numbers[f"{one.name}.{key}"] for key in (*one.effect.coefficients, *one.effect.shape)}
+    short = truth.part(0, 6000)
+    for _ in range(6):
+        rms = with_effect(short, replace(one, values=values))[1]
+        if rms < 1e-3:
+            return None
+        values |= {key: values[key] * size / rms for key in entries}
+    if not all(
+        (e.min is None or e.min <= values[k]) and (e.max is None or values[k] <= e.max) for k, e in entries.items()
+    ):
+        return None
+    return with_effect(truth, replace(one, values=values))[0]
+
+
+def drawn(rng: np.random.Generator, size: float, truth: Truth) -> Change:
+    """Return an effect of the catalogue, another friction or a load, for which the base model misses `size` N·m RMS."""
+    model = Model.standard()
+    numbers = [p.name for p in model.parameters[len(model.inertial) :]]
+    pool: list[Any] = [
         (effect, joint)
         for effect in catalogue().values()
-        if effect.coefficients and effect.family not in LEAVE_OUT
+        if effect.family not in LEAVE_OUT
         for joint in ((None,) if effect.on_both else effect.joints)
         if joint not in effect.absorbed_on
     ]
+    pool += [*numbers, *LINKS]
     while True:
-        effect, joint = pool[int(rng.integers(len(pool)))]
-        one = Hidden(effect, joint)
-        rms = float(np.sqrt(np.mean(truth.with_effect(one)[1][:5000] ** 2, axis=0)).max())
-        if rms < 1e-3:
+        one = pool[int(rng.integers(len(pool)))]
+        if isinstance(one, tuple):
+            found = sized(truth, Hidden(*one), size)
+            if found is not None:
+                return found
             continue
-        numbers = true_model(Model.standard(), standard_leg().base, (one,)).numbers()
-        values = {
-            key: numbers[f"{one.name}.{key}"] * (size / rms if key in effect.coefficients else 1.0)
-            for key in (*effect.coefficients, *effect.shape)
-        }
-        return replace(one, values=values)
+        step = np.zeros(len(model.parameters))
+        if one in numbers:
+            step[[p.name for p in model.parameters].index(one)] = 1.0
+        else:
+            step[: len(model.inertial)] = Payload(1.0, float(rng.uniform(0.1, 0.4)), one).numbers(model.thigh_length)
+        added = (model.columns(truth.link) @ step).T
+        factor = size / visible(added, truth.link.t)
+        name = one if one in numbers else f"payload:{one}"
+        return Change(name, truth.link.q, factor * added, {one: factor} if one in numbers else {})
 
 
 class Counted(Watcher):
-    """A watcher that counts how often it asked what differs."""
+    """A watcher that counts how often it asked what differs, and the s of CPU that this took."""
 
-    asked = 0
+    asked, spent = 0, 0.0
 
-    def _ask(self, after):
+    def _ask(self, after: Sequence[Window], most: int = 1) -> Differences:
+        began = time.process_time()
+        found = super()._ask(after, most)
         self.asked += 1
-        return super()._ask(after)
+        self.spent += time.process_time() - began
+        return found
 
 
-def watched(rows: np.ndarray) -> tuple[list[Event], dict]:
-    """Return the events of a run, and what it cost."""
-    began = time.process_time()
-    watcher = Counted(Model.standard())
-    events = [e for k in range(0, len(rows), 500) for e in watcher.push(rows[k : k + 500])] + watcher.finish()
-    return events, {"cpu": time.process_time() - began, "asked": watcher.asked}
+def watched(rows: np.ndarray, moment: float = np.inf) -> tuple[list[Event], dict]:
+    """Return the events of a run, what it cost, and how many of the model's numbers are inside their intervals: those
+    that were told first, and those of the estimator at `moment` or at the end.
+    """
+    began, truth = time.process_time(), standard_leg().base
+    watcher, events, held = Counted(Model.standard()), [], 0
+
+    def inside(estimates: Sequence[Estimate]) -> int:
+        return sum(e.low <= x <= e.high for e, x in zip(estimates, truth, strict=True))
+
+    for k in range(0, len(rows), 500):
+        if (
+            rows[min(k + 499, len(rows) - 1), 0] < moment
+            and watcher.estimator is not None
+            and rows[k, 0] > moment - 10.0
+        ):
+            held = inside(watcher.estimator.estimates())
+        events += watcher.push(rows[k : k + 500])
+    if np.isinf(moment):
+        held = inside(watcher.estimator.estimates())
+    cost = {"cpu": time.process_time() - began, "asked": watcher.asked, "cpu_asked": watcher.spent}
+    first = next(e for e in events if e.event == "reference")
+    return events + watcher.finish(), cost | {"held": held, "held_first": inside(first.estimates), "of": len(truth)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,49 +290,59 @@ def oracle(t: np.ndarray, left: np.ndarray) -> list[float]:
 
 
 def change_run(seed: int, truth: Truth) -> dict:
-    """Return what became of one run in which an effect appears."""
+    """Return what became of one run in which something changes."""
     rng = np.random.default_rng([seed, 11])
     size = 1.0 if seed % 3 == 0 else float(np.exp(rng.uniform(np.log(0.2), 0.0)))
-    hidden, moment = drawn(rng, size, truth), float(rng.uniform(180.0, truth.link.t[-1] - 120.0))
-    rows = truth.rows(seed, hidden, moment)
+    change, moment = drawn(rng, size, truth), float(rng.uniform(180.0, truth.link.t[-1] - 120.0))
+    rows = truth.rows(seed, change, moment)
     rows = rows[rows[:, 0] < moment + 120.0]  # what comes later says nothing about this change
-    events, cost = watched(rows)
+    events, cost = watched(rows, moment)
     alarms = [e for e in events if e.alarm]
-    right = [e for e in alarms if e.t >= moment]
+    later = [e for e in alarms if e.t >= moment]
+    named = [e for e in later if e.names and e.kind != "over"]
 
     def names(some: list[Event]) -> tuple[set[str], set[str]]:
-        found = [d for e in some if e.differences for d in e.differences.found]
+        found = [d for e in some for d in e.differences.found]
         return {d.name for d in found}, {n for d in found for n in d.look_alikes}
 
-    first, last = names(right[:1]), names(right[1:2] or right[:1])
+    first, last = names(named[:1]), names(named[-1:])
     filtered = Filtered.of(rows)
     left = filtered.residual()
     out = {
-        "seed": seed, "effect": hidden.name, "size": size, "full": seed % 3 == 0, "moment": moment, **cost,
-        "false": sum(e.t < moment for e in alarms), "delay": right[0].t - moment if right else None,
-        "off": abs(right[0].since.t - moment) if right and right[0].since else None,
-        "first": sorted(first[0]), "last": sorted(last[0]), "alike": sorted(last[1]),
-        "first_right": hidden.name in first[0] | first[1], "exact": hidden.name in last[0],
-        "right": hidden.name in last[0] | last[1], "seconds_before": moment,
+        "seed": seed, "effect": change.name, "size": size, "full": seed % 3 == 0, "moment": moment, **cost,
+        "false": len(alarms) - len(later), "delay": later[0].t - moment if later else None,
+        "delay_name": named[0].t - moment if named else None,
+        "said": [(round(e.t - moment, 1), e.event, e.kind, e.names, e.more.get("nearest")) for e in later],
+        "last": sorted(last[0]), "alike": sorted(last[1]),
+        "first_right": change.name in first[0] | first[1], "exact": change.name in last[0],
+        "right": change.name in last[0] | last[1],
+        "since": [x - moment for x in (named[-1].since.low, named[-1].since.t, named[-1].since.high)]
+        if named and named[-1].since else None,
+        "sizes": [
+            bool(e.low <= change.numbers[e.name] <= e.high)
+            for d in (named[-1].differences.found if named else ()) if d.name == change.name
+            for e in d.change if e.name in change.numbers
+        ],
+        "seconds_before": moment,
         "ruptures_off": min((abs(c - moment) for c in oracle(filtered.t, left)), default=None),
     }  # fmt: skip
     for name, signal in (("cusum", left), ("rls", filtered.innovations())):
         times = cusum(filtered.t, signal)
-        later = [a for a in times if a >= moment]
-        out |= {f"{name}_false": len(times) - len(later), f"{name}_delay": later[0] - moment if later else None}
+        caught = [a for a in times if a >= moment]
+        out |= {f"{name}_false": len(times) - len(caught), f"{name}_delay": caught[0] - moment if caught else None}
     return out
 
 
 def quiet_run(seed: int, truth: Truth) -> dict:
     """Return the false alarms of a run in which nothing changes."""
-    rows = truth.rows(10_000 + seed)
+    rows = truth.repeated(STREAM).rows(10_000 + seed)
     events, cost = watched(rows)
     out = {
         "seed": seed, "quiet": float(rows[-1, 0]), **cost, "alarms": [repr(e) for e in events if e.alarm],
         "motion": sum(e.event == "motion" for e in events),
     }  # fmt: skip
     if seed < 3:
-        filtered = Filtered.of(rows)
+        filtered = Filtered.of(rows[rows[:, 0] < HOUR])
         out |= {"cusum_false": len(cusum(filtered.t, filtered.residual())),
                 "rls_false": len(cusum(filtered.t, filtered.innovations()))}  # fmt: skip
     return out
@@ -237,22 +351,33 @@ def quiet_run(seed: int, truth: Truth) -> dict:
 def summed_up(lines: list[dict]) -> dict:
     """Return the figures of a campaign."""
     runs, quiet = [r for r in lines if "effect" in r], [r for r in lines if "quiet" in r]
-    out: dict = {"quiet_hours": sum(r["quiet"] for r in quiet) / 3600.0}
+    out: dict = {"quiet_hours": sum(r["quiet"] for r in quiet) / HOUR}
     out["false_alarms_quiet"] = sum(len(r["alarms"]) for r in quiet)
     out["asked_quiet"] = sum(r["asked"] for r in quiet)
-    for name, some in (("all", runs), ("full", [r for r in runs if r["full"]])):
+    out["numbers"] = sum(r["of"] for r in lines)
+    out["numbers_inside"], out["numbers_inside_first"] = (sum(r[k] for r in lines) for k in ("held", "held_first"))
+    sizes = {"all": runs, "full": [r for r in runs if r["full"]]}
+    for low, high in ((0.2, 0.35), (0.35, 0.6), (0.6, 1.0)):
+        sizes[f"{low:g} to {high:g}"] = [r for r in runs if not r["full"] and low <= r["size"] < high]
+    for name, some in sizes.items():
         seen = [r for r in some if r["delay"] is not None]
+        named = [r for r in seen if r["delay_name"] is not None]
+        since = [r["since"] for r in named if r["since"]]
         out[name] = {
-            "runs": len(some), "detected": len(seen), "right": sum(r["right"] for r in seen),
-            "exact": sum(r["exact"] for r in seen), "first_right": sum(r["first_right"] for r in seen),
+            "runs": len(some), "detected": len(seen), "named": len(named), "right": sum(r["right"] for r in named),
+            "exact": sum(r["exact"] for r in named), "first_right": sum(r["first_right"] for r in named),
+            "look_alikes": float(np.median([len(r["alike"]) for r in named])) if named else None,
             "median_delay": float(np.median([r["delay"] for r in seen])) if seen else None,
-            "false": sum(r["false"] for r in some),
+            "median_delay_name": float(np.median([r["delay_name"] for r in named])) if named else None,
+            "false": sum(r["false"] for r in some), "hours_before": sum(r["seconds_before"] for r in some) / HOUR,
             "missed": [(r["effect"], round(r["size"], 2)) for r in some if r["delay"] is None],
-            "wrong": [(r["effect"], round(r["size"], 2), r["last"]) for r in seen if not r["right"]],
-            "median_off": float(np.median([r["off"] for r in seen if r["off"] is not None])) if seen else None,
+            "nameless": [(r["effect"], round(r["size"], 2)) for r in seen if r["delay_name"] is None],
+            "wrong": [(r["effect"], round(r["size"], 2), r["last"]) for r in named if not r["right"]],
+            "since_inside": sum(low <= 0.0 <= high for low, _, high in since), "since": len(since),
+            "median_off": float(np.median([abs(s[1]) for s in since])) if since else None,
+            "sizes_inside": sum(sum(r["sizes"]) for r in named), "sizes": sum(len(r["sizes"]) for r in named),
             "ruptures_within_20_s": sum((r["ruptures_off"] or np.inf) < 20.0 for r in some),
             "cusum_false": sum(r["cusum_false"] for r in some), "rls_false": sum(r["rls_false"] for r in some),
-            "hours_before": sum(r["seconds_before"] for r in some) / 3600.0,
         }  # fmt: skip
     return out
 
@@ -276,25 +401,30 @@ def speed(rate: float = 1000.0) -> dict:
 
 
 def main() -> None:
-    """Run what is asked for; one JSON object per line."""
+    """Run what is asked for; one JSON object per line, in a file as well if one is named, which is then continued."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--motions", type=int, default=6)
-    parser.add_argument("--seconds", type=float, default=1200.0)
+    parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--runs", type=int, default=0)
     parser.add_argument("--quiet-hours", type=float, default=0.0)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--keep", type=Path, default=None, help="folder in which simulated motions are kept")
+    parser.add_argument("--to", type=Path, default=None, help="file of results; runs that it holds are not repeated")
     parser.add_argument("--speed", action="store_true")
     args = parser.parse_args()
     if args.speed:
         print(json.dumps(speed()), flush=True)
-    quiet = round(args.quiet_hours * 3600.0 / args.seconds)
-    pool = [Truth.of(k, args.seconds) for k in range(args.motions if args.runs or quiet else 0)]
-    lines = []
+    lines = [json.loads(line) for line in args.to.read_text().splitlines()] if args.to and args.to.exists() else []
+    done = {(line["seed"], "quiet" in line) for line in lines}
+    quiet = round(args.quiet_hours * 3600.0 / STREAM)
     for k in range(args.seed, args.seed + max(args.runs, quiet)):
         for wanted, run in ((args.runs, change_run), (quiet, quiet_run)):
-            if k - args.seed < wanted:
-                lines.append(run(k, pool[k % len(pool)]))
+            if k - args.seed < wanted and (k, run is quiet_run) not in done:
+                lines.append(run(k, Truth.of(k % args.motions, args.seconds, args.keep)))
                 print(json.dumps(lines[-1]), flush=True)
+                if args.to:
+                    with args.to.open("a", encoding="utf-8") as stream:
+                        stream.write(json.dumps(lines[-1]) + "\n")
     if lines:
         print(json.dumps(summed_up(lines)), flush=True)
 

@@ -19,6 +19,16 @@ class Columns:
     joints: tuple[int, ...]
     values: Float
 
+    @classmethod
+    def absent(cls, joints: tuple[int, ...], shape: tuple[int, ...]) -> Columns:
+        """Return the columns of a candidate that does not act on a recording; one zero stands for all."""
+        return cls(joints, np.broadcast_to(0.0, shape))
+
+    @property
+    def is_absent(self) -> bool:
+        """Whether it is known not to act on this recording, so that nothing need be computed."""
+        return not any(self.values.strides)
+
     @property
     def flat(self) -> Float:
         """The columns (V, m, A·K), samples of all joints in one line; a view where there is one column a node."""
@@ -32,7 +42,9 @@ class Columns:
     @property
     def largest(self) -> Float:
         """The largest magnitude (V, K) of each node's columns at each sample."""
-        _, count, samples, width = self.values.shape
+        nodes, count, samples, width = self.values.shape
+        if self.is_absent:
+            return np.zeros((nodes, samples))
         size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
         parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
         return functools.reduce(np.maximum, parts)

@@ -250,6 +250,12 @@ class Evidence:
         """Return the Gram blocks of a candidate, one entry D per node of its shape parameters; no placebos."""
         g, h, a = [], [], []
         for unit, (index, _) in enumerate(self._units):
+            if columns[index].is_absent:
+                nodes, _, _, width = columns[index].values.shape
+                g.append(np.zeros((self.prior.size, width, nodes)))
+                h.append(np.zeros((width, width, nodes)))
+                a.append(np.zeros((width, nodes)))
+                continue
             part, weight, own = self._own(unit, columns[index].joints)
             x = columns[index].within(part)
             nodes, width, samples = x.shape
@@ -286,6 +292,8 @@ class Evidence:
         first, second = np.triu_indices(width)
         both = np.zeros((self.blocks[index].columns.shape[2] + 1, width, take.size))
         square = np.zeros((first.size, take.size))
+        if columns.is_absent:
+            return both[:-1], np.zeros((width, width, take.size)), both[-1]
         for joint, x in zip(columns.joints, columns.values[node], strict=True):
             rows = np.ascontiguousarray(x.T)
             base, weight = self._transform(unit, joint)

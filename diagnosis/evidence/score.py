@@ -169,6 +169,8 @@ def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     live = [np.mean(size > 1e-3 * peak[:, None], axis=1) for size in largest]
     whole = seen = 0.0
     for c, block in zip(train, evidence.train, strict=True):
+        if c.is_absent:
+            continue
         squares = np.square(c.flat).sum(axis=1)
         whole = whole + squares.sum(axis=1)
         seen = seen + squares @ block.use[list(c.joints)].ravel()

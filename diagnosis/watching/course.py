@@ -16,7 +16,7 @@ SURE = Threshold(
     "interval too short",
 )
 SLOW = Threshold(
-    12.0,
+    20.0,
     "the same by which a slow change must explain it better than a jump: noise after a jump looks like a ramp",
 )
 RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
@@ -56,10 +56,15 @@ def onset(course: Course, after: float = -np.inf) -> Onset:
     ]
     least = min(ramps, default=(np.inf, 0.0))
     if least[0] < jumps[best] - SLOW * variance:
-        begun = [edge for loss, edge in ramps if loss <= least[0] + SURE * variance]
-        return Onset(least[1], min(begun), max(begun), True)
-    low, high = max(after, float(edges[max(near[0] - 1, 0)])), float(edges[min(near[-1] + 1, len(edges) - 1)])
-    return Onset(float(edges[best]), low, high, False)
+        begun = np.flatnonzero(np.isin(edges, [edge for loss, edge in ramps if loss <= least[0] + SURE * variance]))
+        return Onset(least[1], *_around(edges, begun), True)
+    low, high = _around(edges, near)
+    return Onset(float(edges[best]), max(after, low), high, False)
+
+
+def _around(edges: Float, possible: np.ndarray) -> tuple[float, float]:
+    """Return from where to where the moment lies, if one of the `possible` edges is the nearest to it."""
+    return float(edges[max(possible[0] - 1, 0)]), float(edges[min(possible[-1] + 1, len(edges) - 1)])
 
 
 def _loss(shape: Float, wants: Float, power: Float) -> float:

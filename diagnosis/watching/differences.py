@@ -8,6 +8,7 @@ an old error explains as well is not reported: another motion may merely show th
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -113,13 +114,17 @@ class BeforeAfter:
     """One question about before and after; `now` is the model fitted before, on all recordings."""
 
     def __init__(self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int) -> None:
-        self.now, self.seed, self.rules, self.most = now, seed, rules, most
+        self.now, self.seed, self.most = now, seed, most
         self.before = len(now.prepared.train)
         self.joints = len(now.model.joints)
         self.old: tuple[str, ...] = ()
-        self.evidence = _cut(now, self.before, seed, rules)
-        base = [block.columns for block in self.evidence.blocks]
-        self.questions = questions(now, base, self.before, extra)
+        whole = _cut(now, self.before, seed, rules)
+        self.questions = questions(now, [block.columns for block in whole.blocks], self.before, extra)
+        changes = sum(isinstance(c, Asked) and not c.always for c in self.questions.candidates)
+        # Enough that one alone among so many can be significant.
+        least = math.ceil(changes / rules.false_discovery_rate)
+        self.rules = replace(rules, placebos=max(rules.placebos, least))
+        self.evidence = replace_blocks(whole, whole.blocks, seed, self.rules)
 
     def run(self, began: float) -> Differences:
         """Grant what leads until nothing is left that is significant."""
@@ -139,8 +144,18 @@ class BeforeAfter:
     def _next(self, evidence: Evidence, granted: Sequence[_Granted], refused: set[str]) -> _Granted | None:
         """Return what leads of all that is significant; of what cannot be distinguished, what is no change."""
         taken = {g.asked.label for g in granted} | refused
-        scores = self._ranked(evidence, taken)
-        good = [s for s in scores if s.significant]
+        changes = self._changes(evidence, taken)
+        good = [s for s in changes if s.significant]
+        if any(not g.asked.always for g in granted):
+            # Most often one thing changes: a second one has to be significant among all by itself.
+            strict = self.rules.false_discovery_rate / len(changes)
+            good = [s for s in good if s.p_value is not None and s.p_value <= strict]
+        if granted and not good:
+            return None
+        # An error that was there all along has to show nothing but that it explains as much: where something leads,
+        # only what comes near it can.
+        least = self.rules.close * changes[0].share if good and changes else 0.0
+        scores = sorted([*changes, *self._old(evidence, [s for s in changes if s.share >= least])], key=_by_share)
         if not good:
             errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= OLD_ERROR]
             self.old = tuple(_asked(s).label for s in errors[:1])
@@ -166,21 +181,26 @@ class BeforeAfter:
         names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
         return _Granted(lead, asked, columns, names)
 
-    def _ranked(self, evidence: Evidence, taken: set[str]) -> list[Score]:
-        """Return all that is asked about, best first; changes that promise something with placebos.
-
-        An error that was there all along has to show nothing but that it explains as much.
-        """
-        asked = [c for c in self.questions.candidates if isinstance(c, Asked) and c.label not in taken]
-        columns = {c.name: self.questions.columns(c, self.now) for c in asked}
-        scores = [weigh(evidence, c, columns[c.name]) for c in asked]
-        scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns)
-        old = [s for s in scores if _asked(s).always]
-        changes = [s for s in scores if not _asked(s).always]
+    def _changes(self, evidence: Evidence, taken: set[str]) -> list[Score]:
+        """Return all changes that are asked about, best first, those that promise something with placebos."""
+        asked = [c for c in self._asked(taken) if not c.always]
+        changes = sorted(self._weighed(evidence, asked), key=_by_share)
         for score in [s for s in changes if s.eligible][: self.rules.placebo_for]:
-            changes[changes.index(score)] = placebo(evidence, score, columns[score.name])
-        changes = mark_significant(changes, self.rules.false_discovery_rate)
-        return sorted([*changes, *old], key=lambda s: -s.share)
+            columns = self.questions.columns(score.candidate, self.now)
+            changes[changes.index(score)] = placebo(evidence, score, columns)
+        return mark_significant(changes, self.rules.false_discovery_rate)
+
+    def _old(self, evidence: Evidence, changes: Sequence[Score]) -> list[Score]:
+        """Return what each of `changes` would be as an error that was there all along."""
+        labels = {_asked(s).label for s in changes}
+        return self._weighed(evidence, [c for c in self._asked(set()) if c.always and c.label in labels])
+
+    def _asked(self, taken: set[str]) -> list[Asked]:
+        return [c for c in self.questions.candidates if isinstance(c, Asked) and c.label not in taken]
+
+    def _weighed(self, evidence: Evidence, asked: Sequence[Asked]) -> list[Score]:
+        columns = {c.name: self.questions.columns(c, self.now) for c in asked}
+        return agreed(evidence, [weigh(evidence, c, columns[c.name]) for c in asked], columns)
 
     def _at(self, score: Score) -> list[Columns]:
         """Return the columns of a score at its node."""
@@ -188,8 +208,9 @@ class BeforeAfter:
         return [c.node(int(n)) for c, n in zip(whole, score.nodes, strict=True)]
 
     def _unmasked(self, one: _Granted) -> list[Float]:
-        whole = self.questions.unmasked(one.asked, self.now)
-        return [c.node(int(n)).full(0, self.joints) for c, n in zip(whole, one.score.nodes, strict=True)]
+        """Return the columns (J, K, m) of what was granted, as if it acted in every recording."""
+        found = (self.questions.at(one.asked, row[None], k, self.now) for k, row in enumerate(one.score.shape))
+        return [c.full(0, self.joints) for c in found]
 
     def _exceeds_scatter(self, evidence: Evidence, found: _Granted) -> bool:
         """Whether the change is larger than what recordings made before differ by among themselves."""
@@ -236,6 +257,7 @@ class BeforeAfter:
             rms_before=tuple(map(float, pooled_rms(old[: self.before], train))),
             rms_after=tuple(map(float, pooled_rms(old[self.before :], verify))),
             rms_named=tuple(map(float, pooled_rms(left[self.before :], verify))),
+            units=tuple(joint.unit("tau") for joint in self.now.model.joints),
             seconds=time.perf_counter() - began,
             audit=prepared.findings,
         )
@@ -302,6 +324,10 @@ class BeforeAfter:
         return Course(*np.concatenate(rows, axis=1))
 
 
+def _by_share(score: Score) -> float:
+    return -score.share
+
+
 def _asked(score: Score) -> Asked:
     assert isinstance(score.candidate, Asked)
     return score.candidate
@@ -332,7 +358,7 @@ def _cut(now: FittedModel, before: int, seed: int, rules: Rules) -> Evidence:
         blocks.append(replace(block, fold=np.arange(samples) * parts // samples))
     # A large change is no outlier: where samples count less because of it, what shows least of it would lead.
     scale = np.maximum(_scale(blocks[:before]), _scale(blocks[before:]))
-    return Evidence(blocks, [], seed=seed, sigma=scale, prior=whole.prior, rules=rules)
+    return Evidence(blocks, [], seed=seed, draws=0, sigma=scale, prior=whole.prior, rules=rules)
 
 
 def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
@@ -345,10 +371,10 @@ def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
 
 
 def replace_blocks(evidence: Evidence, blocks: Sequence[RecordingEvidence], seed: int, rules: Rules) -> Evidence:
-    """Return the evidence on other blocks; columns beyond those it holds are free."""
+    """Return the evidence on other blocks, with the placebos of `rules`; columns beyond those it holds are free."""
     prior = np.zeros(blocks[0].columns.shape[2])
     prior[: evidence.prior.size] = evidence.prior
-    return Evidence(list(blocks), [], seed=seed, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=rules)
+    return Evidence(list(blocks), [], seed=seed, sigma=evidence.sigma, prior=prior, rules=rules)
 
 
 def _with(evidence: Evidence, columns: Sequence[Float], seed: int, rules: Rules) -> Evidence:

@@ -160,6 +160,8 @@ class FrontEnd:
     before: Float = field(default_factory=lambda: np.zeros((0, 0)))
     seen: int = 0
     restarts: int = 0
+    late: int = 0
+    """Samples passed over because their time is not after that of those before."""
 
     def push(self, samples: Float) -> Samples:
         """Return the working samples that `samples` (N, 1 + 2 J: t, q, tau) complete."""
@@ -223,6 +225,7 @@ class FrontEnd:
         rows = samples if self.last is None else np.concatenate([self.last[None], samples])
         highest = np.maximum.accumulate(rows[:, 0])
         fresh = np.concatenate([[True], rows[1:, 0] > highest[:-1]])
+        self.late += int(np.sum(~fresh))
         rows = rows[fresh]
         self.last = rows[-1]
         step = 1.0 / self.filters.rate

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def errors_figure(
-    joints: Sequence[str], before: Sequence[float], after: Sequence[float], named: Sequence[float]
+    joints: Sequence[str], units: Sequence[str], before: Sequence[float], after: Sequence[float], named: Sequence[float]
 ) -> Figure:
-    """Draw the RMS error in N·m of each joint before, after, and after with what was named."""
+    """Draw the RMS error of each joint, in its unit, before, after, and after with what was named."""
     with figure_style():
         figure = new_figure(6.0, 3.2)
         axes = figure.subplots()
@@ -26,6 +26,6 @@ def errors_figure(
         ):
             axes.bar(place + 0.27 * (k - 1), values, 0.25, label=label)
         axes.set_xticks(place, joints)
-        axes.set_ylabel("error of the model [N·m]")
+        axes.set_ylabel(f"error of the model [{', '.join(dict.fromkeys(units))}]")
         axes.legend()
     return figure

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Library, build_library
+from diagnosis.evidence.candidates import Candidate, Library, build_library, candidate_columns
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from symbolic.effect import Coefficient, Effect, Shape
@@ -80,34 +80,36 @@ class Questions(Library):
     before: int = 0
     base: Sequence[Float] = ()
     """Columns (J, K, P) of the model on every recording."""
-    raw: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
+    raw: dict[tuple[str, int], Columns] = field(default_factory=dict)
 
     def columns(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
-        """Return the columns on every recording; those of a change are zero before."""
+        """Return the columns on every recording; a change does not act before."""
         assert isinstance(candidate, Asked)
-        whole = self.unmasked(candidate, fitted)
+        count = len(self.base)
         if candidate.always:
-            return whole
-        return tuple(Columns(c.joints, np.zeros_like(c.values)) if k < self.before else c for k, c in enumerate(whole))
+            return tuple(self._on(candidate, k, fitted) for k in range(count))
+        after = [self._on(candidate, k, fitted) for k in range(self.before, count)]
+        nodes, width = after[0].values.shape[0], after[0].values.shape[3]
+        joints = after[0].joints
+        shapes = [(nodes, len(joints), own.shape[1], width) for own in self.base[: self.before]]
+        return (*(Columns.absent(joints, shape) for shape in shapes), *after)
 
-    def unmasked(self, candidate: Asked, fitted: FittedModel) -> tuple[Columns, ...]:
-        """Return the columns as if the candidate acted in every recording."""
-        if candidate.label not in self.raw:
-            self.raw[candidate.label] = self._made(candidate, fitted)
-        return self.raw[candidate.label]
+    def _on(self, candidate: Asked, index: int, fitted: FittedModel) -> Columns:
+        """Return the columns on one recording as if the candidate acted there."""
+        key = candidate.label, index
+        if key not in self.raw:
+            self.raw[key] = self.at(candidate, candidate.nodes[index], index, fitted)
+        return self.raw[key]
 
-    def _made(self, candidate: Asked, fitted: FittedModel) -> tuple[Columns, ...]:
-        joints = tuple(range(len(fitted.model.joints)))
+    def at(self, candidate: Asked, nodes: Float, index: int, fitted: FittedModel) -> Columns:
+        """Return the columns at `nodes` (V, S) on one recording as if the candidate acted there."""
+        joints, own = tuple(range(len(fitted.model.joints))), self.base[index]
         if candidate.number is not None:
-            return tuple(Columns(joints, own[None, :, :, [candidate.number]]) for own in self.base)
+            return Columns(joints, own[None, :, :, [candidate.number]])
         if candidate.link is not None:
-            return tuple(Columns(joints, candidate.load(fitted.model, own)[..., None]) for own in self.base)
-        return Library.columns(self, _plain(candidate), fitted)
-
-
-def _plain(candidate: Asked) -> Candidate:
-    """Return the candidate of the catalogue that is asked about."""
-    return Candidate(candidate.term, candidate.nodes, candidate.tangent)
+            return Columns(joints, candidate.load(fitted.model, own, tuple(nodes[:, 0]))[..., None])
+        plain = Candidate(candidate.term, candidate.nodes, candidate.tangent)
+        return candidate_columns(plain, nodes, fitted.prepared.all[index], fitted)
 
 
 def questions(

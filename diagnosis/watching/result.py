@@ -95,7 +95,7 @@ class Differences:
     """What differs between recordings made `before` and `after`; nothing is a result as well.
 
     `old` are errors of the model that were there all along and that these recordings show; `rms_before` and
-    `rms_after` (J,) in N·m are those of the model fitted before, `rms_named` that of after with what is named.
+    `rms_after` (J,) in `units` (J,) are those of the model fitted before, `rms_named` that of after with what is named.
     """
 
     found: tuple[ChangeFound, ...]
@@ -106,6 +106,7 @@ class Differences:
     rms_before: tuple[float, ...]
     rms_after: tuple[float, ...]
     rms_named: tuple[float, ...]
+    units: tuple[str, ...]
     seconds: float = 0.0
     audit: tuple[Any, ...] = field(default=(), repr=False)
 
@@ -147,6 +148,7 @@ class Differences:
                 "before": self.before,
                 "after": self.after,
                 "joints": self.joints,
+                "units": self.units,
                 "rms_before": self.rms_before,
                 "rms_after": self.rms_after,
                 "rms_after_named": self.rms_named,
@@ -174,4 +176,4 @@ class Differences:
 
     def plot(self) -> Figure:
         """Draw the error of the model fitted before: before, after, and after with what is named."""
-        return errors_figure(self.joints, self.rms_before, self.rms_after, self.rms_named)
+        return errors_figure(self.joints, self.units, self.rms_before, self.rms_after, self.rms_named)

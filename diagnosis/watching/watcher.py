@@ -43,8 +43,13 @@ JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""
 GROWN = Threshold(
     1.5,
-    "times the usual error from which a change without a name is reported: other motion alone grows it",
+    "times the usual error from which a change without a name is no longer called small, and to which a name may leave "
+    "it: what leaves more is the nearest entry, not the answer",
 )
+NOTICED = Threshold(
+    1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
+)
+REST = Threshold(0.1, "share of the grown squared error that a name may leave where it is above that: wrong names")
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ class Settings:
     block: float = 5.0
     learn: int = 24
     most_learn: int = 72
-    least: int = 4
+    least: int = 3
     sure: int = 12
     alarms_per_day: float = 1.0
     placebos: int = 40
@@ -114,7 +119,8 @@ class Watcher:
         self.reference: _Reference | None = None
         self.estimator: Estimator | None = None
         self.pending: _Pending | None = None
-        self.restarts = self.blocks = self.quiet_since = 0
+        self.restarts = self.blocks = self.quiet_since = self.not_finite = 0
+        self.started = -1
         self.named: Event | None = None
         self.counts: dict[str, int] = {}
         self.first: float | None = None
@@ -131,9 +137,11 @@ class Watcher:
                 f"a sample has {rows.shape[1]} numbers; this machine has {width}: t, q and tau of each joint",
                 remedy="give rows t, q1, ..., tau1, ...",
             )
-        known = self.front.filters
-        events = self._note(self.front.push(rows[np.isfinite(rows).all(axis=1)]))
-        if known is None and self.front.filters is not None and not self.restarts:
+        finite = np.isfinite(rows).all(axis=1)
+        self.not_finite += int(np.sum(~finite))
+        events = self._note(self.front.push(rows[finite]))
+        if self.front.filters is not None and self.front.restarts != self.started:
+            self.started = self.front.restarts
             events.insert(0, self._start())
         return self._count(events)
 
@@ -236,9 +244,10 @@ class Watcher:
         self.kept = []
         self.recent.clear()
         said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in now.fit.estimates)
-        errors = ", ".join(f"{n} {x:.3g}" for n, x in zip(self.model.joint_names, now.train_rms, strict=True))
+        rms = zip(self.model.joints, now.train_rms, strict=True)
+        errors = ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in rms)
         return [Event(
-            "reference", self.last, f"what is usual is known: {said}; error {errors} N·m", tuple(now.fit.estimates),
+            "reference", self.last, f"what is usual is known: {said}; error {errors}", tuple(now.fit.estimates),
             more={"rms": now.train_rms, "limit": detector.limit, "blocks": count},
         )]  # fmt: skip
 
@@ -282,19 +291,15 @@ class Watcher:
         # The first one may hold both.
         last = list(self.recent)[-max(lasted, settings.least) :][1:]
         answer = self._ask(last)
-        if answer.found:
+        if answer.found and self._explained(answer):
             self.pending, self.quiet_since = None, len(last)
             self.named = self._change(answer, pending.found, "first", last)
             return [self.named]
-        grown = float(np.max(np.array(answer.rms_after) / np.maximum(self.reference.rms, 1e-300)))
-        if grown > GROWN and not answer.old:
-            told, pending.told, pending.wait = pending.told, True, settings.least
+        if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
+            told, pending.told, pending.wait = pending.told, True, settings.least // 2
             if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
                 self._relearn(last)
-            return [] if told else [Event(
-                "unexplained", self.last, f"the error is {grown:.2g} times what it was, and nothing known explains it",
-                differences=answer, more={"rms": answer.rms_after},
-            )]  # fmt: skip
+            return [] if told else [self._nameless(answer)]
         self.pending = None
         detector.calm()
         for one in last:
@@ -304,25 +309,50 @@ class Watcher:
             return [Event("motion", self.last, text, differences=answer)]
         return []
 
+    def _grown(self, rms: Sequence[float]) -> Float:
+        """Return how many times the usual error (J,) an error is."""
+        assert self.reference is not None
+        return np.array(rms) / np.maximum(self.reference.rms, 1e-300)
+
+    def _explained(self, answer: Differences) -> bool:
+        """Whether what was found explains what has grown, at every joint."""
+        grown, left = self._grown(answer.rms_after), self._grown(answer.rms_named)
+        rest = (left**2 - 1.0) / np.maximum(grown**2 - 1.0, 1e-300)
+        return bool(np.all((left <= GROWN) | (rest <= REST)))
+
+    def _nameless(self, answer: Differences) -> Event:
+        grown = self._grown(answer.rms_after)
+        joint = int(np.argmax(grown))
+        at = f"at {self.model.joint_names[joint]}"
+        text = f"something changed {at}, too small to name yet"
+        if grown[joint] > GROWN:
+            text = f"the error {at} is {grown[joint]:.2g} times what it was, and nothing known explains it"
+        nearest = [d.name for d in answer.found]
+        text += f"; nearest: {', '.join(nearest)}" if nearest else ""
+        more = {"rms": answer.rms_after, "joint": self.model.joint_names[joint], "nearest": nearest}
+        return Event("unexplained", self.last, text, differences=replace(answer, found=()), more=more)
+
     def _relearn(self, last: Sequence[Window]) -> None:
         """Learn what is usual from `last` on."""
         self.named, self.pending, self.reference = None, None, None
         self.kept = list(last)
         self.recent.clear()
 
-    def _ask(self, after: Sequence[Window]) -> Differences:
+    def _ask(self, after: Sequence[Window], most: int = 1) -> Differences:
+        """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves."""
         assert self.reference is not None
         now = self.reference.now
-        # Those just before show whether it came slowly; the one at the seam may hold both.
+        # Those just before show whether it came slowly; the one at the seam may hold both. Where the clock was set back
+        # there are none.
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
-        usual = self.usual[: self.settings.learn // TOGETHER]
+        usual = self.usual[: self.settings.learn // TOGETHER * 2 // 3]
         question = prepared(
             self.model.joints, [*usual, *joined_windows(recent, TOGETHER)], joined_windows(after, TOGETHER)
         )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)
         rules = replace(self.rules, placebos=self.settings.draws)
-        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, MOST).run(0.0)
+        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most).run(0.0)
 
     def _change(self, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
         since = _onset(answer, last)
@@ -341,13 +371,16 @@ class Watcher:
         """Name the change once more, now that it has lasted, and learn what is usual from here on."""
         assert self.named is not None
         last = list(self.recent)[-min(self.quiet_since, SPANS[-1]) :]
-        answer = self._ask(last)
-        told = self.named
+        answer = self._ask(last, MOST)
+        if answer.found and self._explained(answer):
+            event = self._change(answer, None, "refined", last)
+        elif answer.found or float(np.max(self._grown(answer.rms_after))) > NOTICED:
+            event = self._nameless(answer)
+        else:
+            text = f"over again: {self.named.names[0]} is as it was before"
+            event = Event("change", self.last, text, (), answer, None, "over", {"state": "over"})
         self._relearn(last)
-        if not answer.found:
-            return [Event("change", self.last, f"over again: {told.names[0]} is as it was before", (), answer, None,
-                          "over", {"state": "over"})]  # fmt: skip
-        return [self._change(answer, None, "refined", last)]
+        return [event]
 
     # -- beginning and end ------------------------------------------------------------------------------------
 
@@ -355,10 +388,11 @@ class Watcher:
         filters = self.front.filters
         assert filters is not None
         need = self.settings.learn * self.settings.block
-        text = (
-            f"{filters.rate:.5g} Hz, cut-off {filters.cutoff:g} Hz, answers {filters.delay:.2g} s late; the first "
-            f"{need:g} s say what is usual"
-        )
+        text = f"{filters.rate:.5g} Hz, cut-off {filters.cutoff:g} Hz, answers {filters.delay:.2g} s late"
+        if self.front.restarts:
+            text = f"the clock jumped to {clock(float(self.front.begin))}; the filters start anew: {text}"
+        else:
+            text += f"; the first {need:g} s say what is usual"
         more = {"rate": filters.rate, "cutoff": filters.cutoff, "delay": filters.delay,
                 "joints": self.model.joint_names}  # fmt: skip
         return Event("start", float(self.front.begin), text, more=more)
@@ -371,9 +405,16 @@ class Watcher:
             text += ": too little to say what is usual, so nothing was looked for"
         else:
             text += f", {changes} reports of changes" if changes else ", no change"
+        lost = {"not_finite": self.not_finite, "not_later": self.front.late, "restarts": self.front.restarts}
+        words = {
+            "not_finite": "samples passed over that are not finite", "restarts": "jumps of the clock",
+            "not_later": "samples passed over that are not later than those before",
+        }  # fmt: skip
+        passed = [f"{words[name]}: {count}" for name, count in lost.items() if count]
+        text += f"; {', '.join(passed)}" if passed else ""
         estimates = () if self.estimator is None else self.estimator.estimates()
-        return Event("summary", self.last, text, estimates, more={"seconds": seconds, "blocks": self.blocks,
-                     "events": dict(self.counts)})  # fmt: skip
+        more = {"seconds": seconds, "blocks": self.blocks, "events": dict(self.counts), **lost}
+        return Event("summary", self.last, text, estimates, more=more)
 
 
 def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:

@@ -66,9 +66,7 @@ class Payload:
         """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
         if self.link not in LINKS:
             raise self._no_link("thigh or shank")
-        symbols, added = _added(self.link)
-        numbers = dict(zip(symbols, (self.mass, self.along, thigh_length), strict=True))
-        return read_only(np.array([float(entry.subs(numbers)) for entry in added]))
+        return _numbers(self, thigh_length)
 
     def added(self, model: Model) -> Float:
         """Return what it adds to the base parameters of a model's machine; PayloadError where that has no such link."""
@@ -89,6 +87,13 @@ class Payload:
 
     def _no_link(self, links: str) -> PayloadError:
         return PayloadError(f"there is no link {self.link!r}", where=str(self), remedy=links)
+
+
+@lru_cache(maxsize=64)
+def _numbers(payload: Payload, thigh_length: float) -> Float:
+    symbols, added = _added(payload.link)
+    numbers = dict(zip(symbols, (payload.mass, payload.along, thigh_length), strict=True))
+    return read_only(np.array([float(entry.subs(numbers)) for entry in added]))
 
 
 @lru_cache(maxsize=4)

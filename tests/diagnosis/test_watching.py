@@ -240,3 +240,27 @@ def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: s
     assert first.since.low <= 82.0 <= first.since.high
     assert first.t - 82.0 < 26.0
     assert not [e for e in events if e.alarm and e.t < 82.0]
+
+
+def test_what_is_passed_over_is_said_in_the_end() -> None:
+    rows = _stream(20.0)
+    rows[300, 2] = np.nan
+    rows[400, 0] = rows[398, 0]  # the clock steps back, and goes on
+    rows[1200:, 0] += 3600.0
+    watcher = Watcher(Model.standard())
+    events = [e for k in range(0, len(rows), 70) for e in watcher.push(rows[k : k + 70])] + watcher.finish()
+    assert [e.event for e in events] == ["start", "start", "summary"]
+    assert "jumped" in events[1].sentence
+    more = events[-1].more
+    assert (more["not_finite"], more["not_later"], more["restarts"]) == (1, 1, 1)
+    assert "jumps of the clock: 1" in events[-1].sentence
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_beginning_of_a_slow_change_has_an_interval(seed: int) -> None:
+    t = np.arange(0.0, 300.0, 2.0)
+    shape = np.clip((t - 150.0) / 120.0, 0.0, 1.0)
+    found = onset(Course(t, shape + 0.05 * np.random.default_rng(seed).standard_normal(t.size), np.ones(t.size)))
+    assert found.slow
+    assert found.low < found.t < found.high
+    assert found.low <= 150.0 <= found.high

@@ -144,9 +144,12 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
     from measurement.reading.live import Lines, check_text, grown, piped
     from workbench.command_line.inputs import read
     from workbench.command_line.options import merged
+    from workbench.command_line.parser import UsageError
 
     told = merged(args.map, "--map"), merged(args.units, "--units")
     if args.source == "-":
+        if sys.stdin is None:
+            raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
         yield from _lines(Lines(model.joints, *told), piped(sys.stdin.buffer))
         return
     if not Path(args.source).is_file() and not args.follow:

@@ -107,10 +107,10 @@ def show_differences(screen: Screen, found: Any) -> None:
         screen.table("Before and after", head, rows)
     for name in found.old:
         screen.say(f"no change, but missing in the model before and after: {name}", "warn")
-    errors = zip(found.joints, found.rms_before, found.rms_after, found.rms_named, strict=True)
-    for joint, *values in errors:
+    errors = zip(found.joints, found.units, found.rms_before, found.rms_after, found.rms_named, strict=True)
+    for joint, unit, *values in errors:
         before, after, named = map(number, values)
-        screen.say(f"error of the {joint}: {before} N·m before, {after} after, {named} with what is named")
+        screen.say(f"error of the {joint}: {before} {unit} before, {after} after, {named} with what is named")
     for finding in of_the_set(found.audit):
         screen.say(f"careful: {finding}", "warn")
 

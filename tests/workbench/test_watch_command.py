@@ -1,0 +1,72 @@
+"""`exoid watch` on streams as they are: lines that end later, logs that are rotated, pipes that are closed, Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from workbench.command import main
+
+ROOT = Path(__file__).parents[2]
+HEADER = "t,q1,q2,tau1,tau2\n"
+
+
+def rows(first: int, last: int) -> str:
+    return "".join(f"{k / 100:.2f},{0.5 + 0.001 * (k % 50)},-0.8,{k % 7},1.5\n" for k in range(first, last))
+
+
+def wait_for(path: Path, text: str, count: int, process: subprocess.Popen[str]) -> None:
+    """Wait until `text` is there so often; what waits in vain fails by the end of the process or of patience."""
+    for _ in range(2400):
+        if path.exists() and path.read_text(encoding="utf-8").count(text) >= count:
+            return
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    raise AssertionError(path.read_text(encoding="utf-8"))
+
+
+def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: Path) -> None:
+    log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
+    log.write_text(HEADER + rows(0, 300) + "3.00,0.5,-0.", encoding="utf-8")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "exoid", "watch", "standard", "--follow", str(log), "--json", str(out)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        wait_for(out, '"start"', 1, process)
+        with log.open("a", encoding="utf-8") as stream:  # the end of the partial line, and two that are none
+            stream.write("8,1,1.5\n{broken\n3.01,nan,-0.8,1,1\n" + rows(302, 400))
+        wait_for(out, '"skipped"', 2, process)
+        log.rename(tmp_path / "log.1")
+        log.write_text(HEADER + "rotated\n" + rows(400, 500), encoding="utf-8")
+        wait_for(out, '"skipped"', 3, process)
+        log.write_text("", encoding="utf-8")
+        log.write_text(HEADER + "again\n", encoding="utf-8")
+        wait_for(out, '"skipped"', 4, process)
+        process.send_signal(signal.SIGINT)
+        said, complaints = process.communicate(timeout=120)
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+    assert process.returncode == 0
+    assert "Traceback" not in said + complaints
+    events = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
+    assert events[-1]["event"] == "summary"
+    assert events[-1]["seconds"] > 4.5  # what was written after the rotation was watched too
+    assert [e["line"] for e in events if e["event"] == "skipped"] == [303, 304, 2, 2]
+
+
+def test_standard_input_that_is_closed_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdin", None)
+    assert main(["watch", "standard", "-"]) == 2
+    assert "standard input is closed" in capsys.readouterr().err
