@@ -296,7 +296,7 @@ class Watcher:
             self.named = self._change(answer, pending.found, "first", last)
             return [self.named]
         if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
-            told, pending.told, pending.wait = pending.told, True, settings.least // 2
+            told, pending.told, pending.wait = pending.told, True, max(1, pending.age // 2)
             if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
                 self._relearn(last)
             return [] if told else [self._nameless(answer)]
