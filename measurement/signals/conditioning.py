@@ -6,7 +6,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -44,6 +44,28 @@ class EvenSignals:
     passive: NDArray[np.bool_]
     payloads: tuple[Payload, ...] = ()
     base: Float | None = None
+    _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
+
+    def stretch(self, first: int, last: int) -> EvenSignals:
+        """Return the samples from `first` to before `last` as signals of their own."""
+        part = slice(first, last)
+        base = None if self.base is None else self.base[part]
+        return EvenSignals(
+            self.t[part], self.q[part], self.tau[part], self.gap[part], self.rate, self.passive, self.payloads, base
+        )
+
+    def slower_torque(self, factor: int) -> Float:
+        """Return the torque (N / factor, J) at a rate lower by `factor`, without spikes; as it is for 1."""
+        if factor == 1:
+            return self.tau
+        if factor not in self._slower:
+            self._slower[factor] = decimate(self.despiked, factor, self.rate)
+        return self._slower[factor]
+
+    @cached_property
+    def reach(self) -> Float:
+        """Largest minus smallest torque (J,) in N·m."""
+        return np.array([np.ptp(channel) for channel in self.tau.T])
 
     @cached_property
     def spectrum(self) -> tuple[Float, Float]:
@@ -185,9 +207,17 @@ def response_seconds(cutoff: float) -> float:
     return 6.7 / cutoff
 
 
+def low_pass_every(x: Float, cutoff: float, rate: float, factor: int) -> Float:
+    """Return every `factor`-th sample of `x` (N, J) after `low_pass`; the others are not computed."""
+    if factor == 1:
+        return low_pass(x, cutoff, rate)
+    rows = np.ascontiguousarray(x.T)
+    return np.ascontiguousarray(low_pass_at(rows, cutoff, rate, np.arange(0, len(x), factor)).T)
+
+
 def decimate(x: Float, factor: int, rate: float) -> Float:
-    """Return every `factor`-th sample of `x` (N, ...) after a zero-phase anti-alias filter."""
-    return x if factor == 1 else low_pass(x, 0.4 * rate / factor, rate)[::factor]
+    """Return every `factor`-th sample of `x` (N, J) after a zero-phase anti-alias filter."""
+    return x if factor == 1 else low_pass_every(x, 0.4 * rate / factor, rate, factor)
 
 
 def derivatives(q: Float, rate: float) -> tuple[Float, Float]:

@@ -4,7 +4,7 @@ of accelerations out of the model.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
@@ -45,8 +45,31 @@ LOOSE_TOLERANCE = Threshold(
     "the same tolerance where the noise is known: friction near standstill, which faster motion shows, would "
     "slow the cut-off",
 )
+PARTS, PART = 12, 100.0
+"""A recording longer than so many stretches of so many s is judged by as many of them."""
 MOST_POSES = 64
 """Postures in which the mass matrix is looked at, at most."""
+
+
+def typical(even: EvenSignals) -> list[EvenSignals]:
+    """Return stretches that stand for a long recording, of each part of it the one in which the angles move most; a
+    shorter one as it is.
+    """
+    length = round(PART * even.rate)
+    if len(even.t) <= PARTS * length:
+        return [even]
+    edges = np.linspace(0, len(even.t), PARTS + 1).astype(int)
+    thin = max(1, length // 400)
+
+    def motion(first: int) -> float:
+        part = slice(first, first + length, thin)
+        return float(np.sum(even.q[part].std(axis=0)) * np.mean(~even.gap[part]))
+
+    starts = [
+        max(range(first, last - length + 1, max(1, length // 2)), key=motion)
+        for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
+    ]
+    return [even.stretch(first, first + length) for first in starts]
 
 
 @dataclass(frozen=True)
@@ -69,38 +92,70 @@ def _fit(data: LinearData) -> Float:
     return solve_huber(data, delta_rule(data.residual(first), use=data.use), first)
 
 
-def choose_cutoff(
-    base: Model, names: Sequence[str], even: Sequence[EvenSignals], beta: Float, derivative: str
-) -> CutoffChoice:
-    """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean."""
+def choose_cutoff(base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: Float, derivative: str) -> CutoffChoice:
+    """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean.
+
+    What is too noisy is told by the spectra; only cut-offs that are not are tried, from the fastest on.
+    """
+    even = [one for _, one in inputs]
     slowest = min(e.rate for e in even)
     tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
-    inputs = list(zip(names, even, strict=True))
-    slow = min(COMMON_BAND, tried[0])
-    judge = assemble(base, [prepare_one(base, n, e, slow, beta, derivative=derivative) for n, e in inputs])
+    trial = _Trial(base, inputs, beta, derivative, min(COMMON_BAND, tried[0]))
     masses = _largest_masses(base, beta, even)
-    errors, shares, carried = [], [], []
-    for cutoff in tried:
+    # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
+    shares = [noise_share(trial.slow, even, cutoff) for cutoff in tried]
+    carried = [_carried_noise(masses, even, cutoff, noise_floor(trial.slow, cutoff)) for cutoff in tried]
+    clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
+    tolerance = LOOSE_TOLERANCE if shares[-1] >= NOISE_SEEN else TOLERANCE
+    errors: dict[int, Float] = {}
+    index = None
+    for k in sorted({0, *np.flatnonzero(clean).tolist()[-2:]}):
+        errors[k] = trial.error(tried[k])
+    fastest = max(errors)
+    if clean[fastest] and _relative(errors)[fastest] <= 1.0 + tolerance:
+        index = fastest
+    else:
+        errors |= {k: trial.error(cutoff) for k, cutoff in enumerate(tried) if k not in errors}
+        good = [k for k, worse in _relative(errors).items() if worse <= 1.0 + tolerance and clean[k]]
+        index = good[-1] if good else int(np.argmin([_relative(errors)[k] + shares[k] for k in range(len(tried))]))
+    relative = _relative(errors)
+    table = tuple((tried[k], worse, shares[k]) for k, worse in relative.items())
+    return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried, tolerance), table=table)
+
+
+def _relative(errors: Mapping[int, Float]) -> dict[int, float]:
+    """Return by how much each of the `errors` (J,) is larger than the least, of the worst joint, in their order."""
+    least = np.min(list(errors.values()), axis=0)
+    seen = least > 0.0
+    return {k: float(np.max(errors[k][seen] / least[seen], initial=1.0)) for k in sorted(errors)}
+
+
+class _Trial:
+    """What a cut-off predicts of unseen torque below the band `slow`; recordings prepared at `slow` are kept."""
+
+    def __init__(
+        self, base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: Float, derivative: str, slow: float
+    ) -> None:
+        self.base, self.inputs, self.beta, self.derivative = base, inputs, beta, derivative
+        self.band = slow
+        self.slow = self._prepared(slow)
+        self.judge = assemble(base, self.slow)
+
+    def _prepared(self, cutoff: float) -> list[PreparedRecording]:
         # All on motion equally far from standstill: nearer to it friction is more than the base model knows, and a
         # faster cut-off, which gets nearer, would be blamed for that.
-        prepared = [prepare_one(base, n, e, cutoff, beta, COMMON_BAND, derivative) for n, e in inputs]
-        data = assemble(base, prepared)
-        square = np.zeros(len(base.joints))
-        for held, out in zip(_folds(data.groups), _folds(judge.groups), strict=True):
-            square += np.sum(_part(judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
-        errors.append(np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1)))
-        # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
-        shares.append(noise_share(prepared, even, cutoff))
-        carried.append(_carried_noise(masses, even, cutoff, noise_floor(prepared, cutoff)))
-    least = np.min(errors, axis=0)
-    relative = np.max(np.array(errors) / np.where(least > 0.0, least, 1.0), axis=1, where=least > 0.0, initial=1.0)
-    tolerance = LOOSE_TOLERANCE if shares[-1] >= NOISE_SEEN else TOLERANCE
-    predicts = relative <= 1.0 + tolerance
-    clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
-    good = [i for i in range(len(tried)) if predicts[i] and clean[i]]
-    index = good[-1] if good else int(np.argmin(relative + np.array(shares)))
-    table = tuple((c, float(r), s) for c, r, s in zip(tried, relative, shares, strict=True))
-    return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried, tolerance), table=table)
+        return [
+            prepare_one(self.base, name, even, cutoff, self.beta, COMMON_BAND, self.derivative)
+            for name, even in self.inputs
+        ]
+
+    def error(self, cutoff: float) -> Float:
+        """Return the RMS (J,) in N·m that fits at `cutoff` leave on recordings, or blocks, they have not seen."""
+        data = self.judge if cutoff == self.band else assemble(self.base, self._prepared(cutoff))
+        square = np.zeros(len(self.base.joints))
+        for held, out in zip(_folds(data.groups), _folds(self.judge.groups), strict=True):
+            square += np.sum(_part(self.judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
+        return np.sqrt(square / np.maximum(self.judge.use.sum(axis=1), 1))
 
 
 def _part(data: LinearData, keep: np.ndarray) -> LinearData:
@@ -152,7 +207,7 @@ def _carried_noise(masses: Float, even: Sequence[EvenSignals], cutoff: float, fl
 def _reason(
     tried: Sequence[float],
     index: int,
-    relative: Float,
+    relative: Mapping[int, float],
     shares: Sequence[float],
     carried: Sequence[float],
     tolerance: float,
@@ -162,7 +217,7 @@ def _reason(
         return text + ", and no faster cut-off was tried"
     after = index + 1
     beyond = f"{text}; at {tried[after]:g} Hz"
-    if relative[after] > 1.0 + tolerance:
+    if relative.get(after, 0.0) > 1.0 + tolerance:
         return f"{beyond} unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
     if shares[after] > BIAS_LIMIT:
         return f"{beyond} it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"

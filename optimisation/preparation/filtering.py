@@ -18,10 +18,10 @@ from measurement.signals.conditioning import (
     Bridge,
     EvenSignals,
     bridging,
-    decimate,
     derivatives,
     low_pass,
     low_pass_at,
+    low_pass_every,
     median_outliers,
     noise_density,
     quiet_noise,
@@ -159,14 +159,14 @@ def prepare_one(
     Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
     """
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
-    tau = np.array(decimate(even.despiked if factor > 1 else even.tau, factor, even.rate))
+    tau = even.slower_torque(factor)
     rate = even.rate / factor
     driven = ~(even.passive | _reads_nothing(even, cutoff))
     inner = min(INNER * cutoff, 0.4 * even.rate)
     smoothed = METHODS[derivative]
     noise = noise_density(even)
     if smoothed is None:
-        q = np.array(low_pass(even.q, inner, even.rate)[::factor])
+        q = low_pass_every(even.q, inner, even.rate, factor)
         dq, ddq = derivatives(q, rate)
     else:
         *parts, periods = smoothed(even, inner, name)
@@ -186,7 +186,7 @@ def prepare_one(
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
     known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
     bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
-    bad = bad & (np.ptp(even.tau, axis=0) > 0.0)  # a channel that is constant has no outliers, whatever a model says
+    bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
     tau = np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
@@ -217,7 +217,7 @@ def prepare_one(
 def _base_motion(even: EvenSignals, inner: float, factor: int, rate: float) -> Float:
     """Return how a measured base moves at the working samples (N, 5), smoothed as the angles are."""
     assert even.base is not None  # `prepare` has refused the recording otherwise
-    smooth = np.array(low_pass(even.base, inner, even.rate)[::factor])
+    smooth = low_pass_every(even.base, inner, even.rate, factor)
     turning, swinging = derivatives(smooth[:, :1], rate)
     return np.column_stack([smooth[:, :1], turning, swinging, smooth[:, 1:]])
 
@@ -250,7 +250,7 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
 
 def _reads_nothing(even: EvenSignals, cutoff: float) -> Bool:
     """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
-    zero = (np.ptp(even.tau, axis=0) == 0.0) & (even.tau[0] == 0.0)
+    zero = (even.reach == 0.0) & (even.tau[0] == 0.0)
     span = even.span
     little = span < NOTHING * span.max()
     if not little.any():

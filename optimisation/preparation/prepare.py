@@ -22,7 +22,7 @@ from measurement.overlap import held_apart
 from measurement.recording import Recording
 from measurement.signals.conditioning import even_clock
 from measurement.signals.derivatives import BUTTERWORTH, check_method
-from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base
+from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base, typical
 from optimisation.preparation.filtering import PreparedRecording, prepare_one
 from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
 from symbolic.joints import LEG, Joint, names
@@ -115,11 +115,10 @@ def prepare(
         )
     count = len(recordings)
     inputs = list(zip(called, even, strict=True))
-    beta = robust_base(
-        base, [prepare_one(base, n, e, COMMON_BAND, None, derivative=derivative) for n, e in inputs[:count]]
-    )
+    judged = [(name, part) for name, whole in inputs[:count] for part in typical(whole)]
+    beta = robust_base(base, [prepare_one(base, n, e, COMMON_BAND, None, derivative=derivative) for n, e in judged])
     if cutoff is None:
-        choice = choose_cutoff(base, called[:count], even[:count], beta, derivative)
+        choice = choose_cutoff(base, judged, beta, derivative)
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
