@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from measurement.finding import row_ranges
+from measurement.reading.angles import sampled
 from measurement.recording import Recording
 from symbolic.joints import Joint
 from symbolic.motion import Float
@@ -26,7 +27,10 @@ WORDS = {
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words."""
+    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words.
+
+    `some` of the values (W,), evenly spread, are enough for a quantile.
+    """
 
     name: str
     label: str
@@ -35,11 +39,16 @@ class Channel:
     at: NDArray[np.int64]
     joint: Joint
 
+    @property
+    def some(self) -> Float:  # noqa: D102
+        return sampled(self.values)
+
 
 def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
     """Yield the channels of the quantities `keys` ("q", "tau", ...) that the recording has, valid rows
     only."""
     at = np.flatnonzero(recording.valid)
+    whole = at.size == len(recording)
     fields = {
         "q": recording.q,
         "dq": recording.dq,
@@ -53,7 +62,7 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
             continue
         for j, joint in enumerate(recording.joints):
             label = f"{joint.name} {WORDS[key][not joint.turns]}"
-            yield Channel(f"{key}{j + 1}", label, joint.unit(key), pair[at, j], at, joint)
+            yield Channel(f"{key}{j + 1}", label, joint.unit(key), pair[:, j] if whole else pair[at, j], at, joint)
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

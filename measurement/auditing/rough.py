@@ -83,23 +83,51 @@ def _smoothed(recording: Recording) -> Smooth | None:
     return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin))
 
 
-def unexplained(motion: Smooth, delays: Sequence[float] = (0.0,), factors: Sequence[float] = (1.0, 1.0)) -> Float:
+def unexplained(
+    motion: Smooth, delays: Sequence[float] = (0.0,), factors: Sequence[float] = (1.0, 1.0), most: float = np.inf
+) -> Float:
     """Return the share (D, J) of the torque's power that the pendulum leaves when the torque is late by each of
     `delays` (s) and multiplied by `factors` (J,).
+
+    Where even numbers that may be negative leave more than `most`, summed over the joints, it is infinite.
     """
     parts, grams, rows = motion.sums
-    clock = np.arange(len(motion.tau))
-    out, x = [], np.zeros(OFFSETS)
-    for delay in delays:
-        tau = np.stack([np.interp(rows + delay / motion.step, clock, column) for column in motion.tau.T])
-        # Each joint counts alike, whatever its torque; constant offsets are nobody's sign, so they may have both.
-        tau = tau - tau.mean(axis=1, keepdims=True)
-        scale = np.maximum(tau.std(axis=1), 1e-12)
-        tau, weight = tau / scale[:, None], np.array(factors) * scale
-        slope = np.sum(tau[:, None] @ parts / weight[:, None, None], axis=(0, 1))
-        x = non_negative(np.tensordot(1.0 / weight**2, grams, 1), slope, x > 0.0)
-        out.append(np.mean((tau - parts @ x / weight[:, None]) ** 2, axis=1))
-    return np.array(out)
+    shift = np.array(delays) / motion.step
+    whole = np.floor(shift).astype(int)
+    far = int(np.abs(whole).max()) + 1
+    torques = np.pad(motion.tau.T, ((0, 0), (far, far)), mode="edge")
+    count, thin = rows.size, int(rows[1] - rows[0])
+    slopes, square = np.empty((whole.size, *grams.shape[:2])), np.empty((whole.size, len(torques)))
+    for k, (first, part) in enumerate(zip(rows[0] + far + whole, shift - whole, strict=True)):
+        place = slice(first, first + (count - 1) * thin + 1, thin)
+        after = slice(place.start + 1, place.stop + 1, thin)
+        tau = torques[:, place] if part == 0.0 else (1.0 - part) * torques[:, place] + part * torques[:, after]
+        tau = tau - tau.mean(axis=1, keepdims=True)  # constant offsets are nobody's sign, so they may have both
+        slopes[k] = (tau[:, None] @ parts)[:, 0]
+        square[k] = np.sum(tau**2, axis=1) / count
+    # Each joint counts alike, whatever its torque.
+    scale = np.maximum(np.sqrt(square), 1e-12)
+    weight = np.array(factors) * scale
+    power = square / scale**2
+    slopes /= (scale * weight)[:, :, None]
+    slope = slopes.sum(axis=1)
+    gram = np.tensordot(1.0 / weight**2, grams, 1)
+    out = np.full(power.shape, np.inf)
+    x = np.zeros(OFFSETS)
+    for k in np.flatnonzero(power.sum(axis=1) - _most_explained(gram, slope) / count <= most):
+        x = non_negative(gram[k], slope[k], x > 0.0)
+        left = x @ grams @ x / weight[k] ** 2 - 2.0 * slopes[k] @ x
+        out[k] = np.maximum(power[k] + left / count, 0.0)
+    return out
+
+
+def _most_explained(gram: Float, slope: Float) -> Float:
+    """Return slope · gram⁻¹ · slope (D,): of `gram` (D, P, P) what is not rounding."""
+    length = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 1e-300))
+    size, axes = np.linalg.eigh(gram / (length[:, :, None] * length[:, None, :]))
+    along = np.swapaxes(axes, 1, 2) @ (slope / length)[:, :, None]
+    told = size > 1e-12
+    return np.asarray(np.sum(np.where(told, along[:, :, 0] ** 2 / np.where(told, size, 1.0), 0.0), axis=1))
 
 
 OFFSETS = 9

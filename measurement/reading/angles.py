@@ -9,6 +9,10 @@ from symbolic.motion import Float
 
 Mask = NDArray[np.bool_]
 TURN = 2 * np.pi
+LONG = 1_000_000
+"""Samples from which on a running median is left to SciPy, whose import takes as long as the median of as many."""
+MANY = 400_000
+"""Samples of which quantiles are taken, at most."""
 
 
 def fill(values: Float, valid: Mask) -> Float:
@@ -27,10 +31,12 @@ def unwrapped(q: Float, valid: Mask) -> tuple[Float, Mask]:
     """
     at = np.flatnonzero(valid)
     jump = np.diff(q[at])
-    turns = np.round(jump / TURN)
-    usual = np.percentile(np.abs(jump), 90) if jump.size else 0.0
-    hit = (turns != 0) & (np.abs(jump - turns * TURN) < 0.5) & (usual < 1.0)
     wraps = np.zeros(q.shape[0], dtype=bool)
+    if not jump.size or (jump.max() < 0.5 * TURN and jump.min() > -0.5 * TURN):
+        return q, wraps
+    turns = np.round(jump / TURN)
+    usual = np.percentile(sampled(np.abs(jump)), 90)
+    hit = (turns != 0) & (np.abs(jump - turns * TURN) < 0.5) & (usual < 1.0)
     # A turn gained and lost again at once is a spike, not a wrap.
     turns = np.where(hit, turns, 0.0)
     if not hit.any():
@@ -54,9 +60,9 @@ def angle_spikes(q: Float, valid: Mask) -> Mask:
         return out
     values = q[at]
     off = np.abs(values - running_median(values, 5))
-    spread = 1.4826 * float(np.median(off))
-    usual = float(np.percentile(np.abs(np.diff(values)), 90))
-    reach = float(np.ptp(np.percentile(values, [1, 99])))
+    spread = 1.4826 * float(np.median(sampled(off)))
+    usual = float(np.percentile(sampled(np.abs(np.diff(values))), 90))
+    reach = float(np.ptp(np.percentile(sampled(values), [1, 99])))
     far = off > max(12 * spread, 8 * usual, 0.005 * reach)
     far |= _needles(values, max(1.5 * usual, 0.005 * reach))
     # The edges have no two sides to compare with; and what happens more than once in twenty rows is no spike.
@@ -75,7 +81,7 @@ def _needles(values: Float, least: float) -> Mask:
     out = np.zeros(values.shape[0], dtype=bool)
     off = values[2:-2] - (4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]) / 6.0
     size = np.abs(off)
-    limit = max(least, 12 * 1.4826 * float(np.median(size)))
+    limit = max(least, 12 * 1.4826 * float(np.median(sampled(size))))
     before, at, after = off[:-2], off[1:-1], off[2:]
     sides = np.stack([before, after]) * -np.sign(at)
     out[3:-3] = (np.abs(at) > limit) & (sides.min(axis=0) > 0.4 * np.abs(at)) & (sides.max(axis=0) < 0.9 * np.abs(at))
@@ -84,6 +90,10 @@ def _needles(values: Float, least: float) -> Mask:
 
 def running_median(values: Float, width: int) -> Float:
     """Return the median over `width` (odd) samples around each of `values` (N,), edges held."""
+    if values.size > LONG and np.isfinite(values).all():
+        from scipy.ndimage import median_filter
+
+        return np.asarray(median_filter(values, width, mode="nearest"), dtype=float)
     half = width // 2
     padded = np.pad(values, half, mode="edge")
     out = np.empty_like(values, dtype=float)
@@ -93,3 +103,8 @@ def running_median(values: Float, width: int) -> Float:
         window = np.lib.stride_tricks.sliding_window_view(padded[start : stop + 2 * half], width)
         out[start:stop] = np.partition(window, half, axis=1)[:, half]
     return out
+
+
+def sampled(values: Float) -> Float:
+    """Return some of `values` (N,), evenly spread and enough for a quantile."""
+    return values[:: max(1, -(-values.size // MANY))]

@@ -121,9 +121,11 @@ def clock_unit(t: Float, q: Float) -> tuple[str, float]:
     step = float(np.median(np.diff(t)))
     if 20_000.0 < t[0] < 80_000.0 and t[-1] - t[0] < 1.0:
         return "days", 86400.0  # as a spreadsheet counts them since 1900; under a second in s is no recording
+    if step < 0.5:
+        return "s", 1.0
     reach = np.ptp(q, axis=0)
     smooth = np.median(np.abs(np.diff(q, axis=0)), axis=0) < 0.05 * reach
-    if step < 0.5 or not smooth.any():
+    if not smooth.any():
         return "s", 1.0
     if np.all(np.diff(t) == 1.0):
         return "index", 1.0

@@ -19,6 +19,8 @@ HEAD_LINES = 400
 """A preamble of instrument settings longer than this has not been seen."""
 COMMENTS = ("#", "%", "//")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(inf|infinity|nan)|", re.IGNORECASE)
+POINTS = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
+"""A number with points between the thousands and a decimal comma."""
 AXES = ("X", "Y", "Z")
 FLEXION = "of the components X, Y and Z, X is read as flexion, as Plug-in Gait and Visual3D count them"
 ALONE = re.compile(r"[XYZ]|[\[(][^\])]*[\])]", re.IGNORECASE)
@@ -101,11 +103,10 @@ def split_line(line: str, delimiter: str) -> list[str]:
 def is_number(cell: str, decimal: str) -> bool:
     """Whether `cell` is empty or a number written with this decimal mark."""
     if decimal == ",":
-        if "." in cell and not re.fullmatch(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", cell):
+        if "." in cell and not POINTS.fullmatch(cell):
             return False
         cell = cell.replace(".", "").replace(",", ".")
-    cell = ungrouped(cell)
-    return NUMBER.fullmatch(cell) is not None
+    return NUMBER.fullmatch(cell) is not None or NUMBER.fullmatch(ungrouped(cell)) is not None
 
 
 def sniff(text: str, *, where: str) -> Layout:
@@ -124,6 +125,7 @@ def sniff(text: str, *, where: str) -> Layout:
         )
     table = [entry for entry in lines if entry[2].strip() and not entry[2].lstrip().startswith(COMMENTS)]
     best: tuple[int, int, str, str] = (0, 0, "", "")
+    cut: dict[str, list[list[str]]] = {}
     for delimiter, decimal in (
         (",", "."),
         (";", "."),
@@ -137,9 +139,11 @@ def sniff(text: str, *, where: str) -> Layout:
     ):
         if delimiter.strip() and delimiter not in text:
             continue
+        if delimiter not in cut:
+            cut[delimiter] = [split_line(entry[2], delimiter) for entry in table]
         widths = [
             len(cells)
-            for cells in (split_line(entry[2], delimiter) for entry in table)
+            for cells in cut[delimiter]
             if len(cells) > 1 and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
         ]
         width = max(set(widths), key=widths.count, default=0)

@@ -30,7 +30,7 @@ def check(recording: Recording) -> list[Finding]:
     now = float(unexplained(motion).sum())
     if now > FITS or now == 0.0:
         return []
-    left = unexplained(motion, TRIED.tolist()).sum(axis=1)
+    left = unexplained(motion, TRIED.tolist(), most=(1.0 - GAIN) * now).sum(axis=1)
     best = int(np.argmin(left))
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if abs(delay) < LEAST or gain < GAIN or best in (0, TRIED.size - 1):

@@ -61,10 +61,11 @@ def _frozen(channel: Channel, recording: Recording) -> tuple[list[NDArray[np.int
     certain: list[NDArray[np.int64]] = []
     if step.size < 20 or np.ptp(values) == 0.0:
         return likely, certain
-    moving = np.abs(step[step != 0])
-    usual = float(np.median(moving))
     first, last = runs(step == 0)
     long = last - first >= LEAST_ROWS
+    if not long.any():
+        return likely, certain
+    usual = float(np.median(np.abs(step[step != 0])))
     torque = channel.name.startswith("tau")
     # Single repeats are usual where the steps of the sensor are coarser than its noise; long ones then say nothing.
     repeats = float(np.sum((last - first + 1)[~long])) / max(1.0, step.size - float(np.sum((last - first + 1)[long])))

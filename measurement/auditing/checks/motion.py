@@ -21,7 +21,7 @@ def check(recording: Recording) -> list[Finding]:
     if recording.valid.sum() < 10:
         return []
     angles = list(channels(recording, "q"))
-    reach = [float(np.ptp(np.percentile(channel.values, [2, 98]))) for channel in angles]
+    reach = [float(np.ptp(np.percentile(channel.some, [2, 98]))) for channel in angles]
     turned = [moved / channel.joint.reach for channel, moved in zip(angles, reach, strict=True)]
     where = place(recording)
     found = []
@@ -83,7 +83,7 @@ def check(recording: Recording) -> list[Finding]:
 def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Finding]:
     """Note a joint that moves while its torque reads next to nothing: it may have no drive."""
     torques = list(channels(recording, "tau"))
-    spans = [float(np.ptp(np.percentile(channel.values, [10, 90]))) for channel in torques]
+    spans = [float(np.ptp(np.percentile(channel.some, [10, 90]))) for channel in torques]
     found = []
     for channel, span in zip(torques, spans, strict=True):
         joint = channel.joint.name

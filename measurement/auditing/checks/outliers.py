@@ -7,7 +7,7 @@ import numpy as np
 from ground.thresholds import Threshold
 from measurement.auditing.channels import channels, place, step_of
 from measurement.finding import Finding
-from measurement.reading.angles import running_median
+from measurement.reading.angles import running_median, sampled
 from measurement.recording import Recording
 
 FAR = Threshold(6.0, "robust deviations off the running median: noise would be counted")
@@ -24,7 +24,7 @@ def check(recording: Recording) -> list[Finding]:
         off = np.abs(channel.values - running_median(channel.values, 11))
         # rows equal to the median (a saturated or coarse channel) say nothing about its noise
         noise = off[off > 0]
-        spread = max(1.4826 * float(np.median(noise)) if noise.size else 0.0, step_of(channel.values))
+        spread = max(1.4826 * float(np.median(sampled(noise))) if noise.size else 0.0, step_of(channel.some))
         far = off > FAR * spread
         share = float(far.mean())
         if spread == 0.0 or share < NOTED:

@@ -17,8 +17,8 @@ def check(recording: Recording) -> list[Finding]:
     """Note the grid step of channels with fewer than 500 steps in their range; warn below 60."""
     found = []
     for channel in channels(recording, "q", "tau"):
-        step = step_of(channel.values)
-        reach = float(np.ptp(np.percentile(channel.values, [1, 99]))) if channel.values.size else 0.0
+        step = step_of(channel.some)
+        reach = float(np.ptp(np.percentile(channel.some, [1, 99]))) if channel.values.size else 0.0
         if step == 0.0 or reach == 0.0 or reach / step >= NOTED:
             continue
         coarse = reach / step < COARSE

@@ -36,6 +36,11 @@ def check(recording: Recording) -> list[Finding]:
 def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
     """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
     for channel in channels(recording, "q", "tau"):
+        least = max(6, 0.002 * channel.values.size)
+        if not channel.values.size or all(
+            np.count_nonzero(channel.values == end) < least for end in (channel.values.max(), channel.values.min())
+        ):
+            continue
         levels, counts = np.unique(channel.values, return_counts=True)
         if levels.size < 12:
             continue
@@ -49,7 +54,7 @@ def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, 
             if channel.name.startswith("tau") and count >= 3 * PILE * near.mean():
                 # Noise carries a torque in and out of its end of scale; an angle read on a grid turns round there.
                 long, held = np.ones(first.size, dtype=bool), int(count)
-            if held < max(6, 0.002 * channel.values.size) or count < PILE * near.mean():
+            if held < least or count < PILE * near.mean():
                 continue
             if channel.name.startswith("q") and _comes_to_rest(channel.values, first[long]):
                 continue

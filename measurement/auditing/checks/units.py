@@ -23,7 +23,7 @@ def check(recording: Recording) -> list[Finding]:
     """
     found = _too_small(recording)
     for channel in channels(recording, "q"):
-        reach = float(np.percentile(np.abs(channel.values), 98)) if channel.values.size else 0.0
+        reach = float(np.percentile(np.abs(channel.some), 98)) if channel.values.size else 0.0
         if not channel.joint.turns:
             if reach > FAR:
                 what = f"the {channel.label} reaches {reach:.4g} m: it looks like millimetres"
@@ -32,7 +32,7 @@ def check(recording: Recording) -> list[Finding]:
             what = f"the {channel.label} reaches {reach:.4g} rad: it looks like degrees"
             found.append(_finding(recording, channel.name, what, reach, TURNS, "--units q=deg"))
     for channel in channels(recording, "tau"):
-        usual = float(np.median(np.abs(channel.values))) if channel.values.size else 0.0
+        usual = float(np.median(np.abs(channel.some))) if channel.values.size else 0.0
         if usual > STRONG and is_leg(recording.joints):
             what = f"the {channel.label} is {usual:.4g} N·m in the median: it looks like mN·m"
             found.append(_finding(recording, channel.name, what, usual, STRONG, "--units tau=mNm"))
@@ -47,11 +47,11 @@ def _too_small(recording: Recording) -> list[Finding]:
     angles, torques = list(channels(recording, "q")), list(channels(recording, "tau"))
     if min((channel.values.size for channel in (*angles, *torques)), default=0) < 10:
         return []
-    swing = max(float(np.ptp(np.percentile(channel.values, [2, 98]))) for channel in angles)
+    swing = max(float(np.ptp(np.percentile(channel.some, [2, 98]))) for channel in angles)
     if 0.0 < swing < LITTLE:
         what = f"no joint swings further than {swing:.3g} rad: it looks like turns, or there is little motion"
         found.append(_finding(recording, "q1 and q2", what, swing, LITTLE, "--units q=turns"))
-    size = max(float(np.percentile(np.abs(channel.values), 98)) for channel in torques)
+    size = max(float(np.percentile(np.abs(channel.some), 98)) for channel in torques)
     if 0.0 < size < WEAK:
         unit, option = ("MN·m", "MNm") if size < 1e-3 * WEAK else ("kN·m", "kNm")
         what = f"no torque reaches more than {size:.3g} N·m, which carries no leg: it looks like {unit}"

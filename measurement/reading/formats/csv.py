@@ -8,7 +8,6 @@ keeping track of the lines, so that a message can name the line an editor shows.
 from __future__ import annotations
 
 import io
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -23,8 +22,8 @@ from ground.inputs import open_input
 from measurement.finding import Finding, row_ranges
 from measurement.reading.camera import with_time
 from measurement.reading.limits import Budget
-from measurement.reading.raw import RawTable, column_from_cells
-from measurement.reading.sniff import COMMENTS, Layout, decode, sniff, split_line
+from measurement.reading.raw import RawColumn, RawTable, column_from_cells
+from measurement.reading.sniff import COMMENTS, POINTS, Layout, decode, sniff, split_line
 from symbolic.motion import Float
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
@@ -35,6 +34,8 @@ SHORT = 10_000_000
 """Characters up to which NumPy reads a table of numbers in less time than pandas, where there is one, is imported."""
 HEAD = 1_000_000
 """Bytes in which the header of a long text ends."""
+CHUNK = 500_000
+"""Rows of a long text that are parsed at once."""
 UNTIDY = ('"', "\x00", "\n\n", "\n ", "\n\t", *(f"\n{mark}" for mark in COMMENTS))
 
 
@@ -80,6 +81,9 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
 
 def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
     """Return the columns of a text; `above` lines of the file stand before it."""
+    tidy = _long(data, above, path, budget)
+    if tidy is not None:
+        return tidy
     text, notes = decode(data, where=str(path))
     del data
     layout = sniff(text, where=str(path))
@@ -115,6 +119,37 @@ def _table(data: bytes, above: int, path: Path, budget: Budget) -> RawTable:
     return with_time(RawTable(columns, row, notes), head, str(path))
 
 
+def _long(data: bytes, above: int, path: Path, budget: Budget) -> RawTable | None:
+    """Return the columns of a long text of tidy numbers, which is not copied for that; None for any other."""
+    if len(data) < SHORT or not data.isascii() or not data.endswith(b"\n") or b"\r" in data or b"\x1a" in data:
+        return None
+    text, notes = decode(data[: data.rfind(b"\n", 0, HEAD) + 1], where=str(path))
+    layout = sniff(text, where=str(path))
+    start, width = layout.body_start, len(layout.names)
+    # One character is found faster than two, and most of those that end a mark do not occur at all.
+    marks = [mark.encode() for mark in UNTIDY if data.find(mark[-1].encode(), start) >= 0]
+    lines = data.count(b"\n", start)
+    separated = layout.delimiter == " " or data.count(layout.delimiter.encode(), start) == lines * (width - 1)
+    if layout.decimal != "." or not separated or any(data.find(mark, start) >= 0 for mark in marks):
+        return None
+    budget.count(width)
+    budget.take(8 * lines * width, "the table")
+    stream = io.BytesIO(data)
+    stream.seek(start)
+    try:
+        table = _quickly(stream, layout, lines)
+        if table is None:
+            delimiter = None if layout.delimiter == " " else layout.delimiter
+            table = np.ascontiguousarray(np.loadtxt(stream, delimiter=delimiter, comments=None, ndmin=2).T)
+    except (ValueError, OverflowError):
+        return None
+    if table.shape != (width, lines):
+        return None
+    columns = tuple(RawColumn(*named) for named in zip(layout.names, table, layout.units, strict=True))
+    row = np.arange(layout.first_line + above, layout.first_line + above + lines)
+    return with_time(RawTable(columns, row, notes + layout.notes), text[:start], str(path))
+
+
 def _parse(body: str, layout: Layout) -> Sequence[Any] | None:
     """Return the cells of each column; None when some row has more cells than the header."""
     numbers = _numbers(body, layout)
@@ -136,21 +171,24 @@ def _numbers(body: str, layout: Layout) -> Sequence[Any] | None:
     """Return the columns of a table that holds a plain number in every cell; None for any other."""
     text = body if layout.decimal == "." else body.replace(".", "?").replace(",", ".")
     try:
-        table = _quickly(text, layout) if len(body) > SHORT else None
-        if table is None:
-            table = np.loadtxt(
-                io.StringIO(text),
-                delimiter=None if layout.delimiter == " " else layout.delimiter,
-                comments=None,
-                ndmin=2,
-            )
+        if len(body) > SHORT:
+            table = _quickly(io.BytesIO(text.encode(errors="replace")), layout, body.count("\n"))
+            if table is not None:
+                return list(table)
+        table = np.loadtxt(
+            io.StringIO(text),
+            delimiter=None if layout.delimiter == " " else layout.delimiter,
+            comments=None,
+            ndmin=2,
+        )
     except (ValueError, OverflowError):
         return None
     return list(np.ascontiguousarray(table.T)) if table.shape[1] == len(layout.names) else None
 
 
-def _quickly(text: str, layout: Layout) -> Float | None:
-    """Return the numbers (N, C) of a long text, which pandas reads four times as fast; None where it is not installed.
+def _quickly(stream: io.BytesIO, layout: Layout, lines: int) -> Float | None:
+    """Return the numbers (C, N) of the rest of a long text, which pandas reads four times as fast as NumPy; None where
+    it is not installed.
 
     ValueError where a cell is no number; an empty one is NaN.
     """
@@ -160,24 +198,27 @@ def _quickly(text: str, layout: Layout) -> Float | None:
         return None
     # What is written must read back as the same numbers; from version 3 on pandas does so unasked.
     exact: dict[str, Any] = {} if int(pd.__version__.split(".")[0]) >= 3 else {"float_precision": "round_trip"}
-    frame = pd.read_csv(
-        io.BytesIO(text.encode(errors="replace")),  # a StringIO would take four bytes a character
+    frames = pd.read_csv(
+        stream,
         sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
         header=None,
         dtype=float,
         quoting=3,
+        chunksize=CHUNK,  # the parser needs several times what it parses at once
         **exact,
         skip_blank_lines=False,
     )
-    return frame.to_numpy()
+    table, done = np.empty((len(layout.names), lines)), 0
+    for frame in frames:
+        table[:, done : done + len(frame)] = frame.to_numpy().T
+        done += len(frame)
+    if done != lines:
+        raise ValueError(f"{done} rows in {lines} lines")
+    return table
 
 
 def _with_point(cell: str) -> str:
-    return (cell.strip().replace(".", "") if GROUPED.fullmatch(cell.strip()) else cell).replace(",", ".")
-
-
-GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
-"""A number with points between the thousands and a decimal comma."""
+    return (cell.strip().replace(".", "") if POINTS.fullmatch(cell.strip()) else cell).replace(",", ".")
 
 
 def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int64], tuple[Finding, ...]]:
