@@ -27,10 +27,7 @@ WORDS = {
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words.
-
-    `some` of the values (W,), evenly spread, are enough for a quantile.
-    """
+    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words."""
 
     name: str
     label: str
@@ -40,7 +37,8 @@ class Channel:
     joint: Joint
 
     @property
-    def some(self) -> Float:  # noqa: D102
+    def some(self) -> Float:
+        """Some of the values (W,), evenly spread and enough for a quantile."""
         return sampled(self.values)
 
 
