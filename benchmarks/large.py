@@ -1,4 +1,4 @@
-"""An hour at 1 kHz through reading, preparing, fitting and `exoid discover`: seconds and peak memory of each.
+"""An hour at 1 kHz through reading, preparing, fitting, `exoid compare` and `exoid discover`: seconds, peak memory.
 
     python benchmarks/large.py [--minutes 60] [--formats csv npz h5] [--discover]
     python benchmarks/large.py --hours 24 [--formats csv parquet] [--keep FOLDER]
@@ -29,7 +29,7 @@ sys.path.insert(0, str(ROOT))
 import numpy as np  # noqa: E402 - the number of threads must be set first
 
 RATE, PERIOD = 1000.0, 10.0
-STAGES = ("import", "read", "prepare", "identify")
+STAGES = ("import", "read", "prepare", "identify", "compare")
 
 
 def write(folder: Path, minutes: int, formats: list[str]) -> None:
@@ -116,7 +116,11 @@ def peak() -> float:
 
 
 def stage(name: str, path: Path) -> None:
-    """Run the work up to the stage `name` and print the seconds it took, the peak memory in MB, and what came out."""
+    """Run the work up to the stage `name` and print the seconds it took, the peak memory in MB, and what came out.
+
+    That of `compare` is all of it, from the file on.
+    """
+    from diagnosis.compare import compare
     from measurement.reading.read import read_recording, read_recordings
     from optimisation.fitting.identify import identify
     from optimisation.preparation.prepare import prepare
@@ -136,6 +140,8 @@ def stage(name: str, path: Path) -> None:
         began = time.perf_counter()
         ready = prepare(Model.standard(), [recording])
         said = f"{sum(len(one.t) for one in ready.all)} samples, {ready.choice.reason}"
+    if name == "compare":
+        said = str(compare(Model.standard(), [recording])).splitlines()[0]
     if name == "identify":
         began = time.perf_counter()
         said = str(identify(Model.standard(), [recording])).splitlines()[0]
@@ -190,7 +196,7 @@ def main() -> None:
             subprocess.run([sys.executable, __file__, *given], check=True)
         for index, file in enumerate(files):
             print(f"{file.name}: {file.stat().st_size / 1e6:.0f} MB")
-            for name in ("stretches",) if args.hours else STAGES if index == 0 else STAGES[1:2]:
+            for name in ("stretches",) if args.hours else STAGES if index == 0 else ("read", "compare"):
                 subprocess.run([sys.executable, __file__, "--stage", name, str(file)], check=True)
         if args.discover:
             command(["discover", str(files[0])])

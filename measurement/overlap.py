@@ -10,7 +10,8 @@ shared: the second run tells nothing that the first did not.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,22 +66,39 @@ class _Even:
 
     values: Float
     fast: Float
+    _spectra: dict[int, tuple[Any, Float]] = field(default_factory=dict, init=False, repr=False)
+
+    def spectrum(self, channel: int) -> tuple[Any, Float]:
+        """Return the spectrum of a channel's fast part, so long that nothing wraps around into shifts at which a part
+        of it is inside, and the power (N + 1,) before each sample.
+        """
+        if channel not in self._spectra:
+            whole = self.fast[:, channel]
+            power = np.concatenate([[0.0], np.cumsum(whole**2)])
+            self._spectra[channel] = np.fft.rfft(whole, 1 << (whole.size - 1).bit_length()), power
+        return self._spectra[channel]
 
 
-def overlap(first: Recording, second: Recording) -> Overlap | None:
-    """Return which samples of `second` are in `first` too; None where there are none."""
+def overlap(first: Recording, second: Recording, known: dict[Recording, _Even] | None = None) -> Overlap | None:
+    """Return which samples of `second` are in `first` too; None where there are none.
+
+    What is `known` of recordings is used again, and added to.
+    """
     if min(len(first), len(second)) < LEAST:
         return None
-    rows = _shared_rows(first, second)
+    rows = _shared_rows(first, second, {} if known is None else known)
     if not rows.any():
         return None
     return Overlap(_name(first), _name(second), rows, float(rows.sum() / second.rate))
 
 
-def _shared_rows(first: Recording, second: Recording) -> Mask:
+def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Even]) -> Mask:
     """Return which samples (N,) of `second` are in `first`: as they stand, every n-th of the faster, or resampled."""
     slow, quick = sorted((first.rate, second.rate))
-    a, b = _even(first), _even(second)
+    for one in (first, second):
+        if one not in known:
+            known[one] = _even(one)
+    a, b = known[first], known[second]
     rows = _match(a, b, SAME)[1]
     if rows.any() or quick < 1.02 * slow:
         return rows
@@ -118,9 +136,10 @@ def held_apart(
     Raises RecordingError where an unseen recording shares samples with a fitted one: what was fitted cannot show how
     well unseen motion is predicted.
     """
+    known: dict[Recording, _Even] = {}
     for held in unseen:
         for one in fitted:
-            found = overlap(one, held)
+            found = overlap(one, held, known)
             if found is not None:
                 raise RecordingError(
                     f"this recording is held out, but shares samples with a fitted one: {found.sentence}",
@@ -128,19 +147,21 @@ def held_apart(
                     remedy="hold out a recording of its own, or fit without the other one; motion simulated twice "
                     "without noise is the same samples twice",
                 )
-    kept, doubled = _once(fitted)
-    kept_unseen, doubled_unseen = _once(unseen)
+    kept, doubled = _once(fitted, known)
+    kept_unseen, doubled_unseen = _once(unseen, known)
     return kept, kept_unseen, (*doubled, *doubled_unseen)
 
 
-def _once(recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], tuple[Finding, ...]]:
+def _once(
+    recordings: Sequence[Recording], known: dict[Recording, _Even]
+) -> tuple[tuple[Recording, ...], tuple[Finding, ...]]:
     """Return `recordings` without the samples that one before them has already, longest first."""
     kept: dict[int, Recording] = {}
     findings = []
     for k in sorted(range(len(recordings)), key=lambda k: (-len(recordings[k]), k)):
         one = recordings[k]
         for other in kept.values():
-            found = overlap(other, one)
+            found = overlap(other, one, known)
             if found is None:
                 continue
             whole = found.share > WHOLE
@@ -196,7 +217,7 @@ def _match(a: _Even, b: _Even, same: float) -> tuple[Mask, Mask]:
         if in_short[start : start + size].any():
             continue
         for channel in channels[:2]:
-            shift = _shift(short.fast[start : start + size, channel], long.fast[:, channel], same)
+            shift = _shift(short.fast[start : start + size, channel], long, channel, same)
             if shift is None:
                 continue
             shift -= int(start)
@@ -214,12 +235,12 @@ def _moves(one: _Even, channel: int) -> bool:
     return bool(np.std(one.fast[:, channel]) > 1e-9 * max(float(np.max(np.abs(values))), 1e-12))
 
 
-def _shift(part: Float, whole: Float, same: float) -> int | None:
-    """Return where in `whole` (N,) the stretch `part` (S,) stands, up to scale; None where it is not there."""
-    length = 1 << (whole.size - 1).bit_length()  # nothing wraps around into the shifts at which `part` is inside
-    product = np.fft.irfft(np.fft.rfft(whole, length) * np.conj(np.fft.rfft(part, length)), length)
-    product = product[: whole.size - part.size + 1]
-    power = np.concatenate([[0.0], np.cumsum(whole**2)])
+def _shift(part: Float, long: _Even, channel: int, same: float) -> int | None:
+    """Return where in a channel of `long` the stretch `part` (S,) stands, up to scale; None where it is not there."""
+    spectrum, power = long.spectrum(channel)
+    length = 2 * (spectrum.size - 1)
+    product = np.fft.irfft(spectrum * np.conj(np.fft.rfft(part, length)), length)
+    product = product[: power.size - part.size]
     energy = (power[part.size :] - power[: -part.size]) * float(part @ part)
     likeness = np.abs(product) / np.sqrt(np.maximum(energy, 1e-12 * max(float(energy.max()), 1e-300)))
     best = int(np.argmax(likeness))

@@ -117,7 +117,7 @@ def even_clock(recording: Recording) -> EvenSignals:
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
     """Return `x` (N, ...) without what is faster than `cutoff` Hz, without delay."""
-    return both_ways(_filter(cutoff, rate), x, min(len(x) - 1, int(3.0 * rate / cutoff)))
+    return both_ways(_filter(cutoff, rate), x, _pad(len(x), cutoff, rate))
 
 
 def low_pass_at(rows: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) -> Float:
@@ -126,10 +126,20 @@ def low_pass_at(rows: Float, cutoff: float, rate: float, kept: NDArray[np.int_])
     What is further away than the response reaches (1e-7 of it) does not count. Where that is longer than the recording,
     `low_pass` itself runs.
     """
-    reach = int(np.ceil(response_seconds(cutoff) * rate))
+    reach = _reach(cutoff, rate)
     if kept.size < 2 or reach >= rows.shape[1] - 1:
         return np.ascontiguousarray(low_pass(rows.T, cutoff, rate)[kept].T)
     return both_ways_at(_filter(cutoff, rate), rows, int(kept[0]), int(kept[1] - kept[0]), kept.size, reach)
+
+
+def _pad(samples: int, cutoff: float, rate: float) -> int:
+    """Return by how many samples a recording is continued at either end."""
+    return min(samples - 1, int(3.0 * rate / cutoff))
+
+
+def _reach(cutoff: float, rate: float) -> int:
+    """Return after how many samples a response has ended."""
+    return int(np.ceil(response_seconds(cutoff) * rate))
 
 
 def _filter(cutoff: float, rate: float) -> Filter:
@@ -209,10 +219,18 @@ def response_seconds(cutoff: float) -> float:
 
 def low_pass_every(x: Float, cutoff: float, rate: float, factor: int) -> Float:
     """Return every `factor`-th sample of `x` (N, J) after `low_pass`; the others are not computed."""
-    if factor == 1:
-        return low_pass(x, cutoff, rate)
-    rows = np.ascontiguousarray(x.T)
-    return np.ascontiguousarray(low_pass_at(rows, cutoff, rate, np.arange(0, len(x), factor)).T)
+    samples, pad, reach = len(x), _pad(len(x), cutoff, rate), _reach(cutoff, rate)
+    if factor == 1 or pad >= reach:
+        return low_pass(x, cutoff, rate)[::factor]
+    # Continued at both ends as in `low_pass`, and from there on by what it takes for the time before: a constant.
+    rows = np.empty((x.shape[1], samples + 2 * reach))
+    rows[:, reach : reach + samples] = x.T
+    rows[:, reach - pad : reach] = 2.0 * x[:1].T - x[pad:0:-1].T
+    rows[:, reach + samples : reach + samples + pad] = 2.0 * x[-1:].T - x[-2 : -pad - 2 : -1].T
+    rows[:, : reach - pad] = rows[:, reach - pad, None]
+    rows[:, reach + samples + pad :] = rows[:, reach + samples + pad - 1, None]
+    kept = both_ways_at(_filter(cutoff, rate), rows, reach, factor, -(-samples // factor), reach)
+    return np.ascontiguousarray(kept.T)
 
 
 def decimate(x: Float, factor: int, rate: float) -> Float:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -95,67 +96,97 @@ def _fit(data: LinearData) -> Float:
 def choose_cutoff(base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: Float, derivative: str) -> CutoffChoice:
     """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean.
 
-    What is too noisy is told by the spectra; only cut-offs that are not are tried, from the fastest on.
+    The torque's noise is much the same at every cut-off, so that the slowest tells which is about the fastest that is
+    clean. The others are only tried where that predicts badly.
     """
-    even = [one for _, one in inputs]
-    slowest = min(e.rate for e in even)
+    slowest = min(e.rate for _, e in inputs)
     tried = [c for c in CUTOFFS if c <= 0.25 * slowest] or [0.2 * slowest]
-    trial = _Trial(base, inputs, beta, derivative, min(COMMON_BAND, tried[0]))
-    masses = _largest_masses(base, beta, even)
-    # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
-    shares = [noise_share(trial.slow, even, cutoff) for cutoff in tried]
-    carried = [_carried_noise(masses, even, cutoff, noise_floor(trial.slow, cutoff)) for cutoff in tried]
-    clean = (np.array(shares) <= BIAS_LIMIT) & (np.array(carried) <= NOISE_LIMIT)
-    tolerance = LOOSE_TOLERANCE if shares[-1] >= NOISE_SEEN else TOLERANCE
-    errors: dict[int, Float] = {}
-    index = None
-    for k in sorted({0, *np.flatnonzero(clean).tolist()[-2:]}):
-        errors[k] = trial.error(tried[k])
-    fastest = max(errors)
-    if clean[fastest] and _relative(errors)[fastest] <= 1.0 + tolerance:
-        index = fastest
-    else:
-        errors |= {k: trial.error(cutoff) for k, cutoff in enumerate(tried) if k not in errors}
-        good = [k for k, worse in _relative(errors).items() if worse <= 1.0 + tolerance and clean[k]]
-        index = good[-1] if good else int(np.argmin([_relative(errors)[k] + shares[k] for k in range(len(tried))]))
-    relative = _relative(errors)
-    table = tuple((tried[k], worse, shares[k]) for k, worse in relative.items())
-    return CutoffChoice(tried[index], _reason(tried, index, relative, shares, carried, tolerance), table=table)
+    trials = _Trials(base, inputs, beta, derivative, tried)
+    guesses = [trials.noise(k, 0) for k in range(len(tried))]
+    tolerance = LOOSE_TOLERANCE if guesses[-1].share >= NOISE_SEEN else TOLERANCE
+    fastest = max((k for k, guess in enumerate(guesses) if guess.clean), default=0)
+    while fastest + 1 < len(tried) and trials.noise(fastest + 1).clean:
+        fastest += 1
+    while fastest > 0 and not trials.noise(fastest).clean:
+        fastest -= 1
+    weighed = sorted({0, fastest})
+    relative = trials.relative(weighed)
+    index = fastest
+    if not trials.noise(fastest).clean or relative[fastest] > 1.0 + tolerance:
+        weighed = list(range(len(tried)))
+        relative = trials.relative(weighed)
+        good = [k for k in weighed if relative[k] <= 1.0 + tolerance and trials.noise(k).clean]
+        index = good[-1] if good else min(weighed, key=lambda k: relative[k] + trials.noise(k).share)
+    table = tuple((tried[k], relative[k], trials.noise(k).share) for k in weighed)
+    return CutoffChoice(tried[index], _reason(trials, index, relative, tolerance), table=table)
 
 
-def _relative(errors: Mapping[int, Float]) -> dict[int, float]:
-    """Return by how much each of the `errors` (J,) is larger than the least, of the worst joint, in their order."""
-    least = np.min(list(errors.values()), axis=0)
-    seen = least > 0.0
-    return {k: float(np.max(errors[k][seen] / least[seen], initial=1.0)) for k in sorted(errors)}
+@dataclass(frozen=True)
+class _Noise:
+    """The `share` of noise in the accelerations at a cut-off, and the noise power that they carry into the model's
+    torque, relative to the torque's own.
+    """
+
+    share: float
+    carried: float
+
+    @property
+    def clean(self) -> bool:
+        return self.share <= BIAS_LIMIT and self.carried <= NOISE_LIMIT
 
 
-class _Trial:
-    """What a cut-off predicts of unseen torque below the band `slow`; recordings prepared at `slow` are kept."""
+class _Trials:
+    """Recordings prepared at the cut-offs `tried`, as far as somebody asks."""
 
     def __init__(
-        self, base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: Float, derivative: str, slow: float
+        self,
+        base: Model,
+        inputs: Sequence[tuple[str, EvenSignals]],
+        beta: Float,
+        derivative: str,
+        tried: Sequence[float],
     ) -> None:
-        self.base, self.inputs, self.beta, self.derivative = base, inputs, beta, derivative
-        self.band = slow
-        self.slow = self._prepared(slow)
-        self.judge = assemble(base, self.slow)
+        self.tried = tried
+        even = [one for _, one in inputs]
+        masses = _largest_masses(base, beta, even)
 
-    def _prepared(self, cutoff: float) -> list[PreparedRecording]:
-        # All on motion equally far from standstill: nearer to it friction is more than the base model knows, and a
-        # faster cut-off, which gets nearer, would be blamed for that.
-        return [
-            prepare_one(self.base, name, even, cutoff, self.beta, COMMON_BAND, self.derivative)
-            for name, even in self.inputs
-        ]
+        @cache
+        def prepared(k: int) -> list[PreparedRecording]:
+            # All on motion equally far from standstill: nearer to it friction is more than the base model knows, and a
+            # faster cut-off, which gets nearer, would be blamed for that.
+            return [prepare_one(base, name, e, tried[k], beta, COMMON_BAND, derivative) for name, e in inputs]
 
-    def error(self, cutoff: float) -> Float:
-        """Return the RMS (J,) in N·m that fits at `cutoff` leave on recordings, or blocks, they have not seen."""
-        data = self.judge if cutoff == self.band else assemble(self.base, self._prepared(cutoff))
-        square = np.zeros(len(self.base.joints))
-        for held, out in zip(_folds(data.groups), _folds(self.judge.groups), strict=True):
-            square += np.sum(_part(self.judge, out).residual(_fit(_part(data, ~held))) ** 2, axis=1)
-        return np.sqrt(square / np.maximum(self.judge.use.sum(axis=1), 1))
+        @cache
+        def noise(k: int, of: int) -> _Noise:
+            # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
+            share = noise_share(prepared(of), even, tried[k])
+            return _Noise(share, _carried_noise(masses, even, tried[k], noise_floor(prepared(of), tried[k])))
+
+        @cache
+        def data(k: int) -> LinearData:
+            return assemble(base, prepared(k))
+
+        @cache
+        def error(k: int) -> Float:
+            judge = data(0)
+            square = np.zeros(len(base.joints))
+            for held, out in zip(_folds(data(k).groups), _folds(judge.groups), strict=True):
+                square += np.sum(_part(judge, out).residual(_fit(_part(data(k), ~held))) ** 2, axis=1)
+            return np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1))
+
+        self._noise, self._error = noise, error
+
+    def noise(self, k: int, of: int | None = None) -> _Noise:
+        """Return what noise does at one cut-off, that of the torque taken from another where one is named."""
+        return self._noise(k, k if of is None else of)
+
+    def relative(self, weighed: Sequence[int]) -> dict[int, float]:
+        """Return by how much worse than the best of them each cut-off predicts unseen torque at the slowest, 1 for not
+        at all, of the worst joint.
+        """
+        least = np.min([self._error(k) for k in weighed], axis=0)
+        seen = least > 0.0
+        return {k: float(np.max(self._error(k)[seen] / least[seen], initial=1.0)) for k in weighed}
 
 
 def _part(data: LinearData, keep: np.ndarray) -> LinearData:
@@ -204,21 +235,15 @@ def _carried_noise(masses: Float, even: Sequence[EvenSignals], cutoff: float, fl
     return float(np.max(masses**2 @ acceleration**2 / np.maximum(floor**2, 1e-300)))
 
 
-def _reason(
-    tried: Sequence[float],
-    index: int,
-    relative: Mapping[int, float],
-    shares: Sequence[float],
-    carried: Sequence[float],
-    tolerance: float,
-) -> str:
-    text = f"{tried[index]:g} Hz: noise makes up {100 * shares[index]:.2g} % of the accelerations"
+def _reason(trials: _Trials, index: int, relative: Mapping[int, float], tolerance: float) -> str:
+    tried = trials.tried
+    text = f"{tried[index]:g} Hz: noise makes up {100 * trials.noise(index).share:.2g} % of the accelerations"
     if index + 1 == len(tried):
         return text + ", and no faster cut-off was tried"
     after = index + 1
-    beyond = f"{text}; at {tried[after]:g} Hz"
+    beyond, noise = f"{text}; at {tried[after]:g} Hz", trials.noise(after)
     if relative.get(after, 0.0) > 1.0 + tolerance:
         return f"{beyond} unseen torque is predicted {100 * (relative[after] - 1):.0f} % worse than at best"
-    if shares[after] > BIAS_LIMIT:
-        return f"{beyond} it would be {100 * shares[after]:.2g} %, a bias towards zero for every inertia"
-    return f"{beyond} they would carry {100 * carried[after]:.0f} % of the torque sensor's noise power into the model"
+    if noise.share > BIAS_LIMIT:
+        return f"{beyond} it would be {100 * noise.share:.2g} %, a bias towards zero for every inertia"
+    return f"{beyond} they would carry {100 * noise.carried:.0f} % of the torque sensor's noise power into the model"
