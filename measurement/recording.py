@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -83,8 +84,8 @@ class Recording:
             if not np.isfinite(array).all():
                 raise ValueError(f"recording.{name} holds values that are not finite; mask those rows first")
             object.__setattr__(self, name, array)
-        valid = np.ones(count, dtype=bool) if self.valid is None else np.array(self.valid, dtype=bool)
-        row = np.arange(1, count + 1) if self.row is None else np.array(self.row, dtype=np.int64)
+        valid = np.ones(count, dtype=bool) if self.valid is None else _kept(self.valid, bool)
+        row = np.arange(1, count + 1) if self.row is None else _kept(self.row, np.int64)
         if valid.shape != (count,) or row.shape != (count,):
             raise ValueError(f"recording.valid and .row must have shape {(count,)}")
         if np.any(np.diff(self.t) <= 0):
@@ -101,7 +102,7 @@ class Recording:
         """Names of the joints (J,)."""
         return names(self.joints)
 
-    @property
+    @cached_property
     def rate(self) -> float:
         """Median sampling rate in Hz (0 for fewer than two samples)."""
         return 1.0 / float(np.median(np.diff(self.t))) if len(self) > 1 else 0.0
@@ -203,6 +204,12 @@ class Recording:
             + (f", warnings: {', '.join(worst)}" if worst else "")
             + (f", with {', '.join(map(str, self.payloads))})" if self.payloads else ")")
         )
+
+
+def _kept(values: Any, kind: type) -> NDArray[Any]:
+    """Return `values` as a copy of a `kind`, or as they are where nobody can write to them."""
+    known = isinstance(values, np.ndarray) and values.dtype == kind and values.base is None
+    return values if known and not values.flags.writeable else np.array(values, dtype=kind)
 
 
 def to_csv(recording: Recording) -> bytes:

@@ -11,7 +11,9 @@ Float = NDArray[np.float64]
 
 
 def read_only(array: object) -> Float:
-    """Return `array` as float64 that refuses to be written to."""
+    """Return `array` as float64 that refuses to be written to: a copy, or the same array where nobody can."""
+    if isinstance(array, np.ndarray) and array.dtype == float and array.base is None and not array.flags.writeable:
+        return array
     out = np.array(array, dtype=float)
     out.setflags(write=False)
     return out

@@ -10,10 +10,10 @@ of the torque need be known, and a leg turned upside down does not fit (non-nega
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,16 +50,20 @@ class Smooth:
         return parts, np.swapaxes(parts, 1, 2) @ parts, rows
 
 
-_SMOOTH: WeakKeyDictionary[Recording, Smooth | None] = WeakKeyDictionary()
-"""Of recordings that are still in use: several checks ask for the same one."""
+_SMOOTH: dict[tuple[int, ...], Smooth | None] = {}
+"""Of recordings that are still in use, by their arrays: several checks ask for the same one, under other findings."""
 
 
 def smooth(recording: Recording) -> Smooth | None:
     """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
     short."""
-    if recording not in _SMOOTH:
-        _SMOOTH[recording] = _smoothed(recording)
-    return _SMOOTH[recording]
+    arrays = (recording.t, recording.q, recording.tau, recording.valid)
+    key = tuple(map(id, arrays))
+    if key not in _SMOOTH:
+        _SMOOTH[key] = _smoothed(recording)
+        for array in arrays:
+            weakref.finalize(array, _SMOOTH.pop, key, None).atexit = False
+    return _SMOOTH[key]
 
 
 def _smoothed(recording: Recording) -> Smooth | None:

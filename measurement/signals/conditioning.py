@@ -268,9 +268,9 @@ def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None =
     and without the samples `apart` (N, J) unless hardly any others are left.
     """
     fast = x - low_pass(x, 0.25 * rate, rate)
-    if apart is not None:
-        fast = np.where(apart & (np.mean(apart, axis=0) < MOST_APART), np.nan, fast)
-    scale = np.nanmedian(np.abs(fast - np.nanmedian(fast, axis=0)), axis=0) / 0.6745
+    left = np.ones(x.shape, dtype=bool) if apart is None else ~(apart & (np.mean(apart, axis=0) < MOST_APART))
+    told = [channel[keep] for channel, keep in zip(fast.T, left.T, strict=True)]
+    scale = np.array([np.median(np.abs(channel - np.median(channel))) for channel in told]) / 0.6745
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
 
 

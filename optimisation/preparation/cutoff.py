@@ -157,10 +157,14 @@ class _Trials:
             return [prepare_one(base, name, e, tried[k], beta, COMMON_BAND, derivative) for name, e in inputs]
 
         @cache
+        def density(k: int) -> Float:
+            return noise_floor(prepared(k), 1.0)
+
+        @cache
         def noise(k: int, of: int) -> _Noise:
             # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
             share = noise_share(prepared(of), even, tried[k])
-            return _Noise(share, _carried_noise(masses, even, tried[k], noise_floor(prepared(of), tried[k])))
+            return _Noise(share, _carried_noise(masses, even, tried[k], density(of) * np.sqrt(tried[k])))
 
         @cache
         def data(k: int) -> LinearData:
