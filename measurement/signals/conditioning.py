@@ -117,7 +117,7 @@ def even_clock(recording: Recording) -> EvenSignals:
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
     """Return `x` (N, ...) without what is faster than `cutoff` Hz, without delay."""
-    return both_ways(_filter(cutoff, rate), x, _pad(len(x), cutoff, rate))
+    return both_ways(_filter(cutoff, rate), x, min(len(x) - 1, int(3.0 * rate / cutoff)))
 
 
 def low_pass_at(rows: Float, cutoff: float, rate: float, kept: NDArray[np.int_]) -> Float:
@@ -130,11 +130,6 @@ def low_pass_at(rows: Float, cutoff: float, rate: float, kept: NDArray[np.int_])
     if kept.size < 2 or reach >= rows.shape[1] - 1:
         return np.ascontiguousarray(low_pass(rows.T, cutoff, rate)[kept].T)
     return both_ways_at(_filter(cutoff, rate), rows, int(kept[0]), int(kept[1] - kept[0]), kept.size, reach)
-
-
-def _pad(samples: int, cutoff: float, rate: float) -> int:
-    """Return by how many samples a recording is continued at either end."""
-    return min(samples - 1, int(3.0 * rate / cutoff))
 
 
 def _reach(cutoff: float, rate: float) -> int:
@@ -219,18 +214,16 @@ def response_seconds(cutoff: float) -> float:
 
 def low_pass_every(x: Float, cutoff: float, rate: float, factor: int) -> Float:
     """Return every `factor`-th sample of `x` (N, J) after `low_pass`; the others are not computed."""
-    samples, pad, reach = len(x), _pad(len(x), cutoff, rate), _reach(cutoff, rate)
-    if factor == 1 or pad >= reach:
+    reach = _reach(cutoff, rate)
+    if factor == 1 or len(x) < 8 * reach:
         return low_pass(x, cutoff, rate)[::factor]
-    # Continued at both ends as in `low_pass`, and from there on by what it takes for the time before: a constant.
-    rows = np.empty((x.shape[1], samples + 2 * reach))
-    rows[:, reach : reach + samples] = x.T
-    rows[:, reach - pad : reach] = 2.0 * x[:1].T - x[pad:0:-1].T
-    rows[:, reach + samples : reach + samples + pad] = 2.0 * x[-1:].T - x[-2 : -pad - 2 : -1].T
-    rows[:, : reach - pad] = rows[:, reach - pad, None]
-    rows[:, reach + samples + pad :] = rows[:, reach + samples + pad - 1, None]
-    kept = both_ways_at(_filter(cutoff, rate), rows, reach, factor, -(-samples // factor), reach)
-    return np.ascontiguousarray(kept.T)
+    rows, count = np.ascontiguousarray(x.T), -(-len(x) // factor)
+    out = np.ascontiguousarray(both_ways_at(_filter(cutoff, rate), rows, 0, factor, count, reach).T)
+    # Near the ends the result depends on how the recording is continued there.
+    near, last = -(-reach // factor), factor * (count - -(-3 * reach // factor))
+    out[:near] = low_pass(x[: 3 * reach], cutoff, rate)[::factor][:near]
+    out[-near:] = low_pass(x[last:], cutoff, rate)[::factor][-near:]
+    return out
 
 
 def decimate(x: Float, factor: int, rate: float) -> Float:
