@@ -102,7 +102,7 @@ def unexplained(
     torques = np.pad(motion.tau.T, ((0, 0), (far, far)), mode="edge")
     count, thin = rows.size, int(rows[1] - rows[0])
     slopes, square = np.empty((whole.size, *grams.shape[:2])), np.empty((whole.size, len(torques)))
-    for k, (first, part) in enumerate(zip(rows[0] + far + whole, shift - whole, strict=True)):
+    for k, (first, part) in enumerate(zip((rows[0] + far + whole).tolist(), shift - whole, strict=True)):
         place = slice(first, first + (count - 1) * thin + 1, thin)
         after = slice(place.start + 1, place.stop + 1, thin)
         tau = torques[:, place] if part == 0.0 else (1.0 - part) * torques[:, place] + part * torques[:, after]
