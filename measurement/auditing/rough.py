@@ -118,7 +118,8 @@ def unexplained(
     gram = np.tensordot(1.0 / weight**2, grams, 1)
     out = np.full(power.shape, np.inf)
     x = np.zeros(OFFSETS)
-    for k in np.flatnonzero(power.sum(axis=1) - _most_explained(gram, slope) / count <= most):
+    promising = power.sum(axis=1) - _most_explained(gram, slope) / count <= most
+    for k in np.flatnonzero(promising).tolist():
         x = non_negative(gram[k], slope[k], x > 0.0)
         left = x @ grams @ x / weight[k] ** 2 - 2.0 * slopes[k] @ x
         out[k] = np.maximum(power[k] + left / count, 0.0)
