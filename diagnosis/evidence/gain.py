@@ -433,8 +433,15 @@ def _draw_shifts(
     return out
 
 
+NOTHING = 1e-9
+"""Length of a column, in deviations of the residual per unit, that is rounding: a sway across a stage moves nothing."""
+
+
 def inverse_of(grams: Float) -> Float:
-    """Return the inverses of Gram matrices (..., P, P), pseudo where columns depend on each other; scaled first."""
-    scale = np.sqrt(np.maximum(np.einsum("...pp->...p", grams), 1e-300))
+    """Return the inverses of Gram matrices (..., P, P), pseudo where columns depend on each other, 0 where they are no
+    longer than `NOTHING`; scaled first.
+    """
+    length = np.sqrt(np.maximum(np.einsum("...pp->...p", grams), 0.0))
+    scale = np.where(length > NOTHING, length, np.inf)
     norm = scale[..., :, None] * scale[..., None, :]
     return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)

@@ -8,7 +8,7 @@ from synthetic import CUTOFF, recording
 
 from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, RecordingEvidence
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, inverse_of
 from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext
 from optimisation.preparation.prepare import CutoffChoice, Prepared
@@ -162,3 +162,13 @@ def test_one_among_the_entries_of_a_large_machine_can_be_significant():
         draws = SearchContext._draws(context)
         assert draws >= RULES.placebos and 1 / (1 + draws) < RULES.false_discovery_rate / count
     assert SearchContext._draws(SimpleNamespace(library=SimpleNamespace(candidates=[None] * 56), rules=RULES)) == 1499
+
+
+def test_a_column_of_rounding_has_no_part_in_an_inverse():
+    x = np.random.default_rng(0).normal(size=(500, 3))
+    x[:, 1] *= 1e-17
+    inverse = inverse_of(x.T @ x)
+    np.testing.assert_array_equal(inverse[1], 0.0)
+    np.testing.assert_allclose(
+        inverse[np.ix_([0, 2], [0, 2])], np.linalg.inv(x[:, [0, 2]].T @ x[:, [0, 2]]), rtol=1e-6, atol=1e-12
+    )
