@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.stability import Splits
 from diagnosis.results import Possible
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import State
 from symbolic.quantity import Estimate
+
+DRAWS_AT_LEVEL = 10
+"""Placebos that may do better at the level of significance: so many draws tell a level well enough for a list."""
 
 
 def agreements_of(context: SearchContext, state: State) -> dict[str, Agreement]:
@@ -23,18 +29,30 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
     """Return what still helps beside the last model and is not accepted, largest gain first.
 
     It was doubted after the refit, or too few splits support it; with a single recording (not `several`) only the
-    former.
+    former. In few splits anything flexible helps now and then: such an entry must also do better than its placebos.
     """
     rules, key = context.rules, context.key(state.last)
-    out = []
+    out, untested = [], []
     for score in context.ranked[key][1] if key in context.ranked else ():
         if score.name in state.banned or score.caution or score.share < rules.least_share:
             continue
-        reason = context.doubts.get((key, score.name)) or _too_few(score, several)
         agreement = score.agreement or Agreement()
-        if reason and (agreement.share is None or agreement.share >= rules.least_possible):
+        if agreement.share is not None and agreement.share < rules.least_possible:
+            continue
+        if reason := context.doubts.get((key, score.name)):
             out.append(_possible(score, agreement, reason))
-    return tuple(out[: rules.most_possible])
+        elif reason := _too_few(score, several):
+            untested.append((score, agreement, reason))
+    out += [_possible(*one) for one in untested[: rules.most_possible] if _beyond_chance(context, state, one[0])]
+    return tuple(sorted(out, key=lambda one: -one.explained_share)[: rules.most_possible])
+
+
+def _beyond_chance(context: SearchContext, state: State, score: Score) -> bool:
+    """Whether an entry that needed no placebos, since it cannot be accepted, gains more than nearly all of them."""
+    level = context.rules.false_discovery_rate
+    evidence = context.evidence(state.last, draws=math.ceil(DRAWS_AT_LEVEL / level))
+    tested = placebo(evidence, score, context.library.columns(score.candidate, state.last.fitted))
+    return tested.p_value is not None and tested.p_value <= level
 
 
 def _too_few(score: Score, several: bool) -> str:
