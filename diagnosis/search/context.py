@@ -55,6 +55,8 @@ class SearchContext:
     """What was found against a model with these terms, for when the search comes back to it."""
     doubts: dict[tuple[tuple[str, ...], str], str] = field(default_factory=dict)
     """Why a candidate was not accepted beside a model with these terms, although it helps."""
+    refits: dict[tuple[tuple[str, ...], str, bytes], Extension] = field(default_factory=dict)
+    """A model with these terms and one candidate, started at these values, for when it is compared again."""
     noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
     """The noise (J,) N·m beside a model with these terms."""
 
@@ -67,6 +69,13 @@ class SearchContext:
 
     def with_term(self, extension: Extension, score: Score) -> Extension:
         """Return the model of `extension` with the candidate of `score` added, everything refitted."""
+        start = score.shape.tobytes() + np.asarray(score.coefficients).tobytes()
+        key = self.key(extension), score.name, start
+        if key not in self.refits:
+            self.refits[key] = self._with_term(extension, score)
+        return replace(self.refits[key], added=score)
+
+    def _with_term(self, extension: Extension, score: Score) -> Extension:
         before, term = extension.fitted, score.candidate.term
         model = before.model.with_effect(term.effect, term.joint)
         count = len(self.prepared.train)
@@ -75,7 +84,7 @@ class SearchContext:
         start = np.concatenate([shapes, own], axis=1)
         if not any(s.shape.per_recording for s in model.shapes):
             start = start[0]
-        return replace(self.fit(model, start if model.shapes else None), added=score)
+        return self.fit(model, start if model.shapes else None)
 
     def without(self, extension: Extension, scores: Sequence[Score]) -> Extension:
         """Return the model of `extension` without the terms of `scores`, refitted."""
