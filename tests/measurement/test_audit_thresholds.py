@@ -1,0 +1,135 @@
+"""Thresholds of the simple checks lie where they are said to: nothing is found on one side, something on the other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tables import leg
+
+from measurement.auditing.audit import find_checks
+from measurement.recording import Recording
+
+CHECKS = find_checks()
+
+
+def recording(count=1500, rate=100.0, **changes):
+    """The usual leg, with some of t, q, tau, dq, valid replaced."""
+    table = leg(count, rate)
+    usual = {
+        "t": table["t"],
+        "q": np.column_stack([table["q1"], table["q2"]]),
+        "tau": np.column_stack([table["tau1"], table["tau2"]]),
+    }
+    return Recording("run", **(usual | changes))
+
+
+def severity(check, **changes):
+    """The worst severity that one check finds, "" where it finds nothing."""
+    found = [finding.severity for finding in CHECKS[check](recording(**changes))]
+    return next((name for name in ("refused", "warning", "info") if name in found), "")
+
+
+@pytest.mark.shows("rate.LEAST", "rate.GOOD")
+@pytest.mark.parametrize(("rate", "said"), [(41.0, ""), (39.0, "warning"), (10.5, "warning"), (9.5, "refused")])
+def test_slow_sampling_gives_no_accelerations(rate, said):
+    assert severity("rate", count=400, rate=rate) == said
+
+
+@pytest.mark.shows("length.LEAST_ROWS", "length.LEAST_SECONDS", "length.GOOD_SECONDS")
+@pytest.mark.parametrize(
+    ("count", "rate", "said"),
+    [(520, 100.0, ""), (490, 100.0, "warning"), (110, 100.0, "warning"), (90, 100.0, "refused"),
+     (49, 25.0, "refused"), (51, 25.0, "warning")],
+)  # fmt: skip
+def test_short_recordings_carry_little(count, rate, said):
+    assert severity("length", count=count, rate=rate) == said
+
+
+@pytest.mark.shows("length.USABLE")
+@pytest.mark.parametrize(("share", "said"), [(0.82, ""), (0.78, "warning")])
+def test_much_that_is_masked_is_said(share, said):
+    assert severity("length", valid=np.arange(1500) < 1500 * share) == said
+
+
+@pytest.mark.shows("jitter.NOTED", "jitter.HEAVY")
+@pytest.mark.parametrize(("spread", "said"), [(0.04, ""), (0.07, "info"), (0.28, "info"), (0.36, "warning")])
+def test_an_uneven_clock_is_noted_and_warned_of(spread, said):
+    steps = 0.01 * (1.0 + spread / 0.9 * np.random.default_rng(0).uniform(-1.0, 1.0, 1500))
+    assert severity("jitter", t=np.cumsum(steps)) == said
+
+
+@pytest.mark.shows("gaps.WIDE", "gaps.LONG", "gaps.MISSING")
+@pytest.mark.parametrize(
+    ("steps", "holes", "said"),
+    [(2.0, 1, ""), (3.0, 1, "info"), (8.0, 1, "info"), (12.0, 1, "warning"), (3.0, 5, "info"), (3.0, 12, "warning")],
+)
+def test_gaps_are_warned_of_where_a_joint_can_have_moved_in_them(steps, holes, said):
+    step = np.full(1500, 0.01)
+    step[np.linspace(100, 1400, holes).astype(int)] *= steps
+    assert severity("gaps", t=np.cumsum(step)) == said
+
+
+@pytest.mark.shows("units.TURNS", "units.LITTLE")
+@pytest.mark.parametrize(("factor", "said"), [(1.0, ""), (8.0, ""), (13.0, "warning"), (0.35, ""), (0.25, "warning")])
+def test_angles_of_another_unit_are_warned_of(factor, said):
+    assert severity("units", q=factor * np.column_stack([leg()["q1"] - 0.6, leg()["q2"]])) == said
+
+
+@pytest.mark.shows("units.STRONG", "units.WEAK")
+@pytest.mark.parametrize(("size", "said"), [(900.0, ""), (1100.0, "warning"), (0.12, ""), (0.08, "warning")])
+def test_torques_of_another_unit_are_warned_of(size, said):
+    swing = np.where(np.arange(1500) % 2, 1.0, -1.0)
+    assert severity("units", tau=size * np.column_stack([swing, swing])) == said
+
+
+@pytest.mark.shows("quantised.NOTED", "quantised.COARSE")
+@pytest.mark.parametrize(("levels", "said"), [(600, ""), (400, "info"), (70, "info"), (50, "warning")])
+def test_a_coarse_channel_is_noted_and_warned_of(levels, said):
+    q = np.column_stack([leg()["q1"], leg()["q2"]])
+    smooth = np.random.default_rng(0).normal(size=(1500, 2))
+    assert severity("quantised", q=np.round(q * levels) / levels, tau=smooth) == said
+
+
+@pytest.mark.shows("velocity.WRONG")
+@pytest.mark.parametrize(("factor", "said"), [(1.0, ""), (1.15, ""), (0.85, ""), (1.25, "warning"), (0.75, "warning")])
+def test_a_logged_velocity_may_be_filtered_but_not_another(factor, said):
+    q = np.column_stack([leg()["q1"], leg()["q2"]])
+    assert severity("velocity", dq=factor * np.gradient(q, 0.01, axis=0)) == said
+
+
+@pytest.mark.shows("motion.STILL", "motion.LITTLE")
+@pytest.mark.parametrize(("size", "said"), [(0.2, ""), (0.12, "warning"), (0.015, "warning"), (0.008, "refused")])
+def test_a_leg_that_hardly_moves_is_said_or_refused(size, said):
+    t = leg()["t"]
+    q = size / 2 * np.column_stack([np.sin(2.0 * t), np.sin(3.1 * t)])
+    assert severity("motion", q=q) == said
+
+
+@pytest.mark.shows("outliers.FAR", "outliers.NOTED", "outliers.HEAVY")
+@pytest.mark.parametrize(
+    ("every", "size", "said"),
+    [(100, 4.0, ""), (100, 30.0, "info"), (300, 30.0, ""), (10, 30.0, "info"), (6, 30.0, "warning")],
+)
+def test_torques_far_off_their_neighbours_are_counted(every, size, said):
+    tau = np.random.default_rng(0).uniform(-1.0, 1.0, (1500, 2))
+    tau[::every, 0] += size
+    assert severity("outliers", tau=tau) == said
+
+
+@pytest.mark.shows("frozen.LEAST_ROWS", "frozen.LEAST_SECONDS")
+@pytest.mark.parametrize(
+    ("rate", "rows", "said"), [(50.0, 8, ""), (50.0, 14, "warning"), (200.0, 15, ""), (200.0, 30, "warning")]
+)
+def test_a_channel_that_stays_while_the_leg_moves_is_frozen(rate, rows, said):
+    table = leg(1500, rate)
+    q = np.column_stack([table["q1"], table["q2"]])
+    at = int(np.argmax(np.abs(np.diff(q[200:900, 0])))) + 200
+    q[at : at + rows, 0] = q[at, 0]
+    assert severity("frozen", rate=rate, q=q) == said
+
+
+@pytest.mark.shows("scale.WEAK")
+@pytest.mark.parametrize(("size", "said"), [(0.03, ""), (0.012, "warning")])
+def test_torques_too_small_for_any_rig_are_warned_of(size, said):
+    tau = np.column_stack([leg()["tau1"], leg()["tau2"]])
+    assert severity("scale", tau=tau / tau.std(axis=0).max() * size) == said
