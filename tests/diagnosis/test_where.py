@@ -79,3 +79,30 @@ def test_samples_know_recording_and_block():
     at = samples_of(now, "knee", "t")
     assert set(at.recording) == {0, 1} and len(set(at.block)) == 20
     assert at.x.max() == pytest.approx(19.98)
+
+
+@pytest.mark.shows("where.CONCENTRATED", "where.LEAST_REGION", "where.SLOW", "where.AT_LIMIT")
+@pytest.mark.parametrize(
+    ("inside", "share", "said"),
+    [
+        (lambda motion: np.abs(motion.dq[:, 1]) < 0.1, 0.21, "within ±0.1 rad/s"),
+        (lambda motion: np.abs(motion.dq[:, 1]) < 0.1, 0.135, ""),
+        (lambda motion: motion.q[:, 1] > -0.35, 0.34, "above -0.35 rad"),
+        (lambda motion: motion.q[:, 1] > -0.35, 0.25, ""),
+    ],
+)
+def test_a_region_is_said_where_it_holds_more_error_than_every_region_does(inside, share, said):
+    def residual(motion):
+        time = inside(motion).mean()
+        size = np.where(inside(motion), np.sqrt(share * (1.0 - time) / (time * (1.0 - share))), 1.0)
+        return size * np.where(np.arange(len(size)) % 2, 1.0, -1.0)
+
+    sentences = [one.sentence for one in where_it_sits(model_that_left(residual), []) if one.joint == "knee"]
+    assert any(said in text for text in sentences) if said else not sentences
+
+
+@pytest.mark.shows("where.LEAST_SHARE")
+@pytest.mark.parametrize(("share", "lines"), [(0.015, 1), (0.008, 0)])
+def test_a_curve_is_worth_a_line_from_a_hundredth_of_the_error(share, lines):
+    now = model_that_left(lambda motion: np.sin(3.0 * motion.q[:, 1]))
+    assert len([one for one in where_it_sits(now, [curve("q2", share)]) if "follows" in one.sentence]) == lines
