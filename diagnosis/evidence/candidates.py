@@ -124,7 +124,7 @@ class Library:
         own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
         shapes = [(*own, len(one.kept)) for one in prepared.all]
         sizes = [int(np.prod(shape)) for shape in shapes]
-        values = np.frombuffer(shared(8 * sum(sizes), many), dtype=float)
+        values = np.frombuffer(shared(sum(sizes), many), dtype=float)
         parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
         return tuple(
             Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,8 @@ class Gram:
 
     def of(self, units: Float) -> Gram:
         """Return the sums over units, (S, ...) for rows `units` (S, U) that are one where a unit counts."""
-        return Gram(*(np.tensordot(units, each, 1) for each in (self.g, self.h, self.a)))
+        sums = ((units @ each.reshape(len(each), -1), each) for each in (self.g, self.h, self.a))
+        return Gram(*(total.reshape(len(units), *each.shape[1:]) for total, each in sums))
 
     def entries(self, *which: Any) -> Gram:
         """Return those of some entries of D, one index for each axis that it has."""
@@ -83,11 +84,7 @@ class Fits:
         scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
         right = fitted.a - (self.step[:, None] @ flat).reshape(fitted.a.shape)
         normal = schur / (scale[:, :, None] * scale[:, None]) + ridge[0] * np.eye(len(h[0]))[:, :, None]
-        if len(normal[0]) == 1:
-            coefficients = right / scale / normal[:, 0] / scale
-        else:
-            last = np.moveaxis(right / scale, -1, 1)[..., None]
-            coefficients = np.moveaxis(np.linalg.solve(np.moveaxis(normal, -1, 1), last)[..., 0], 1, -1) / scale
+        coefficients = _solved(normal, right / scale) / scale
         step = self.step[:, :, None] - np.einsum("spmd,smd->spd", lean, coefficients)
         return coefficients, step, np.einsum("smd,smd->sd", coefficients, right)
 
@@ -289,7 +286,7 @@ class Evidence:
         index, _ = self._units[unit]
         take = np.concatenate([[0], self.shifts[index]])
         _, _, samples, width = columns.values.shape
-        first, second = np.triu_indices(width)
+        first, second = _pairs(width)
         both = np.zeros((self.blocks[index].columns.shape[2] + 1, width, take.size))
         square = np.zeros((first.size, take.size))
         if columns.is_absent:
@@ -389,6 +386,17 @@ class Evidence:
         return coefficients[0, :, 0], step[0, :, 0]
 
 
+def _solved(matrices: Float, right: Float) -> Float:
+    """Return x (S, m, D) of `matrices` (S, m, m, D) x = `right` (S, m, D), small ones without LAPACK's overhead."""
+    if len(matrices[0]) == 1:
+        return np.asarray(right / matrices[:, 0])
+    if len(matrices[0]) == 2:
+        (a, b, d), (x, y) = (matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]), np.swapaxes(right, 0, 1)
+        return np.stack([d * x - b * y, a * y - b * x], axis=1) / (a * d - b * b)[:, None]
+    last = np.moveaxis(right, -1, 1)[..., None]
+    return np.moveaxis(np.linalg.solve(np.moveaxis(matrices, -1, 1), last)[..., 0], 1, -1)
+
+
 def largest_eigenvalue(matrices: Float) -> Float:
     """Return the largest eigenvalue (D,) of symmetric matrices (m, m, D)."""
     if len(matrices) == 1:
@@ -412,6 +420,12 @@ def robust_weight(block: RecordingEvidence, sigma: Float, rules: Rules = RULES) 
     """
     size = np.maximum(np.abs(block.residual), 1e-300)
     return block.use * np.minimum(1.0, rules.robust * sigma[:, None] / size)
+
+
+@lru_cache
+def _pairs(width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows and columns of the upper triangle of a square matrix."""
+    return np.triu_indices(width)
 
 
 def _draw_shifts(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,29 +14,54 @@ from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 from symbolic.motion import Float
 
 
+AT_ONCE = 12
+"""Nodes that are tried in one piece of work."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """A part of a placebo's search: the `nodes` that are tried, and whether each recording chooses `own` among them."""
+
+    nodes: np.ndarray
+    own: bool
+
+
 def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Score:
     """Return `score` with its p-value."""
-    return replace(score, p_value=p_value(evidence, score, columns))
+    return replace(
+        score, p_value=p_value(evidence, score, [null(evidence, score, columns, s) for s in searches(evidence, score)])
+    )
 
 
-def p_value(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> float:
-    """Return the share of placebos that gain as much as a candidate through the same search."""
-    candidate, rules = score.candidate, evidence.rules
-    columns = [_telegraph(c, rules.telegraph * evidence.blocks[r].rate, r) for r, c in enumerate(columns)]
-    nodes = candidate.common
-    if nodes.size > rules.placebo_nodes:
-        nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / rules.placebo_nodes))], score.nodes[:1])
-    null = np.full(evidence.draws, -np.inf)
-    for v in nodes:
-        null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(evidence.shifted(columns, int(v)))))
-    for group in groups_of(candidate):
-        each = [evidence.shifted(columns, int(v)) for v in group]
-        grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
-        chosen = evidence.pick(grams, own_nodes(evidence, candidate, grams))
-        null = np.maximum(null, _null_of(evidence, candidate, evidence.gain(chosen)))
+def p_value(evidence: Evidence, score: Score, nulls: Sequence[Float]) -> float:
+    """Return the share of placebos that gain as much as a candidate through the same search, its parts `nulls`."""
     seen = score.share * float(evidence.fold_losses.sum())
-    beaten = int(np.count_nonzero(null >= seen))
+    beaten = int(np.count_nonzero(np.max(nulls, axis=0) >= seen))
     return (1 + beaten) / (1 + evidence.draws)
+
+
+def searches(evidence: Evidence, score: Score) -> list[Search]:
+    """Return the parts of the search that placebos of a candidate go through."""
+    nodes, most = score.candidate.common, evidence.rules.placebo_nodes
+    if nodes.size > most:
+        nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / most))], score.nodes[:1])
+    common = [Search(part, False) for part in np.array_split(nodes, -(-nodes.size // AT_ONCE)) if part.size]
+    return common + [Search(group, True) for group in groups_of(score.candidate)]
+
+
+def null(evidence: Evidence, score: Score, columns: Sequence[Columns], search: Search) -> Float:
+    """Return what each placebo (draws,) of a candidate gains in a part of the search."""
+    candidate, rules = score.candidate, evidence.rules
+    some = [
+        _telegraph(Columns(c.joints, c.values[search.nodes]), rules.telegraph * block.rate, r)
+        for r, (c, block) in enumerate(zip(columns, evidence.blocks, strict=True))
+    ]
+    each = (evidence.shifted(some, v) for v in range(len(search.nodes)))
+    if not search.own:
+        return np.asarray(np.max([_null_of(evidence, candidate, evidence.gain(one)) for one in each], axis=0))
+    grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
+    chosen = evidence.pick(grams, own_nodes(evidence, candidate, grams))
+    return _null_of(evidence, candidate, evidence.gain(chosen))
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:

@@ -11,14 +11,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from diagnosis.evidence.candidates import Library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.placebo import p_value
+from diagnosis.evidence.placebo import null, p_value, searches
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.evidence.stability import Splits
-from ground.engines.forks import allowed_processes, share_out
+from ground.engines.forks import allowed_processes, share_out, shared
 
 
 def rank(
@@ -49,16 +51,22 @@ def rank(
     scores = agreed(evidence, scores, columns)
     promising = [k for k, s in enumerate(scores) if s.eligible][: evidence.rules.placebo_for]
 
-    def chance(k: int) -> float:
-        return p_value(evidence, scores[k], columns[scores[k].name])
+    parts = [(k, part) for k in promising for part in searches(evidence, scores[k])]
+    nulls = np.frombuffer(shared(evidence.draws * len(parts), many), dtype=float)
+    nulls = nulls[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
 
-    def settled(k: int, answer: float) -> None:
-        scores[k] = replace(scores[k], p_value=answer)
+    def chance(i: int) -> None:
+        k, part = parts[i]
+        nulls[i] = null(evidence, scores[k], columns[scores[k].name], part)
+
+    def settled(i: int, answer: None) -> None:
         if tick:
-            done = sum(scores[n].p_value is not None for n in promising)
-            tick(0.6 + 0.4 * done / len(promising), scores[k].name)
+            tick(0.6 + 0.4 * (i + 1) / len(parts), scores[parts[i][0]].name)
 
-    share_out(chance, sorted(promising, key=lambda k: -scores[k].candidate.nodes.shape[1]), settled, many)
+    share_out(chance, range(len(parts)), settled, many)
+    for k in promising:
+        own = [nulls[i] for i, (whose, _) in enumerate(parts) if whose == k]
+        scores[k] = replace(scores[k], p_value=p_value(evidence, scores[k], own))
     return mark_significant(scores, evidence.rules.false_discovery_rate)
 
 

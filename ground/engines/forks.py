@@ -45,9 +45,10 @@ def allowed_processes() -> int:
     return int(given) if given else min(MOST, len(os.sched_getaffinity(0)))
 
 
-def shared(size: int, many: int) -> Any:
-    """Return a buffer of `size` bytes that `many` processes see."""
-    return mmap.mmap(-1, max(size, 1)) if many > 1 else bytearray(size)
+def shared(count: int, many: int) -> Any:
+    """Return a buffer of `count` doubles that `many` processes see."""
+    size = 8 * max(count, 1)
+    return mmap.mmap(-1, size) if many > 1 else bytearray(size)
 
 
 def share_out(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], None], many: int) -> None:
