@@ -13,13 +13,12 @@ from diagnosis.evidence.gain import Evidence, Gain, Gram
 from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 from symbolic.motion import Float
 
-
 AT_ONCE = 12
 """Nodes that are tried in one piece of work."""
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class PlaceboSearch:
     """A part of a placebo's search: the `nodes` that are tried, and whether each recording chooses `own` among them."""
 
     nodes: np.ndarray
@@ -40,16 +39,16 @@ def p_value(evidence: Evidence, score: Score, nulls: Sequence[Float]) -> float:
     return (1 + beaten) / (1 + evidence.draws)
 
 
-def searches(evidence: Evidence, score: Score) -> list[Search]:
+def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
     """Return the parts of the search that placebos of a candidate go through."""
     nodes, most = score.candidate.common, evidence.rules.placebo_nodes
     if nodes.size > most:
         nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / most))], score.nodes[:1])
-    common = [Search(part, False) for part in np.array_split(nodes, -(-nodes.size // AT_ONCE)) if part.size]
-    return common + [Search(group, True) for group in groups_of(score.candidate)]
+    common = [PlaceboSearch(part, False) for part in np.array_split(nodes, -(-nodes.size // AT_ONCE)) if part.size]
+    return common + [PlaceboSearch(group, True) for group in groups_of(score.candidate)]
 
 
-def null(evidence: Evidence, score: Score, columns: Sequence[Columns], search: Search) -> Float:
+def null(evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch) -> Float:
     """Return what each placebo (draws,) of a candidate gains in a part of the search."""
     candidate, rules = score.candidate, evidence.rules
     some = [

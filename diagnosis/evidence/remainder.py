@@ -7,9 +7,9 @@ learnt curve, and closed forms that come close, written in the torque language s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -24,6 +24,7 @@ from diagnosis.evidence.score import weigh
 from diagnosis.evidence.splines import spline_columns
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
+from ground.engines.forks import allowed_processes, first_passing, share_out
 from ground.html import bullets, lines
 from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared
@@ -159,26 +160,40 @@ def remainders(
     """
     common = [_Judge(evidence, tuple(range(len(evidence.blocks))))]
     owns = _own_judges(now, evidence)
-    found = []
     seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
-    names = now.model.joint_names
-    for joint in (j for j in joints or names if seen[names.index(j)]):
-        for variable, factor in _tried(now.model.joints):
-            splines = _splines(now, variable, names.index(joint), factor, evidence.rules.knots)
-            if splines is None:
-                continue
-            for own, judges in _modes(variable, factor, common, owns):
-                one = replace(_weigh(judges, splines, joint, names.index(joint), variable, factor, own),
-                              joints=now.model.joints)  # fmt: skip
-                found.append((judges, splines, one))
+    places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
+    asked = [(place, variable, factor) for place in places for variable, factor in _tried(now.model.joints)]
+    answers: dict[int, list[dict[str, Any]]] = {}
+
+    def weighed(k: int) -> list[dict[str, Any]]:
+        place, variable, factor = asked[k]
+        splines = _splines(now, variable, place, factor, evidence.rules.knots)
+        modes = _modes(variable, factor, common, owns) if splines is not None else ()
+        return [_weigh(judges, splines, place, own) for own, judges in modes if splines is not None]
+
+    many = allowed_processes()
+    share_out(weighed, range(len(asked)), answers.__setitem__, many)
+    found = []
+    for k, (place, variable, factor) in enumerate(asked):
+        for answer in answers[k]:
+            arrays = {name: np.array(answer[name]) for name in ("x", "y", "band")}
+            joint = now.model.joint_names[place]
+            one = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **{**answer, **arrays})
+            found.append(one)
     # A curve of its own for each recording must earn that freedom.
-    found.sort(key=lambda entry: -entry[2].share * (evidence.rules.own_handicap if entry[2].own else 1.0))
-    out = []
-    for rank, (judges, splines, one) in enumerate(found):
-        if rank < placebos and one.share >= evidence.rules.curve_share:
-            one = replace(one, p_value=_p_value(judges, splines.columns, one.share))
-        out.append(one)
-    return out
+    found.sort(key=lambda one: -one.share * (evidence.rules.own_handicap if one.own else 1.0))
+    telling = [k for k, one in enumerate(found[:placebos]) if one.share >= evidence.rules.curve_share]
+
+    def chance(k: int) -> float:
+        one = found[k]
+        splines = _splines(now, one.variable, one.index, one.factor, evidence.rules.knots)
+        return _p_value(owns if one.own else common, splines.columns if splines is not None else (), one.share)
+
+    def settled(k: int, p_value: float) -> None:
+        found[k] = replace(found[k], p_value=p_value)
+
+    share_out(chance, telling, settled, many)
+    return found
 
 
 def _tried(joints: tuple[Joint, ...]) -> tuple[tuple[str, str], ...]:
@@ -251,21 +266,14 @@ def _own_judges(now: FittedModel, evidence: Evidence) -> list[_Judge]:
     return out
 
 
-def _weigh(
-    judges: Sequence[_Judge],
-    splines: _Splines,
-    joint: str,
-    index: int,
-    variable: str,
-    factor: str,
-    own: bool,
-) -> Remainder:
+def _weigh(judges: Sequence[_Judge], splines: _Splines, index: int, own: bool) -> dict[str, Any]:
+    """Return what judges say of a curve at the joint `index`, as JSON can write it."""
     gains = [j.gain(splines.columns) for j in judges]
     fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
     each = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
     if own:
-        fresh = [(float(g.total[0]), j.evidence.fold_losses.sum()) for g, j in zip(gains, judges, strict=True)]
+        fresh = [(float(g.total[0]), float(j.evidence.fold_losses.sum())) for g, j in zip(gains, judges, strict=True)]
         unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
         against = sum(w for (_, w), j in zip(fresh, judges, strict=True) if not j.trained)
         best = max(range(len(judges)), key=lambda i: fresh[i][0])
@@ -273,10 +281,15 @@ def _weigh(
         unseen, against, best = float(gains[0].unseen[0]), judges[0].evidence.unseen_loss, 0
     share = fall / loss if loss else 0.0
     y, band = _curve(judges[best], splines)
-    return Remainder(
-        joint, variable, factor, share, unseen / against if against else share, None, splines.x, y, band, own,
-        joint_share=min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
-    )  # fmt: skip
+    return {
+        "own": own,
+        "share": share,
+        "unseen": unseen / against if against else share,
+        "joint_share": min(1.0, share * float(each.sum() / each[index])) if each[index] else 0.0,
+        "x": splines.x.tolist(),
+        "y": y.tolist(),
+        "band": band.tolist(),
+    }
 
 
 def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float) -> float:
@@ -315,24 +328,29 @@ def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Colu
     """
     rules = evidence.rules
     common = (_Judge(evidence, tuple(range(len(evidence.blocks)))),)
+    contests: list[Callable[[], Winner | None]] = []
     for judges, own in ((common, False), (tuple(_own_judges(now, evidence)), True)):
-        mine = _share(judges, term)
-        losses = _blocks(judges, term)
-        for variable, factor in _tried(now.model.joints):
-            splines = _splines(now, variable, now.model.joint_names.index(joint), factor, evidence.rules.knots)
-            if splines is None or (own and not _may_move(variable, factor)):
-                continue
-            curve = Winner(
-                splines.columns, judges, rules.curve_ridge, _share(judges, splines.columns, rules.curve_ridge)
-            )
+        mine, losses = _share(judges, term), _blocks(judges, term)
+
+        def by_curve(
+            variable: str, factor: str, judges: Sequence[_Judge] = judges, mine: float = mine, losses: Float = losses
+        ) -> Winner | None:
+            splines = _splines(now, variable, now.model.joint_names.index(joint), factor, rules.knots)
+            if splines is None:
+                return None
+            share = _share(judges, splines.columns, rules.curve_ridge)
+            curve = Winner(splines.columns, tuple(judges), rules.curve_ridge, share)
             if curve.share <= mine + rules.beaten_share:
-                continue
+                return None
             lead = losses - _blocks(judges, splines.columns, rules.curve_ridge)
             clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
-            if clear and curve.supersedes(term):
-                return curve
-    mine = _share(common, term)
-    for candidate in _bumps(now, joint):
+            return curve if clear and curve.supersedes(term) else None
+
+        tried = (pair for pair in _tried(now.model.joints) if not own or _may_move(*pair))
+        contests += [partial(by_curve, variable, factor) for variable, factor in tried]
+    alone = _share(common, term)
+
+    def by_bump(candidate: Candidate) -> Winner | None:
         columns = [
             candidate_columns(candidate, nodes, one, now)
             for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
@@ -340,10 +358,12 @@ def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Colu
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
         bump = Winner(best, common, None, score.share)
-        as_good = score.share >= rules.as_good * mine and candidate.numbers < numbers
-        if as_good and bump.supersedes(term):
-            return bump
-    return None
+        as_good = score.share >= rules.as_good * alone and candidate.numbers < numbers
+        return bump if as_good and bump.supersedes(term) else None
+
+    contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint)]
+    won = first_passing(lambda k: contests[k]() is not None, len(contests), allowed_processes())
+    return None if won is None else contests[won]()
 
 
 def _bumps(now: FittedModel, joint: str) -> list[Candidate]:

@@ -120,7 +120,7 @@ def refitted(
     others = [
         s
         for s in others
-        if _plainness(s) <= _plainness(score) or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
+        if s.candidate.numbers <= score.candidate.numbers or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
     ]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)

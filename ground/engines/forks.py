@@ -95,6 +95,15 @@ def share_out(work: Callable[[int], Any], order: Sequence[int], heard: Callable[
             one.end()
 
 
+def first_passing(test: Callable[[int], bool], count: int, many: int) -> int | None:
+    """Return the first of the numbers below `count` that passes the `test`, None where none does."""
+    if many < 2:
+        return next((k for k in range(count) if test(k)), None)
+    passed: list[int] = []
+    share_out(lambda k: bool(test(k)), range(count), lambda k, good: passed.append(k) if good else None, many)
+    return min(passed, default=None)
+
+
 class _Copy:
     """A copy of this process, and the pipe of its answers."""
 

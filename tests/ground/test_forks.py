@@ -66,6 +66,12 @@ def test_what_a_copy_does_not_answer_is_done_here(failing):
     assert answers(lambda k: k if os.getpid() == HERE else failing(), 3) == {k: k for k in range(40)}
 
 
+@pytest.mark.parametrize("many", [1, 3])
+def test_the_first_that_passes_is_found_whoever_looks(many):
+    assert forks.first_passing(lambda k: k in (7, 23, 5), 40, many) == 5
+    assert forks.first_passing(lambda k: False, 40, many) is None and forks.first_passing(bool, 0, many) is None
+
+
 def test_large_answers_do_not_stop_a_copy():
     assert answers(lambda k: "x" * 100_000, 2, 12) == dict.fromkeys(range(12), "x" * 100_000)
 
