@@ -12,8 +12,8 @@ give g, h, a for all shifts at once, so the null distribution passes through the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -22,6 +22,9 @@ import numpy as np
 from diagnosis.evidence.columns import Columns
 from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
+
+ROUNDING = 0.01
+"""Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,10 +280,49 @@ class Evidence:
             self._kept[unit, joints] = part, w, w[:, None] * both.reshape(w.size, both.shape[2])
         return self._kept[unit, joints]
 
-    def shifted(self, columns: Sequence[Columns], node: int) -> Gram:
-        """Return the Gram blocks of one node (first) and of its circularly shifted placebos."""
-        units = [self._shifted_unit(unit, columns[self.of[unit]], node) for unit in range(len(self._units))]
+    def shifted(self, columns: Sequence[Columns], node: int, *, trained: bool = False) -> Gram:
+        """Return the Gram blocks of one node (first) and of its circularly shifted placebos; `trained`: of the training
+        units alone.
+        """
+        wanted = np.flatnonzero(self.is_train) if trained else range(self.count)
+        units = [self._shifted_unit(int(unit), columns[self.of[unit]], node) for unit in wanted]
         return Gram(*(np.array(part) for part in zip(*units, strict=True)))
+
+    def trained(self, grams: Gram) -> Gram:
+        """Return the Gram blocks of the training units alone."""
+        return Gram(grams.g[self.is_train], grams.h[self.is_train], grams.a[self.is_train])
+
+    def exceed(self, grams: Gram, least: float, allowed: Callable[[Float], np.ndarray]) -> np.ndarray:
+        """Return which entries (D,) of Gram blocks of the training units gain `least` or more on units they were not
+        fitted on, with coefficients (D, m) that are `allowed`.
+
+        On what it was not fitted to a model loses no less than on the same units when they are fitted with the rest.
+        So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
+        """
+        (pooled, whole), (fits, judged), losses = self._training
+        coefficients, step, _ = pooled.candidate(grams, self.ridge())
+        room = losses.sum() - whole.loss_beside(grams, coefficients, step)[0]
+        out = np.asarray(allowed(coefficients[0].T) & (room >= least - ROUNDING * abs(least)))
+        if out.any():
+            some = grams.entries(out)
+            coefficients, step, _ = fits.candidate(some, self.ridge())
+            falls = losses[:, None] - judged.loss_beside(some, coefficients, step)
+            out[out] = falls.sum(axis=0) >= least
+        return out
+
+    @cached_property
+    def _training(self) -> tuple[tuple[Fits, Judged], tuple[Fits, Judged], Float]:
+        """The fit to all training units and the same judged, the splits among them, and the model's losses in these."""
+        train, fits, judged, folds = self.is_train, self._fits, self._judged, slice(self.folds)
+        together, whole = self._together, self.judged(train[None])
+        return (
+            (replace(together, units=together.units[:, train]), replace(whole, units=whole.units[:, train])),
+            (
+                Fits(fits.units[folds, train], fits.inverse[folds], fits.step[folds]),
+                Judged(judged.units[folds, train], judged.gram[folds], judged.slope[folds], judged.constant[folds]),
+            ),
+            self.fold_losses,
+        )
 
     def _shifted_unit(self, unit: int, columns: Columns, node: int) -> tuple[Float, Float, Float]:
         index, _ = self._units[unit]
@@ -394,7 +436,7 @@ def _solved(matrices: Float, right: Float) -> Float:
         (a, b, d), (x, y) = (matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]), np.swapaxes(right, 0, 1)
         return np.stack([d * x - b * y, a * y - b * x], axis=1) / (a * d - b * b)[:, None]
     last = np.moveaxis(right, -1, 1)[..., None]
-    return np.moveaxis(np.linalg.solve(np.moveaxis(matrices, -1, 1), last)[..., 0], 1, -1)
+    return np.asarray(np.moveaxis(np.linalg.solve(np.moveaxis(matrices, -1, 1), last)[..., 0], 1, -1))
 
 
 def largest_eigenvalue(matrices: Float) -> Float:

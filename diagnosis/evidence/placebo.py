@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, Gain, Gram
+from diagnosis.evidence.gain import Evidence, Gram
 from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
-from symbolic.motion import Float
 
 AT_ONCE = 12
 """Nodes that are tried in one piece of work."""
@@ -27,16 +25,13 @@ class PlaceboSearch:
 
 def placebo(evidence: Evidence, score: Score, columns: Sequence[Columns]) -> Score:
     """Return `score` with its p-value."""
-    return replace(
-        score, p_value=p_value(evidence, score, [null(evidence, score, columns, s) for s in searches(evidence, score)])
-    )
+    found = [as_good(evidence, score, columns, part) for part in searches(evidence, score)]
+    return replace(score, p_value=p_value(evidence, found))
 
 
-def p_value(evidence: Evidence, score: Score, nulls: Sequence[Float]) -> float:
-    """Return the share of placebos that gain as much as a candidate through the same search, its parts `nulls`."""
-    seen = score.share * float(evidence.fold_losses.sum())
-    beaten = int(np.count_nonzero(np.max(nulls, axis=0) >= seen))
-    return (1 + beaten) / (1 + evidence.draws)
+def p_value(evidence: Evidence, found: Sequence[np.ndarray]) -> float:
+    """Return the share of placebos that gain as much as a candidate, `found` (draws,) in each part of the search."""
+    return (1 + int(np.count_nonzero(np.any(found, axis=0)))) / (1 + evidence.draws)
 
 
 def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
@@ -48,19 +43,39 @@ def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
     return common + [PlaceboSearch(group, True) for group in groups_of(score.candidate)]
 
 
-def null(evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch) -> Float:
-    """Return what each placebo (draws,) of a candidate gains in a part of the search."""
+def as_good(
+    evidence: Evidence, score: Score, columns: Sequence[Columns], search: PlaceboSearch
+) -> np.ndarray:
+    """Return which placebos (draws,) of a candidate gain as much as it does, in a part of the search.
+
+    One with a forbidden sign would not have been accepted either.
+    """
     candidate, rules = score.candidate, evidence.rules
+    seen = score.share * float(evidence.fold_losses.sum())
+    if seen <= 0.0:  # a placebo that gains nothing is as good
+        return np.ones(evidence.draws, dtype=bool)
     some = [
         _telegraph(Columns(c.joints, c.values[search.nodes]), rules.telegraph * block.rate, r)
         for r, (c, block) in enumerate(zip(columns, evidence.blocks, strict=True))
     ]
-    each = (evidence.shifted(some, v) for v in range(len(search.nodes)))
-    if not search.own:
-        return np.asarray(np.max([_null_of(evidence, candidate, evidence.gain(one)) for one in each], axis=0))
-    grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
-    chosen = evidence.pick(grams, own_nodes(evidence, candidate, grams))
-    return _null_of(evidence, candidate, evidence.gain(chosen))
+
+    def exceed(grams: Gram) -> np.ndarray:
+        return evidence.exceed(grams, seen, lambda values: admissible(candidate, values, rules))
+
+    each = (
+        evidence.shifted(some, v, trained=not search.own).entries(slice(1, None)) for v in range(len(search.nodes))
+    )
+    if search.own:
+        grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
+        return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
+    out, left = np.zeros(evidence.draws, dtype=bool), np.arange(evidence.draws)
+    for grams in each:
+        good = exceed(grams.entries(left))
+        out[left[good]] = True
+        left = left[~good]
+        if not left.size:
+            break
+    return out
 
 
 def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:
@@ -75,8 +90,3 @@ def _telegraph(columns: Columns, samples: float, seed: int) -> Columns:
     signs = rng.permutation(np.arange(count) % 2) * 2.0 - 1.0
     sign = np.repeat(signs, int(np.ceil(values.shape[2] / count)))[: values.shape[2]]
     return Columns(columns.joints, np.where(still[:, :, None, :], values * sign[None, None, :, None], values))
-
-
-def _null_of(evidence: Evidence, candidate: Candidate, gain: Gain) -> Float:
-    """Return the gains (draws,) of placebos; one with a forbidden sign would not have been accepted either."""
-    return np.where(admissible(candidate, gain.coefficients, evidence.rules), gain.total, 0.0)[1:]

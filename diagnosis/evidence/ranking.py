@@ -17,7 +17,7 @@ from diagnosis.evidence.candidates import Library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.placebo import null, p_value, searches
+from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.evidence.stability import Splits
 from ground.engines.forks import allowed_processes, share_out, shared
@@ -52,12 +52,12 @@ def rank(
     promising = [k for k, s in enumerate(scores) if s.eligible][: evidence.rules.placebo_for]
 
     parts = [(k, part) for k in promising for part in searches(evidence, scores[k])]
-    nulls = np.frombuffer(shared(evidence.draws * len(parts), many), dtype=float)
-    nulls = nulls[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
+    good = np.frombuffer(shared(evidence.draws * len(parts), many), dtype=bool)
+    good = good[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
 
     def chance(i: int) -> None:
         k, part = parts[i]
-        nulls[i] = null(evidence, scores[k], columns[scores[k].name], part)
+        good[i] = as_good(evidence, scores[k], columns[scores[k].name], part)
 
     def settled(i: int, answer: None) -> None:
         if tick:
@@ -65,8 +65,8 @@ def rank(
 
     share_out(chance, range(len(parts)), settled, many)
     for k in promising:
-        own = [nulls[i] for i, (whose, _) in enumerate(parts) if whose == k]
-        scores[k] = replace(scores[k], p_value=p_value(evidence, scores[k], own))
+        own = [good[i] for i, (whose, _) in enumerate(parts) if whose == k]
+        scores[k] = replace(scores[k], p_value=p_value(evidence, own))
     return mark_significant(scores, evidence.rules.false_discovery_rate)
 
 

@@ -94,6 +94,26 @@ def test_a_placebo_is_the_candidate_rolled_in_time():
         np.testing.assert_allclose(shifted.folds[:, 1 + draw], plain.folds[:, 0], rtol=1e-7, atol=1e-7)
 
 
+@pytest.mark.parametrize("width", [1, 2, 3])
+@pytest.mark.parametrize("alone", [False, True])
+def test_which_placebos_gain_enough_is_told_without_the_splits_of_the_others(width, alone):
+    rng = np.random.default_rng(width)
+    blocks = [block(rng, 240, 3, np.arange(240) * 4 // 240)] if alone else [block(rng, n, 3) for n in (160, 140, 120)]
+    prior = np.array([0.0, 5.0, 0.3])
+    evidence = Evidence(blocks[:2], blocks[2:], seed=4, draws=300, prior=prior)
+    columns = [Columns((0, 1), rng.normal(size=(1, 2, b.residual.shape[1], width))) for b in blocks]
+    whole = evidence.gain(evidence.shifted(columns, 0))
+    for part in (0.02, 0.2, 0.7, 0.99):
+        least = float(np.quantile(whole.total, part))
+        for sign in (whole.coefficients[:, 0] > 0.0, np.ones(301, dtype=bool)):
+            found = evidence.exceed(
+                evidence.shifted(columns, 0, trained=True),
+                least,
+                lambda values, sign=sign: values[:, 0] > 0.0 if not sign.all() else sign,
+            )
+            np.testing.assert_array_equal(found, (whole.total >= least) & sign)
+
+
 def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
     t = np.arange(1500) / 50.0
     motion = np.column_stack([np.sin(2 * np.pi * t / 10), np.cos(2 * np.pi * t / 10)])
