@@ -114,13 +114,12 @@ def refitted(
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
     others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
-    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a shape besides, and
-    # is the same or explains less, says nothing more.
+    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides, and
+    # is the same or explains less, says nothing more. With as many numbers it is a look-alike.
     behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}
+    more = {s.name for s in others if s.candidate.numbers > score.candidate.numbers}
     others = [
-        s
-        for s in others
-        if s.candidate.numbers <= score.candidate.numbers or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
+        s for s in others if s.name not in more or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
     ]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)
