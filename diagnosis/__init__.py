@@ -14,9 +14,12 @@ if TYPE_CHECKING:
     from diagnosis.separation.design import separate
     from diagnosis.session.session import Session
     from diagnosis.watching.differences import compare_against
+    from diagnosis.watching.played import play
     from diagnosis.watching.watch import follow, watch
 
-__all__ = ["Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "separate", "watch"]
+__all__ = [
+    "Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "play", "separate", "watch",
+]  # fmt: skip
 
 lend(
     __name__,
@@ -28,6 +31,7 @@ lend(
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",
         "follow": "diagnosis.watching.watch",
+        "play": "diagnosis.watching.played",
         "separate": "diagnosis.separation.design",
         "watch": "diagnosis.watching.watch",
     },

@@ -49,6 +49,7 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
         Route("/api/preview", ask(_preview)),
         Route("/api/columns", ask(_columns)),
         Route("/api/takeaway", ask(_takeaway)),
+        Route("/api/watch", ask(_watch)),
         Route("/api/report", ask(_report)),
         Route("/api/model", ask(_model)),
         Route("/api/export", ask(_export)),
@@ -104,6 +105,10 @@ def _takeaway(workspace: Workspace, request: Request) -> Response:
     from workbench.page.takeaway import commands
 
     return JSONResponse(commands(workspace))
+
+
+def _watch(workspace: Workspace, request: Request) -> Response:
+    return JSONResponse({} if workspace.playing is None else workspace.playing.whole())
 
 
 def _report(workspace: Workspace, request: Request) -> Response:
@@ -169,6 +174,10 @@ def _discover(workspace: Workspace, told: dict[str, Any]) -> None:
     workspace.discover()
 
 
+def _play(workspace: Workspace, told: dict[str, Any]) -> None:
+    workspace.play(int(told["recording"]))
+
+
 def _cancel(workspace: Workspace, told: dict[str, Any]) -> None:
     workspace.cancel()
 
@@ -225,7 +234,7 @@ def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
 ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], dict[str, Any] | None]] = {
     "demo": _demo, "add": _add, "switch": _switch, "remove": _remove, "undo": _undo, "redo": _redo, "go": _go,
     "discover": _discover, "cancel": _cancel, "role": _role, "close": _close, "map": _map, "effect": _effect,
-    "brush": _brush, "save": _save, "reopen": _reopen,
+    "brush": _brush, "save": _save, "reopen": _reopen, "play": _play,
 }  # fmt: skip
 
 

@@ -42,6 +42,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
         "search": _search(workspace),
+        "watch": None if workspace.playing is None else workspace.playing.to_json(),
     }
     if session is not None:
         out |= _session(workspace, session)

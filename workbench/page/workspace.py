@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from symbolic.effect import Effect
     from symbolic.joints import Joint
     from symbolic.model import Model
+    from workbench.page.playing import BackgroundWatch
     from workbench.page.search import BackgroundSearch
 
 Names = tuple[str, ...]
@@ -70,6 +71,7 @@ class Workspace:
         self.diagnoses: dict[frozenset[str], Diagnosis] = {}
         """The same in full; a session that is opened again has the JSON alone."""
         self.search: BackgroundSearch | None = None
+        self.playing: BackgroundWatch | None = None
         self.search_message = ""
         self.problem: ExoidError | None = None
         self.saved: Path | None = None
@@ -97,6 +99,8 @@ class Workspace:
         self._keep_once()
         if self.search is not None and self.search.running:
             self.search.cancel()
+        if self.playing is not None:
+            self.playing.cancel()
         shutil.rmtree(self.place, ignore_errors=True)
 
     def end(self) -> None:
@@ -201,6 +205,9 @@ class Workspace:
         """The recordings are others: what was concluded from them does not hold any more."""
         self._stale = True
         self.verdicts, self.diagnoses = {}, {}
+        if self.playing is not None:
+            self.playing.cancel()
+        self.playing = None
 
     def _free(self, name: str) -> str:
         """Return a name that no other file has."""
@@ -319,6 +326,21 @@ class Workspace:
             )
         self._touch()
         threading.Thread(target=self._follow, args=(self.search,), daemon=True).start()
+
+    def play(self, index: int) -> None:
+        """Play a recording through a watch of the present model, in a thread of its own."""
+        from workbench.page.playing import BackgroundWatch
+
+        with self._change:
+            session, names = self._open(), self.names
+            recordings = [*session.recordings, *session.verify]
+            if not 0 <= index < len(recordings):
+                raise RecordingError("this recording is not open any more", remedy="reload the page")
+            if self.playing is not None:
+                self.playing.cancel()
+            now = session.known(names) or session.fitted()
+            self.playing = BackgroundWatch(now.model, recordings[index], index, session.extra, self._touch)
+        self._touch()
 
     def cancel(self) -> None:
         """End a search; what was there before it stays."""

@@ -10,6 +10,7 @@ import { doing, problem, say } from "./panels/status.js";
 import { drawSuspects } from "./panels/suspects.js";
 import { drawTakeaway } from "./panels/takeaway.js";
 import { drawVerdict, drawWaiting } from "./panels/verdict.js";
+import { drawWatch } from "./panels/watch.js";
 import { followSelection } from "./selection.js";
 import { forget, look, on, refresh, view } from "./store.js";
 
@@ -42,7 +43,7 @@ function drawAll() {
   }
   drawRecordings();
   offerMapping(state.files);
-  for (const id of ["compare", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
+  for (const id of ["compare", "watch", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
   if (!state.ready) {
     drawWaiting();
     return;
@@ -52,6 +53,7 @@ function drawAll() {
   drawLayers();
   drawSuspects();
   drawTakeaway();
+  drawWatch();
   drawSelection();
   doing(loadCompare());
 }
@@ -85,6 +87,7 @@ function keys(event) {
 
 on("state", draw);
 on("recording", () => doing(loadCompare()));
+on("recording", () => view.state.ready && drawWatch());
 for (const what of ["cursor", "range", "preview"]) on(what, () => redraw(false));
 on("selection", () => redraw());
 on("selection", drawSelection);

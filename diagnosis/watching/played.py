@@ -1,0 +1,111 @@
+"""A recording played through a watch: what it reported, and the model's numbers over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from diagnosis.watching.events import Event
+from diagnosis.watching.plots import numbers_figure
+from diagnosis.watching.watcher import Settings, Watcher
+from ground.errors import RecordingError
+from ground.html import bullets
+from ground.plain import plain_dict
+from measurement.recording import Recording
+from symbolic.effect import Effect
+from symbolic.model import Model
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LEAST = 4
+"""Blocks at least that say what is usual."""
+SHARE = 0.33
+"""Part of a short recording that says what is usual."""
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """What a watch reported of a recording: its `events`, and from when on it knew each number of the model.
+
+    `values`, `low` and `high` (K, P) are the numbers and their 95 % intervals at times `t` (K,) s.
+    """
+
+    events: tuple[Event, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    t: Float
+    values: Float
+    low: Float
+    high: Float
+    until: float
+
+    def __repr__(self) -> str:
+        return "\n".join(map(repr, self.events))
+
+    def _repr_html_(self) -> str:
+        return bullets([repr(one) for one in self.events])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything in plain types."""
+        numbers = {
+            name: {"unit": unit, "value": self.values[:, k], "low": self.low[:, k], "high": self.high[:, k]}
+            for k, (name, unit) in enumerate(zip(self.names, self.units, strict=True))
+        }
+        events = [one.to_json() for one in self.events]
+        return plain_dict({"events": events, "t": self.t, "numbers": numbers, "until": self.until})
+
+    def plot(self) -> Figure:
+        """Draw every number over time with its interval, and when something changed."""
+        marks = [(one.since.low, one.since.high, one.t) for one in self.events if one.since is not None]
+        return numbers_figure(self.t, self.names, self.units, self.values, self.low, self.high, marks)
+
+
+def play(
+    model: Model, recording: Recording, settings: Settings | None = None,
+    *, extra: Sequence[Effect] = (), progress: Callable[[Played], object] | None = None,
+) -> Played:  # fmt: skip
+    """Return what a watch reports of a recording; `progress` hears of it after every block.
+
+    Without `settings` the first third says what is usual, two minutes at most. RecordingError for one that is too
+    short.
+    """
+    rows = np.column_stack([recording.t, recording.q, recording.tau])[recording.valid]
+    usual = settings or Settings()
+    if settings is None:
+        learn = int(min(max(LEAST, SHARE * recording.duration / usual.block), usual.learn))
+        usual = Settings(learn=learn, most_learn=3 * learn, estimates=1)
+    shortest = LEAST * usual.block
+    if recording.duration < 2.0 * shortest:
+        raise RecordingError(
+            f"{recording.duration:.3g} s are too short to be watched", where=recording.name,
+            remedy=f"give at least {2.0 * shortest:g} s: the first {shortest:g} s say what is usual",
+        )  # fmt: skip
+    watcher = Watcher(model, usual, tuple(extra))
+    events: list[Event] = []
+    known: list[Event] = []
+
+    def heard(fresh: Sequence[Event]) -> Played:
+        known.extend(e for e in fresh if e.event == "estimates")
+        events.extend(e for e in fresh if e.event != "estimates")
+        numbers = [e.estimates for e in known]
+        first = watcher.model.parameters
+        values, low, high = (
+            np.array([[getattr(e, side) for e in each] for each in numbers]).reshape(-1, len(first))
+            for side in ("value", "low", "high")
+        )
+        return Played(
+            tuple(events), tuple(p.name for p in first), tuple(p.unit for p in first),
+            np.array([e.t for e in known]), values, low, high, watcher.last,
+        )  # fmt: skip
+
+    size = max(1, round(usual.block * recording.rate))
+    for k in range(0, len(rows), size):
+        played = heard(watcher.push(rows[k : k + size]))
+        if progress is not None:
+            progress(played)
+    return heard(watcher.finish())
