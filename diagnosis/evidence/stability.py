@@ -65,6 +65,8 @@ class Splits:
 
     def candidate(self, score: Score, columns: Sequence[Columns]) -> Agreement:
         """Return in how many splits the candidate of `score`, with its columns (one node), helps."""
+        if not self.aside:
+            return self._agreement(np.zeros((0, 3)), {})
         grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
         pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
         own, step, _ = self.fits.candidate(grams, ridge)

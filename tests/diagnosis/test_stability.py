@@ -90,6 +90,14 @@ def test_a_single_recording_has_no_splits():
     assert agreements_of(context, state)["torque_offset:knee"].share is None
 
 
+def test_a_candidate_of_a_single_recording_is_not_asked_of_splits():
+    context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,))
+    start = state_with(context).last
+    evidence = context.evidence(start, draws=0)
+    score = context.weighed(start, evidence, context.library.find("torque_offset:knee"))
+    assert Splits(evidence).candidate(score, context.columns_of(score, start.fitted)) == Agreement()
+
+
 def test_what_splits_say_in_words():
     text = stability_of(Agreement(83, 84, {"c": (0.0031, 0.0042)}, (5,)), {"c": "kg·m²"}, ["run_05"])
     assert text == (
