@@ -49,9 +49,10 @@ lend_methods(
         "columns": "symbolic.columns:model_columns",
         "torque": "symbolic.columns:model_torque",
         "needs_reference": "symbolic.columns:needs_reference",
+        "reference_places": "symbolic.columns:reference_places",
         "following_places": "symbolic.columns:following_places",
         "following_columns": "symbolic.columns:following_columns",
         "key": "symbolic.codegen.fingerprint:model_key",
     },
-    properties=("needs_reference", "following_places"),
+    properties=("needs_reference", "reference_places", "following_places"),
 )

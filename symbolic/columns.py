@@ -120,6 +120,17 @@ def needs_reference(model: Model) -> bool:
     return bool(model.derived) and compiled(rigid_model(model)).needs_reference
 
 
+def reference_places(model: Model) -> tuple[int, ...]:
+    """Return the indices of the linear parameters that columns depend on; () where they depend on none."""
+    if not needs_reference(model):
+        return ()
+    if model.derived:
+        return tuple(range(len(model.parameters)))
+    names = {name for term in model.terms for torque in torques(term) for name in torque.names}
+    friction = any(name.startswith("tau_model") for name in names)
+    return tuple(k for k in base_places(model) if friction or not len(model.inertial) <= k < model.base_count)
+
+
 def rigid_model(model: Model) -> Model:
     """Return the model with nothing but its mechanism: what has to be derived and compiled for its columns."""
     if len(model.derived) == len(model.terms):
@@ -145,12 +156,34 @@ def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float
         for field, state in zip(_FIELDS, STATES, strict=True):
             words = [f"tau{i}_by_{state}{number}" for i in numbers]
             if used & {*words}:
-                slope = sum(
-                    weight * (model_torque(bare, up, rigid, own) - model_torque(bare, down, rigid, own))
-                    for weight, up, down in _moved(motion, field, number - 1)
-                )
-                found |= dict(zip(words, np.asarray(slope).T, strict=True))
+                found |= dict(zip(words, _slope(bare, motion, field, number - 1, rigid, own), strict=True))
     return found
+
+
+def _slope(bare: Model, motion: Motion, field: str, joint: int, rigid: Float, own: Float) -> Float:
+    """Return the derivative (J, N) of the torque of `bare` with the numbers `rigid` by an angle, velocity or
+    acceleration of a joint.
+
+    Being linear in the numbers, it is derived once for a motion where the mechanism has none of its own.
+    """
+    if bare.derived or len(motion) > LONGEST_KEPT:
+        return np.asarray(
+            sum(
+                weight * (model_torque(bare, up, rigid, own) - model_torque(bare, down, rigid, own))
+                for weight, up, down in _moved(motion, field, joint)
+            )
+        ).T
+    kept = _DERIVED.setdefault(motion, {})
+    key = field, joint, bare.thigh_length, bare.gravity, bare.chain, bare.moving_base
+    if key not in kept:
+        none = np.zeros(bare.base_count)
+        kept[key] = np.asarray(
+            sum(
+                weight * (model_columns(bare, up, reference=none) - model_columns(bare, down, reference=none))
+                for weight, up, down in _moved(motion, field, joint)
+            )
+        )
+    return np.asarray(kept[key] @ rigid)
 
 
 _FIELDS = ("q", "dq", "ddq")
@@ -161,6 +194,8 @@ STENCIL = {
 }
 """(step, weight) of the differences f(x + step) - f(x - step) that make a derivative: of sixth order by an angle; exact
 by a velocity and an acceleration, in which the torque is quadratic and linear."""
+_DERIVED: WeakKeyDictionary[Motion, dict[tuple[Any, ...], Float]] = WeakKeyDictionary()
+"""Derivatives (J, N, P) of the base columns along motions that are still in use."""
 _MOVED: WeakKeyDictionary[Motion, dict[tuple[str, int], list[tuple[float, Motion, Motion]]]] = WeakKeyDictionary()
 """Moved motions of those that are still in use, so that their base columns are kept as well."""
 

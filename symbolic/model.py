@@ -218,6 +218,8 @@ class Model:
         @property
         def needs_reference(self) -> bool: ...  # noqa: D102
         @property
+        def reference_places(self) -> tuple[int, ...]: ...  # noqa: D102
+        @property
         def following_places(self) -> tuple[int, ...]: ...  # noqa: D102
         def following_columns(self, motion: Motion, nodes: Float) -> Float: ...  # noqa: D102
         def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102

@@ -21,6 +21,9 @@ from symbolic.motion import Float, Motion
 
 FIXED_POINT_ROUNDS = 60
 FIXED_POINT_TOLERANCE = 1e-11
+EXTRAPOLATED, CLOSER = 4, 0.7
+"""Rounds before the last from which a fixed point is extrapolated, and how much smaller a round's change must be than
+that of the round before for these to count."""
 TOGETHER = 2_000_000
 """Values of columns that are computed at once, at most."""
 
@@ -58,6 +61,10 @@ class FittableModel(Protocol):
     def shapes(self) -> Sequence[Any]: ...  # noqa: D102
     @property
     def needs_reference(self) -> bool: ...  # noqa: D102
+
+    @property
+    def reference_places(self) -> tuple[int, ...]:
+        """Indices of the parameters that columns depend on; () where they depend on none."""
 
     @property
     def following_places(self) -> tuple[int, ...]:
@@ -214,19 +221,38 @@ def settle(
 ) -> Settled:
     """Solve the linear parameters; a model that needs reference parameters is iterated to their fixed point.
 
-    The first reference is `reference` (P,) or zero, which makes the fed-back columns vanish in round one.
+    The first reference is `reference` (P,) or zero, which makes the fed-back columns vanish in round one. The next one
+    is extrapolated from the last rounds (Anderson, Iterative procedures for nonlinear integral equations, 1965).
     """
     model = assembly.model
     if not model.needs_reference:
         data = assembly.data(shape)
         return Settled(data, solve(data), 1, True)
     last = np.zeros(len(model.parameters)) if reference is None else np.asarray(reference, dtype=float)
+    tried: list[tuple[Float, Float]] = []
+    before = np.inf
     for count in range(1, FIXED_POINT_ROUNDS + 1):
         data = assembly.data(shape, last)
         linear = solve(data)
-        change = float(np.linalg.norm(data.factor.forward @ (linear - last)))
-        size = float(np.linalg.norm(data.factor.forward @ linear))
+        forward = data.factor.forward
+        change = float(np.linalg.norm(forward @ (linear - last)))
+        size = float(np.linalg.norm(forward @ linear))
         if change <= FIXED_POINT_TOLERANCE * max(size, np.finfo(float).tiny):
             return Settled(data, linear, count, True)
-        last = linear
+        # Rounds from far away say little of where it ends, and an extrapolation that led away less than nothing.
+        tried = [*tried[-EXTRAPOLATED:], (last, linear)] if change < CLOSER * before else [(last, linear)]
+        before, last = change, _extrapolated(tried, forward)
     return Settled(data, linear, FIXED_POINT_ROUNDS, False)
+
+
+def _extrapolated(tried: Sequence[tuple[Float, Float]], forward: Float) -> Float:
+    """Return where the fixed point (P,) of a map is, judged by rounds of it (P,) -> (P,), the last of them the nearest;
+    distances are measured by the torques that `forward` makes of parameters.
+    """
+    start, end = tried[-1]
+    if len(tried) == 1:
+        return end
+    starts, ends = (np.stack([pair[k] for pair in tried[:-1]], axis=1) for k in (0, 1))
+    steps = (end - start)[:, None] - (ends - starts)
+    share = np.linalg.lstsq(forward @ steps, forward @ (end - start), rcond=1e-10)[0]
+    return np.asarray(end - (end[:, None] - ends) @ share)

@@ -36,9 +36,9 @@ def spread_of(assembly: Assembly, found: Settled, shape: Float, delta: Float) ->
         )
     total = columns
     if model.needs_reference:
-        total = np.empty_like(columns)
+        total = columns.copy()
         size = np.maximum(np.abs(linear), 1e-3 * max(1e-12, float(np.abs(linear).max())))
-        for p in range(linear.size):
+        for p in model.reference_places:
             step_p = np.zeros(linear.size)
             step_p[p] = 1e-5 * size[p]
             total[:, :, p] = (predicted(linear + step_p, shape) - predicted(linear - step_p, shape)) / (2.0 * step_p[p])

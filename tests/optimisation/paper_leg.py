@@ -50,6 +50,10 @@ class Leg:
         return self.load
 
     @property
+    def reference_places(self):
+        return tuple(range(len(NAMES))) if self.load else ()
+
+    @property
     def parameters(self):
         extra = [("stribeck:knee.c", "N·m", 0.0)] * self.stribeck + [("load_friction:knee.c", "1", 0.0)] * self.load
         rows = [*zip(NAMES, UNITS, LOWEST, strict=True), *extra]
