@@ -160,19 +160,16 @@ class Model:
         if not self.chain:
             bounds = {"Phi1": 0.0, "Phi2": 0.0}
             return tuple(
-                Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, rf"\Phi_{name[-1]}", None)
+                Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, None)
                 for name in INERTIAL
             )
         from symbolic.mechanics.base_parameters import base_parameters
 
         found = enumerate(base_parameters(self.chain, self.gravity, self.moving_base), 1)
         return tuple(
-            Parameter(
-                f"Phi{k}", f"Φ{k} = {p.formula(self.chain)}", p.unit, 0.0 if p.positive else None, None,
-                rf"\Phi_{{{k}}}", None,
-            )
+            Parameter(f"Phi{k}", f"Φ{k} = {p.formula(self.chain)}", p.unit, 0.0 if p.positive else None, None, None)
             for k, p in found
-        )  # fmt: skip
+        )
 
     @property
     def base_count(self) -> int:

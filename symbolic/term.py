@@ -18,16 +18,13 @@ from symbolic.quantity import JOINTS
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number the torque is linear in: full name ("stribeck:knee.c"), label, unit, bounds, LaTeX, and its
-    term.
-    """
+    """A number the torque is linear in: full name ("stribeck:knee.c"), label, unit, bounds, and its term."""
 
     name: str
     label: str
     unit: str
     min: float | None
     max: float | None
-    latex: str
     term: str | None
     typical: float | None = None
 
@@ -112,7 +109,6 @@ class Term:
                 unit=self.unit(c.unit),
                 min=c.min,
                 max=c.max,
-                latex=_latex(key, self.effect.id, self.joint),
                 term=self.name,
                 typical=None if c.typical is None else self._scale(c.unit) * c.typical,
             )
@@ -210,9 +206,3 @@ def places_of(effect: Effect, among: tuple[Joint, ...]) -> tuple[str | None, ...
 def _power_of_angle(unit: str) -> int:
     """Return the power of rad in a product of units: 2 in "N·m·s²·rad²"."""
     return sum({"²": 2, "³": 3}.get(raised, 1) for raised in re.findall(r"rad([²³]?)", unit))
-
-
-def _latex(key: str, effect: str, joint: str | None) -> str:
-    place = effect.replace("_", r"\ ") + (f",{joint}" if joint else "")
-    stem, _, index = key.partition("_")
-    return f"{stem}_{{\\mathrm{{{index + ',' if index else ''}{place}}}}}"

@@ -20,5 +20,5 @@ class PopulationLoss(Protocol):
 
 
 def population_fitness(data: LinearData) -> PopulationLoss:
-    """Return the fastest fitness this machine has for `data`; `loss.PopulationFitness` is its check."""
+    """Return the fastest fitness this machine has for `data`."""
     return fitness(data.columns, data.tau)

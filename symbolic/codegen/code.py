@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.files import sha256, write_whole
+from ground.files import sha256
 from ground.text import in_comment
 from symbolic.codegen.equation import Expressions, model_expressions
 from symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
@@ -185,17 +185,6 @@ def operations(function: Any) -> int:
 
     silent = {casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST}
     return sum(function.instruction_id(k) not in silent for k in range(function.n_instructions()))
-
-
-def write_generated(model: Model, folder: str | Path) -> tuple[Path, ...]:
-    """Write leg.c, leg.h and manifest.json into `folder`; return the paths of those whose content changed."""
-    changed = []
-    for name, text in generate(model).files.items():
-        path = Path(folder) / name
-        if not path.is_file() or path.read_bytes() != text.encode():
-            write_whole(path, text)
-            changed.append(path)
-    return tuple(changed)
 
 
 def stale_files(model: Model, folder: str | Path) -> tuple[str, ...]:

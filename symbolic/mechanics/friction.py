@@ -44,7 +44,7 @@ def friction(joints: tuple[Joint, ...] = LEG) -> tuple[Term, ...]:
 def friction_parameters(joints: tuple[Joint, ...] = LEG) -> tuple[Parameter, ...]:
     """Return the friction parameters (2 J,); they have the name of their term, being its only number."""
     parameters = []
-    for k, term in enumerate(friction(joints)):
+    for term in friction(joints):
         (single,) = term.parameters
         parameters.append(
             Parameter(
@@ -53,7 +53,6 @@ def friction_parameters(joints: tuple[Joint, ...] = LEG) -> tuple[Parameter, ...
                 unit=single.unit,
                 min=single.min,
                 max=single.max,
-                latex=f"k_{{{k // 2 + 1}{k % 2 + 1}}}",
                 term=None,
                 typical=single.typical,
             )

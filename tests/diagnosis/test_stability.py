@@ -27,6 +27,7 @@ from symbolic.model import Model
 OFFSET = {"torque_offset:knee": ([0.6], [])}
 
 
+@pytest.mark.shows("most_splits")
 def test_all_splits_where_there_are_few_and_random_ones_where_there_are_many():
     assert splits_of(1, 0, RULES) == ()
     assert splits_of(2, 1, RULES) == ((0,), (1,))
@@ -66,6 +67,7 @@ def test_a_split_is_a_refit_without_the_recordings_set_aside():
     assert 2 in agreement.against
 
 
+@pytest.mark.shows("robust")
 def test_a_term_is_judged_like_the_candidate_it_was():
     context = search(OFFSET, ["torque_offset:knee"])
     state = state_with(context, "torque_offset:knee")
@@ -136,6 +138,7 @@ def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
     assert doubt(small, small, floor / 10.0, RULES) == small_while_far(small, small, floor / 10.0, RULES)
 
 
+@pytest.mark.shows("least_splits")
 def test_what_few_splits_support_is_listed_as_possible():
     context = search(OFFSET, ["torque_offset:knee"], scales=(1.0, 1.0, 1.0, 1.0, -0.7, -0.7), verify=2)
     state = state_with(context)
@@ -149,6 +152,7 @@ def test_what_few_splits_support_is_listed_as_possible():
     assert possible_of(context, state, False) == ()
 
 
+@pytest.mark.shows("least_seconds")
 def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
     context = search(OFFSET, ["torque_offset:knee"], scales=(1.0,), verify=0)
     text = too_short(context.prepared, RULES)

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy_fitness import PopulationFitness
 from paper_leg import PAPER, Leg, record
 
 from ground.errors import NotEnoughDataError, RecordingError
 from optimisation.fitting.assemble import assemble
 from optimisation.linear.certificate import certify
 from optimisation.linear.fitness import population_fitness
-from optimisation.linear.loss import PopulationFitness, huber, sse
+from optimisation.linear.loss import huber, sse
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy_fitness import PopulationFitness
 from paper_leg import PAPER, Leg, record
 
 from optimisation.fitting.assemble import assemble
-from optimisation.linear.loss import PopulationFitness, huber
+from optimisation.linear.loss import huber
 from optimisation.linear.problem import Problem, huber_problem
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import BOUNDARIES, minimise

@@ -1,4 +1,4 @@
-"""One tree says the same in NumPy, SymPy and CasADi, and reads well in LaTeX and plain text."""
+"""One tree says the same in NumPy, SymPy and CasADi, and reads well as plain text."""
 
 import casadi
 import numpy as np
@@ -6,14 +6,13 @@ import pytest
 import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from matplotlib.mathtext import MathTextParser
 
 from ground.errors import ExpressionError
 from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.parser import parse
 from symbolic.language.torque import Torque, part_of
 from symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
-from symbolic.language.writing import to_latex, to_text
+from symbolic.language.writing import to_text
 
 NAMES = ("theta1", "dtheta2", "c", "v_s")
 STATES = np.array([[0.3, -0.7, 0.9, 0.2], [-0.4, 0.6, -1.0, 0.5], [0.8, 1.0, 0.1, 0.7]]).T
@@ -131,28 +130,6 @@ def test_a_parameter_of_an_operator_must_not_vary():
     node = parse("play(theta1, theta1)", ["theta1"])
     with pytest.raises(ExpressionError, match="varies with the motion"):
         to_numpy(node, {"t": np.arange(3.0), "theta1": np.ones(3)})
-
-
-@pytest.mark.parametrize(
-    ("text", "latex"),
-    [
-        ("c * sgn(dtheta)", r"c \, \mathrm{sgn}\left(\dot{\theta}\right)"),
-        ("ddtheta2 / v_s", r"\frac{\ddot{\theta}_{2}}{v_{s}}"),
-        ("-(theta + c)**2", r"-\left(\theta + c\right)^{2}"),
-        ("abs(tau_rigid1) + sqrt(c2)", r"\left|\tau_{\mathrm{rigid},1}\right| + \sqrt{c_{2}}"),
-        ("2 * 3e-9 * 4", r"2 \cdot 3 \cdot 10^{-9} \cdot 4"),
-        ("sigma * theta_m * side * pi", r"\sigma \, \theta_{m} \, \mathrm{side} \, \pi"),
-        ("stiff_hip * play(theta, h)", r"\mathrm{stiff}_{\mathrm{hip}} \, \mathrm{play}\left(\theta, h\right)"),
-    ],
-)
-def test_latex(text, latex):
-    node = parse(
-        text,
-        {"c", "c2", "h", "v_s", "side", "sigma", "stiff_hip", "tau_rigid1"}
-        | {"theta", "theta_m", "dtheta", "ddtheta2"},
-    )
-    assert to_latex(node) == latex
-    MathTextParser("path").parse(f"${to_latex(node)}$")
 
 
 @pytest.mark.parametrize(
