@@ -125,7 +125,7 @@ class Comparison:
             name: (model.torque(index).T, np.where(one.use, model.residuals[index].T, np.nan))
             for name, model in models.items()
         }
-        return over_time(one.name, one.t, one.tau, drawn, self.joints)
+        return over_time(one.name, one.t, one.tau, drawn, self.now.model.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
@@ -142,7 +142,8 @@ class Comparison:
                 "direction": {"moving up": at.speed > 0.0, "moving down": at.speed < 0.0},
                 "recording": {name: at.recording == k for k, name in enumerate(names)},
             }.get(one.split, {})
-            picture = against(one.joint, words, at.x, at.y, at.block, groups)
+            unit = self.now.model.joints[self.joints.index(one.joint)].unit("tau")
+            picture = against(one.joint, words, at.x, at.y, at.block, groups, unit)
             out.append((f"{one.joint}: error against {words[0]}", one.sentence, picture))
         return out
 

@@ -21,6 +21,7 @@ from ground.figures import (
     label,
     new_figure,
 )
+from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
@@ -83,11 +84,11 @@ def _numbers(axes: Any, place: Float, values: Float) -> None:
 
 
 def over_time(
-    name: str, t: Float, measured: Float, models: Mapping[str, tuple[Float, Float]], joints: Sequence[str] = JOINTS
+    name: str, t: Float, measured: Float, models: Mapping[str, tuple[Float, Float]], joints: Sequence[Joint] = LEG
 ) -> Figure:
     """Draw the measured torque, and of each of at most two `models`, by name, its torque and its residual.
 
-    All are (K, J) in N·m over `t` (K,) in s; NaN is not drawn.
+    All are (K, J) in the unit of the torque of `joints` over `t` (K,) in s; NaN is not drawn.
     """
     t = t - t[0]
     shown = t <= SECONDS_SHOWN
@@ -104,8 +105,9 @@ def over_time(
                 lower.plot(t[shown], residual[shown, j], color=ROLE_COLOURS["residual"] if alone else colour,
                            label=LEFT_OVER)  # fmt: skip
             lower.axhline(0.0, color=FAINT, linewidth=0.7)
-            upper.set(title=f"{joint}, {name}", ylabel=label("torque", "N·m"))
-            lower.set(ylabel=label("error", "N·m"))
+            unit = joint.unit("tau")
+            upper.set(title=f"{joint.name}, {name}", ylabel=label("torque" if joint.turns else "force", unit))
+            lower.set(ylabel=label("error", unit))
         panels[-1].set(xlabel=label("time", "s"))
         handles, words = panels[0].get_legend_handles_labels()
         if len(models) == 1:
@@ -115,9 +117,15 @@ def over_time(
 
 
 def against(
-    joint: str, variable: Quantity, x: Float, y: Float, block: NDArray[np.int64], groups: Groups | None = None
+    joint: str,
+    variable: Quantity,
+    x: Float,
+    y: Float,
+    block: NDArray[np.int64],
+    groups: Groups | None = None,
+    unit: str = "N·m",
 ) -> Figure:
-    """Draw the residual `y` (K,) in N·m of `joint` against a variable `x` (K,), with binned means and their 95 % band.
+    """Draw the residual `y` (K,) in `unit` of `joint` against a variable `x` (K,), with binned means and 95 % bands.
 
     `block` (K,) says which stretch of time a sample belongs to: the band comes from the scatter of the stretches'
     means, since neighbouring samples are no independent evidence. `groups` (masks (K,) by name) are drawn apart.
@@ -139,7 +147,7 @@ def against(
             )  # fmt: skip
         low, high = np.quantile(y, (0.002, 0.998))
         axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
-        axes.set(title=f"{joint}: error against {variable[0]}", xlabel=label(*variable), ylabel=label("error", "N·m"))
+        axes.set(title=f"{joint}: error against {variable[0]}", xlabel=label(*variable), ylabel=label("error", unit))
         axes.legend(loc="best", fontsize=8)
     return figure
 
@@ -161,8 +169,10 @@ def _binned(x: Float, y: Float, block: NDArray[np.int64]) -> tuple[Float, Float,
     return table[:, 0], table[:, 1], table[:, 2]
 
 
-def curve(joint: str, variable: Quantity, x: Float, y: Float, band: Float, factor: str = "") -> Figure:
-    """Draw a learnt curve `y` (M,) in N·m over `x` (M,) with its `band` (M,), times `factor` (in words)."""
+def curve(
+    joint: str, variable: Quantity, x: Float, y: Float, band: Float, factor: str = "", unit: str = "N·m"
+) -> Figure:
+    """Draw a learnt curve `y` (M,) in `unit` over `x` (M,) with its `band` (M,), times `factor` (in words)."""
     with figure_style():
         figure = new_figure(5.6, 3.4)
         axes = figure.subplots()
@@ -170,7 +180,7 @@ def curve(joint: str, variable: Quantity, x: Float, y: Float, band: Float, facto
         axes.fill_between(x, y - band, y + band, color=colour, alpha=0.25, label="95 % band")
         axes.plot(x, y, color=colour, label="learnt curve")
         axes.axhline(0.0, color=FAINT, linewidth=0.7)
-        axes.set(title=f"{joint}: what is left", xlabel=label(*variable), ylabel=label(f"torque{factor}", "N·m"))
+        axes.set(title=f"{joint}: what is left", xlabel=label(*variable), ylabel=label(f"torque{factor}", unit))
         axes.legend(loc="best", fontsize=8)
     return figure
 

@@ -108,7 +108,10 @@ class Remainder:
     def plot(self) -> Figure:
         """Draw the learnt curve with its band."""
         factor = {"sign": " × sign of motion", "speed": " × velocity"}.get(self.factor, "")
-        return curve(self.joint, variables(self.joints)[self.variable], self.x, self.y, self.band, factor)
+        unit = self.joints[self.index].unit("tau")
+        words, own = variables(self.joints)[self.variable]
+        variable = words, unit if self.variable == "load" else own
+        return curve(self.joint, variable, self.x, self.y, self.band, factor, unit)
 
     def _repr_html_(self) -> str:
         texts = [f"torque = {s.text} ({100 * s.share:.0f} % of the curve)" for s in self.suggestions]

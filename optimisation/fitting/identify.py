@@ -197,7 +197,7 @@ class _Proof:
         return FitStage(kind, found.linear, shape, delta, certificate.primal, runs, reference, certificate)
 
     def _physical(self, kind: str, found: Settled, delta: Float, possible: Physics) -> _Solved:
-        scope = f"{self.scope}, among those a leg can have"
+        scope = f"{self.scope}, among those a {possible.machine} can have"
         certificate = certify_physical(found.data, found.linear, delta, possible, scope=scope)
         self.say(f"IPOPT ({kind})")
         return certificate, {}, physical_reference(found.data, delta, possible, solve_sse(found.data))

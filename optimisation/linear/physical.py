@@ -93,6 +93,11 @@ class Physics:
     inequalities: tuple[Inequality, ...]
     lift: Lift | None = None
 
+    @property
+    def machine(self) -> str:
+        """What has to be possible, in a word."""
+        return "leg" if self.lift is None else "machine"
+
     def conditions(self, linear: Float) -> list[tuple[str, Float, float]]:
         """Return (name, row, constant) of every linear condition row·Φ + constant ≥ 0 that is tight near `linear`."""
         out: list[tuple[str, Float, float]] = []

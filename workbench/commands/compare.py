@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
@@ -49,10 +50,10 @@ def run(args: argparse.Namespace) -> int:
     rms = found.rms if found.verify_rms is None else found.verify_rms
     over = above(args.limit, rms)
     if over:
-        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} N·m", "bad")
+        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} {found.unit}", "bad")
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(
-        title="Model against measurement", answer=_sentence(rms, found.joints, found.verify_rms is not None),
+        title="Model against measurement", answer=_sentence(rms, found),
         recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
         pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),
     ))  # fmt: skip
@@ -89,10 +90,12 @@ def _against(args: argparse.Namespace) -> int:
     return 0
 
 
-def _sentence(rms: Iterable[float], joints: Sequence[str], unseen: bool) -> str:
+def _sentence(rms: Iterable[float], found: Any) -> str:
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import NOTHING_HELD_OUT
 
+    unseen = found.verify_rms is not None
     kind = "motion the fit has not seen" if unseen else "the fitted motion"
     held_out = "" if unseen else f" {NOTHING_HELD_OUT}"
-    return f"The model's torque misses the measured one by {per_joint(rms, joints)} (RMS) on {kind}.{held_out}"
+    error = per_joint(rms, found.joints, found.unit)
+    return f"The model's torque misses the measured one by {error} (RMS) on {kind}.{held_out}"

@@ -76,10 +76,10 @@ def run(args: argparse.Namespace) -> int:
     from workbench.terminal.screen import per_joint
     from workbench.terminal.showing import above, show_by_recording, show_fit
 
-    screen, joints = Screen.of(args), given.model.joint_names
+    screen, joints, unit = Screen.of(args), given.model.joint_names, given.model.torque_unit
     show_fit(screen, fit)
     if unseen is not None:
-        by_huber, by_squares = per_joint(unseen.huber, joints), per_joint(unseen.sse, joints)
+        by_huber, by_squares = (per_joint(rms, joints, unit) for rms in (unseen.huber, unseen.sse))
         screen.say(f"error (RMS) on unseen motion: {by_huber} by Huber, {by_squares} by SSE")
     if near.cutoffs and near.agree:
         tried = " and ".join(f"{cutoff:g}" for cutoff in near.cutoffs)
@@ -94,15 +94,16 @@ def run(args: argparse.Namespace) -> int:
         screen.say(f"model: {args.write}")
     over = above(args.limit, fit.rms if unseen is None else unseen.huber)
     if over:
-        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} N·m", "bad")
+        limit = " / ".join(f"{x:g}" for x in args.limit)
+        screen.say(f"the error is above the limit of {limit} {unit}", "bad")
     checked = {} if unseen is None else unseen.to_json()
-    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber, joints)}"
+    beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber, joints, unit)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
     payload["by_recording"] = alone.to_json()
     payload["thigh_length"] = None if length is None else length.to_json()
     deliver_results(args, screen, payload, lambda: Material(
         title="Identified parameters",
-        answer=f"The error left on the fitted motion is {per_joint(fit.rms, joints)} (RMS){beyond}.",
+        answer=f"The error left on the fitted motion is {per_joint(fit.rms, joints, unit)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
         by_recording=alone,
         pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
