@@ -24,7 +24,7 @@ from ground.errors import ExpressionError, NotEnoughDataError
 from measurement.signals.conditioning import ORDER, low_pass, widen
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import Noise
-from optimisation.fitting.assemble import Assembly, settle
+from optimisation.fitting.assemble import Assembly, FilteredRecording, settle
 from optimisation.fitting.shapes import from_unit, search_shape
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
@@ -63,20 +63,11 @@ class Rival:
         return {n: float(v) for n, v in zip(named, values, strict=True) if n.startswith(f"{self.name}.")}
 
 
-class Filtered(Protocol):
-    """The part of a PreparedRecording that is needed: a motion, which samples count, and the common filter."""
+class Filtered(FilteredRecording, Protocol):
+    """A recording ready to be fitted that says how fast its kept samples follow each other."""
 
     @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def motion(self) -> Motion: ...  # noqa: D102
-    @property
-    def tau(self) -> Float: ...  # noqa: D102
-    @property
-    def use(self) -> Bool: ...  # noqa: D102
-    @property
     def kept_rate(self) -> float: ...  # noqa: D102
-    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
