@@ -72,6 +72,9 @@ class Rules:
         1e-3,
         "distance from a bound, of the range, at which a parameter says it is another effect",
     )
+    noise_made: float = _rule(
+        ACCEPTANCE, 4.0, "most that noise makes of a gain, in units of what as much again adds: effects never named"
+    )
     least_novelty: float = _rule(ACCEPTANCE, 1e-6, "share of a column new to the model: the rest its parameters absorb")
     least_active: float = _rule(ACCEPTANCE, 0.003, "share of samples on which a column is not zero: a lucky burst")
     least_seen: float = _rule(
@@ -163,10 +166,11 @@ class Rules:
     base_share: float = _rule(
         CHANNELS, 0.6, "the same of a rigid leg that could not exist: effects that make up for a wrong sign or zero"
     )
-    late_least: float = _rule(CHANNELS, 0.008, "share of a torque's variance left from which its timing is questioned")
+    late_least: float = _rule(CHANNELS, 0.003, "share of a torque's variance left from which its timing is questioned")
     late_gain: float = _rule(
         CHANNELS, 0.2, "part of the squared error left at another timing: a late torque passes for friction"
     )
+    late_delay: float = _rule(CHANNELS, 0.08, "delay in s up to which it is an effect: wrong channels called an effect")
     angle_noise: float = _rule(
         CHANNELS, 0.15, "share of noise in the accelerations: inertias pulled to zero are reported with small intervals"
     )

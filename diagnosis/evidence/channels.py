@@ -7,8 +7,10 @@ finds: whether it leaves more of the torque than a third, and whether the held-o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,16 +18,16 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.rules import RULES, Rules
 from ground.errors import NotEnoughDataError
 from measurement.finding import Finding
-from measurement.signals.butterworth import lag_filter
+from measurement.signals.conditioning import median_outliers
 from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import wanted_thigh_length
-from optimisation.preparation.filtering import PreparedRecording
+from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 
-DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
-"""Delays of the torque that are tried, s; smaller ones are left to the catalogue."""
-LAGS = (0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
+DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
+"""Delays of the torque that are tried, s."""
+LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
 
 
@@ -107,28 +109,22 @@ def _noisy_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether the torque of both joints is late, early, or behind a slow filter, by more than a drive can be."""
+    """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
     if not np.nanmax(share, initial=0.0) > rules.late_least or np.all(
         base.judged_rms < 3.0 * base.prepared.noise_floor
     ):
         return None
-    model, train = base.model, base.prepared.train
-    reference = base.linear if model.needs_reference else None
-    raw = [model.columns(p.motion, s, reference) for p, s in zip(train, base.shapes, strict=False)]
-    still = _Readings(train, raw)
-    now = still.left(lambda x, rate: x)
-    tried: list[tuple[float, str, float]] = []
-    for kind, values in (("delay", DELAYS), ("lag", LAGS)):
-        losses = [(still.left(_change(kind, value)), value) for value in values]
-        lowest, best = min(losses)
-        # What is no better than the torque as it stands lies in no valley that is worth a closer look.
-        near = [best * factor for factor in (0.8, 0.87, 0.93, 1.07, 1.15, 1.25)] if lowest < now else []
-        least, value = min([*losses, *((still.left(_change(kind, v)), v) for v in near)])
-        tried.append((least, kind, value))
-    least, kind, value = min(tried)
-    if least > rules.late_gain * now:
+    readings, joints = _Readings(base), np.isfinite(share)
+    found = readings.best(joints, rules)
+    for joint in np.flatnonzero(joints & (np.nan_to_num(share) > rules.late_least)) if joints.sum() > 1 else ():
+        if found is None:  # the channel of one joint alone
+            found = readings.best(np.arange(len(share)) == joint, rules)
+    if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
+    kind, value, after, which = found.kind, found.value, found.share, found.which
+    named = [joint for joint, x in zip(base.model.joint_names, which, strict=True) if x]
+    whose = "The torque does" if which.sum() == joints.sum() else f"The torque of the {named[0]} does"
     what = (
         f"comes {abs(value):.2g} s {'after' if value > 0 else 'before'} the motion it belongs to"
         if kind == "delay"
@@ -140,68 +136,121 @@ def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         else "log the torque before this filter, or take the filter off the sensor's or drive's settings"
     )
     return Doubt(
-        f"the squared error falls to {100 * least / now:.0f} % of itself if the torque {what}",
-        f"The torque does not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
-        f"leaves {100 * least / now:.0f} % of the squared error it leaves now.",
+        f"the squared error falls to {100 * after:.0f} % of itself if the torque {what}",
+        f"{whose} not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
+        f"leaves {100 * after:.0f} % of the squared error it leaves now.",
         mend,
     )
 
 
-def _change(kind: str, value: float) -> Callable[[Float, float], Float]:
-    return (
-        (lambda x, rate: _delayed(x, value * rate))
-        if kind == "delay"
-        else (lambda x, rate: lag_filter(value * rate).run(x))
-    )
+def _shifted(tau: Float, samples: float) -> Float:
+    """Return `tau` (N, J) as it was logged so many samples later, its ends held."""
+    at, places = np.arange(len(tau)) + samples, np.arange(len(tau))
+    return np.column_stack([np.interp(at, places, column) for column in tau.T])
 
 
-def _delayed(x: Float, samples: float) -> Float:
-    """Return `x` (M, N) as it was so many samples before, its ends held."""
-    last = x.shape[1] - 1
-    at = np.clip(np.arange(last + 1) - samples, 0, last)
-    low = np.minimum(at.astype(int), last - 1)
-    part = at - low
-    return np.asarray((1.0 - part) * x[:, low] + part * x[:, low + 1])
+def _without_lag(tau: Float, samples: float) -> Float:
+    """Return what a filter of first order with a time constant of so many samples has made `tau` (N, J) of."""
+    pole = np.exp(-1.0 / samples)
+    return np.concatenate([tau[:1], (tau[1:] - pole * tau[:-1]) / (1.0 - pole)])
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """Another reading of the torques of the joints `which` (J,), with `value` s; it leaves `share` of their error."""
+
+    kind: str
+    value: float
+    share: float
+    which: np.ndarray
+
+
+CHANGES: Mapping[str, tuple[Callable[[Float, float], Float], tuple[float, ...]]] = MappingProxyType(
+    {"delay": (_shifted, DELAYS), "lag": (_without_lag, LAGS)}
+)
+"""What undoes each kind of wrong timing, and the seconds that are tried."""
 
 
 class _Readings:
-    """Columns (J, N, P) of a model on recordings, to be read with other dynamics between torque and motion."""
+    """The torque of the fitted recordings as it was logged, to be read otherwise and explained anew.
 
-    def __init__(self, prepared: Sequence[PreparedRecording], raw: Sequence[Float]) -> None:
-        self.prepared = prepared
-        self.width = raw[0].shape[2]
-        # Of each recording and joint which columns are not zero, and these (M, N).
-        told = [[np.flatnonzero(joint.any(axis=0)) for joint in one] for one in raw]
-        self.rows = [
-            [(places, np.ascontiguousarray(joint[:, places].T)) for places, joint in zip(some, one, strict=True)]
-            for some, one in zip(told, raw, strict=True)
-        ]
-        used = [np.concatenate(parts) for parts in zip(*(self._used(one) for one in prepared), strict=True)]
-        self.size = [float(tau.var() * tau.size) if tau.size else 0.0 for tau in used]
+    It is the torque that is changed, not the model: what dry friction does while a joint sticks stays where it is, and
+    so do outliers, which a filter smears and its inverse restores.
+    """
 
-    @staticmethod
-    def _used(one: PreparedRecording) -> list[Float]:
-        return [tau[use] for tau, use in zip(one.tau.T, one.use.T, strict=True)]
-
-    def left(self, change: Callable[[Float, float], Float]) -> float:
-        """Return what a fit leaves of the torque if the columns are changed, the sum of the shares of the joints."""
-        gram, slope = np.zeros((self.width, self.width)), np.zeros(self.width)
-        parts = []
-        for one, rows in zip(self.prepared, self.rows, strict=True):
-            for joint, (places, columns) in enumerate(rows):
-                changed = np.array(change(columns, one.rate))  # a copy: it is bridged in place
-                smooth = one.smooth_rows(changed[None], (joint,), 0)[0] * one.use[:, joint]
-                tau = one.tau[:, joint] * one.use[:, joint]
-                gram[np.ix_(places, places)] += smooth @ smooth.T
-                slope[places] += smooth @ tau
-                parts.append((joint, tau, places, smooth))
-        length = np.sqrt(np.diagonal(gram))
+    def __init__(self, base: FittedModel) -> None:
+        model, self.train = base.model, base.prepared.train
+        reference = base.linear if model.needs_reference else None
+        self.raw = [model.columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
+        parts = [np.moveaxis(p.smooth(np.moveaxis(x, 0, 1)), 0, 1) for p, x in zip(self.train, self.raw, strict=True)]
+        self.use = np.concatenate([p.use for p in self.train]).T
+        self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
+        flat = self.columns.reshape(-1, self.columns.shape[2])
+        length = np.sqrt(np.sum(flat**2, axis=0))
         scale = np.where(length > 0.0, length, 1.0)
-        linear = np.linalg.lstsq(gram / np.outer(scale, scale), slope / scale, rcond=1e-13)[0] / scale
-        square = np.zeros(len(self.size))
-        for joint, tau, places, smooth in parts:
-            square[joint] += np.sum((tau - linear[places] @ smooth) ** 2)
-        return float(sum(x / size for x, size in zip(square, self.size, strict=True) if size > 0.0))
+        self.solve = np.linalg.pinv(flat / scale, rcond=1e-10) / scale[:, None]
+        self.linear = base.linear
+
+    @cached_property
+    def now(self) -> Float:
+        """What is left (J,) as they are."""
+        return self.left(None)
+
+    @cached_property
+    def coarse(self) -> dict[str, dict[float, Float]]:
+        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried."""
+        return {kind: {v: self.left(undo, v, None, 1) for v in values} for kind, (undo, values) in CHANGES.items()}
+
+    def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
+        """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them."""
+        most = rules.late_gain * self.now[which].sum()
+        fine = []
+        for kind, tried in self.coarse.items():
+            place = min(tried, key=lambda v: float(tried[v][which].sum()))
+            if tried[place][which].sum() > 2.0 * most:
+                continue
+            for value in (factor * place for factor in (0.8, 0.9, 1.0, 1.12, 1.25)):
+                left = self.left(CHANGES[kind][0], value, which)[which]
+                fine.append(
+                    (float(left.sum()), kind, value, bool(np.all(left <= 2.0 * rules.late_gain * self.now[which])))
+                )
+        if not fine:
+            return None
+        least, kind, value, alike = min(fine)
+        return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
+
+    def left(
+        self,
+        change: Callable[[Float, float], Float] | None,
+        seconds: float = 0.0,
+        which: np.ndarray | None = None,
+        rounds: int = 2,
+    ) -> Float:
+        """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
+        linear, square, size = self.linear, np.zeros(len(self.use)), np.zeros(len(self.use))
+        for _ in range(rounds):  # outliers are judged beside the model, which is fitted without them
+            tau = np.concatenate([self._read(k, linear, change, seconds, which) for k in range(len(self.train))]).T
+            linear = self.solve @ (tau * self.use).ravel()
+            square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
+            size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
+        return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
+
+    def _read(
+        self,
+        index: int,
+        linear: Float,
+        change: Callable[[Float, float], Float] | None,
+        seconds: float,
+        which: np.ndarray | None,
+    ) -> Float:
+        one = self.train[index]
+        tau = one.wide_tau if one.logged_tau is None else one.logged_tau
+        if change is not None:
+            changed = change(tau, seconds * one.rate)
+            tau = changed if which is None else np.where(which, changed, tau)
+        known = (self.raw[index] @ linear).T
+        bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, one.rate, OUTLIER)
+        return one.smooth(np.where(bad, known + middle, tau))
 
 
 def _wrong_length(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:

@@ -118,9 +118,7 @@ def refitted(
     # is the same or explains less, says nothing more. With as many numbers it is a look-alike.
     behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}
     more = {s.name for s in others if s.candidate.numbers > score.candidate.numbers}
-    others = [
-        s for s in others if s.name not in more or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)
-    ]
+    others = [s for s in others if s.name not in more or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)
 
@@ -129,16 +127,27 @@ def outlives_noise(context: SearchContext, extension: Extension, evidence: Evide
     """Whether a candidate still gains enough once the part that the noise of the angles makes is taken off.
 
     Noise makes accelerations, and so the model's torque, rougher than the motion was; whatever smooths it (a
-    flexible drive, a delay) then gains. With the noise added once more that part doubles, the true part does not.
+    flexible drive, a delay) then gains. With the noise added again and again that part grows, the true part does not.
+    It does not grow in proportion: smoothing can take away no more than all of the noise. So the gain is extrapolated
+    to no noise at all by T + A n / (n + B), n times the noise (the rational extrapolant of Cook and Stefanski 1994).
     """
-    noisy = noisier(extension.fitted, context.seed)
-    columns = context.columns_of(score, noisy)
+    rules, loss = context.rules, float(evidence.fold_losses.sum())
     single = replace(score.candidate, nodes=score.shape[:, None, :])
-    rougher = noisy.evidence(seed=context.seed, draws=0, sigma=evidence.sigma, rules=context.rules)
-    with_noise = weigh(rougher, single, columns)
-    loss, rough_loss = float(evidence.fold_losses.sum()), float(rougher.fold_losses.sum())
-    made_by_noise = max(with_noise.share * rough_loss - score.share * loss, 0.0) / loss
-    return score.share - made_by_noise >= context.rules.least_share
+
+    def gain(noisy: FittedModel) -> float:
+        rougher = noisy.evidence(seed=context.seed, draws=0, sigma=evidence.sigma, rules=rules)
+        with_noise = weigh(rougher, single, context.columns_of(score, noisy))
+        return with_noise.share * float(rougher.fold_losses.sum()) / loss
+
+    twice = noisier(extension.fitted, context.seed)
+    first = max(gain(twice) - score.share, 0.0)
+    if score.share - rules.noise_made * first >= rules.least_share or score.share - first < rules.least_share:
+        return score.share - first >= rules.least_share  # whichever way it grows
+    fourfold = noisier(noisier(twice, context.seed + 1), context.seed + 2)
+    growth = (gain(fourfold) - score.share - first) / first  # 2 where in proportion, 1/2 where all is taken away
+    half = (4.0 * growth - 2.0) / (2.0 - growth) if growth < 2.0 else np.inf
+    made = min(1.0 + 2.0 / half, rules.noise_made) if half > 0.0 else rules.noise_made
+    return score.share - made * first >= rules.least_share
 
 
 def noisier(fitted: FittedModel, seed: int) -> FittedModel:

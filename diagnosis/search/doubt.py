@@ -53,6 +53,12 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
                 f"{entry.name} = {value:.3g} {shape.unit} is the {side} value this effect can have ({limit:g}): "
                 "these data cannot tell it from something slower, wider or stronger, so it is not this effect"
             )
+    for k, entry in enumerate(fitted.model.shapes):
+        if entry.term != name or not entry.shape.per_recording or entry.shape.spacing == "position":
+            continue
+        own = [to_unit(entry.shape, float(value)) for value in fitted.shapes[:, k]]
+        if all(min(unit, 1.0 - unit) < rules.at_bound for unit in own):
+            return f"{entry.name} is at a limit of what this effect can be in every recording"
     for parameter, value in zip(fitted.model.parameters, fitted.linear, strict=True):
         if parameter.term != name:
             continue

@@ -234,9 +234,13 @@ def _largest_masses(base: Model, beta: Float, even: Sequence[EvenSignals]) -> Fl
 
 
 def _carried_noise(masses: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
-    """Return the noise power that accelerations carry into the model's torque, relative to the torque's own."""
+    """Return the noise power that accelerations carry into the model's torque, relative to the torque's own.
+
+    A joint without a drive has no torque sensor: there it is relative to the noise of the others.
+    """
     acceleration = np.median([acceleration_noise(e, cutoff) for e in even], axis=0)
-    return float(np.max(masses**2 @ acceleration**2 / np.maximum(floor**2, 1e-300)))
+    sensor = np.where(floor > 0.0, floor, floor.max())
+    return float(np.max(masses**2 @ acceleration**2 / sensor**2)) if sensor.all() else 0.0
 
 
 def _reason(trials: _Trials, index: int, relative: Mapping[int, float], tolerance: float) -> str:

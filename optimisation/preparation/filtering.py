@@ -7,7 +7,7 @@ may be sticking its torque carries no information on the model, and is bridged; 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,8 @@ from symbolic.motion import Float, Motion
 
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
+OUTLIER_SECONDS = 0.11
+"""Width of the local median, s."""
 OUTLIER = Threshold(
     4.0,
     "robust deviations from the local median beyond which a torque sample is replaced: spikes spread by the filter",
@@ -78,7 +80,8 @@ class PreparedRecording:
     may be sticking; its torque there is bridged. `standing` (J,) are joints that never move enough to be free of dry
     friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,) are
     joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording,
-    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad.
+    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad. `logged_tau` (N, J) is the
+    torque with its outliers, where it is known.
     """
 
     name: str
@@ -97,6 +100,7 @@ class PreparedRecording:
     driven: Bool
     full_rate: float
     reach: Float
+    logged_tau: Float | None = field(default=None, kw_only=True)
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -185,9 +189,9 @@ def prepare_one(
     swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
     known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
-    bad, middle = median_outliers(tau - known, 0.11, rate, OUTLIER if beta is not None else 6.0)
+    bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER if beta is not None else 6.0)
     bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
-    tau = np.where(bad, known + middle, tau)
+    logged, tau = tau, np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
@@ -211,6 +215,7 @@ def prepare_one(
         driven=driven,
         full_rate=even.rate,
         reach=reach_of,
+        logged_tau=logged,
     )
 
 

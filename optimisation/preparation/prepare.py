@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.errors import RecordingError
+from ground.errors import NotEnoughDataError, RecordingError
 from ground.html import bullets, lines, table
 from ground.thresholds import Threshold
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.overlap import held_apart
 from measurement.recording import Recording
-from measurement.signals.conditioning import even_clock
+from measurement.signals.conditioning import EvenSignals, even_clock
 from measurement.signals.derivatives import BUTTERWORTH, check_method
 from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base, typical
 from optimisation.preparation.filtering import PreparedRecording, prepare_one
@@ -117,6 +117,7 @@ def prepare(
     inputs = list(zip(called, even, strict=True))
     judged = [(name, part) for name, whole in inputs[:count] for part in typical(whole)]
     beta = robust_base(base, [prepare_one(base, n, e, COMMON_BAND, None, derivative=derivative) for n, e in judged])
+    _refuse_free_swing(even[:count])
     if cutoff is None:
         choice = choose_cutoff(base, judged, beta, derivative)
     else:
@@ -139,6 +140,19 @@ def prepare(
         derivative=derivative,
         misread=misread,
         joints=model.joints,
+    )
+
+
+def _refuse_free_swing(even: Sequence[EvenSignals]) -> None:
+    """Refuse recordings in which no joint has a drive: all parameters may be doubled without a difference."""
+    if any(one.tau.any() for one in even):
+        return
+    raise NotEnoughDataError(
+        "every torque is zero: a free swing tells only ratios of parameters (inertia to weight, friction to inertia), "
+        "because all of them may be doubled and the motion stays the same",
+        where="the fitted recordings",
+        remedy="fit it together with motion in which at least one joint is driven and its torque recorded; if a joint "
+        "was driven, the torque columns are wrong (--map)",
     )
 
 

@@ -84,15 +84,28 @@ def test_torque_logged_late_or_early(good, late):
     assert seconds == pytest.approx(abs(late), abs=0.03)
 
 
-def test_torque_behind_a_slow_filter(good):
-    pole = np.exp(-2.0 * np.pi / 100.0)
+@pytest.mark.parametrize("hertz", [1.0, 2.0])
+def test_torque_behind_a_slow_filter(good, hertz):
+    rng = np.random.default_rng(4)
+    pole = np.exp(-2.0 * np.pi * hertz / 100.0)
 
     def slow(one):
-        filtered, _ = lfilter([1.0 - pole], [1.0, -pole], one.tau, axis=0, zi=pole * one.tau[:1])
+        spikes = 30.0 * rng.normal(size=one.tau.shape) * (rng.random(one.tau.shape) < 0.01)  # smeared by the filter
+        tau = one.tau + spikes
+        filtered, _ = lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])
         return with_torque(one, filtered)
 
     found = doubt([slow(one) for one in good])
     assert found is not None and "filter of first order" in found.sentence
+    assert float(found.sentence.split(" Hz")[0].rsplit(" ", 1)[1]) == pytest.approx(hertz, rel=0.15)
+
+
+def test_one_late_channel_is_told_from_a_late_logger(good):
+    def late(one):
+        return with_torque(one, np.column_stack([one.tau[:, 0], np.roll(one.tau[:, 1], round(0.3 * one.rate))]))
+
+    found = doubt([late(one) for one in good])
+    assert found is not None and found.sentence.startswith("The torque of the knee does not")
 
 
 def test_angles_too_noisy_for_accelerations(good):

@@ -11,7 +11,7 @@ from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.evidence.model_error import model_error, sensor_noise
 from diagnosis.evidence.remainder import remainders
-from ground.errors import RecordingError
+from ground.errors import NotEnoughDataError, RecordingError
 from measurement.auditing.checks.motion import check
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
@@ -93,3 +93,17 @@ def test_the_torque_of_the_model_explains_nothing_where_no_drive_acts():
 def test_a_driven_joint_that_is_declared_passive_is_refused():
     with pytest.raises(RecordingError, match="hip is declared passive, and its torque spans"):
         prepare(Model.standard(), [recording(0).with_passive("hip")], cutoff=5.0)
+
+
+def test_a_free_swing_alone_is_refused_with_what_it_cannot_tell():
+    swings = [recording(k, undriven=(True, True)) for k in range(2)]
+    (found,) = [f for f in check(swings[0]) if f.severity == "refused"]
+    assert "only ratios of parameters" in found.remedy
+    with pytest.raises(NotEnoughDataError, match="only ratios of parameters"):
+        prepare(Model.standard(), [one.with_passive("hip", "knee") for one in swings])
+
+
+def test_noise_that_accelerations_carry_is_compared_with_a_sensor_that_has_noise():
+    prepared = prepare(Model.standard(), [recording(k, undriven=KNEE) for k in range(2)])
+    carried = [float(text.split(" %")[0]) for text in prepared.choice.reason.split("carry ")[1:]]
+    assert all(share < 1e6 for share in carried)

@@ -11,7 +11,7 @@ from ground.errors import RecordingError
 from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import Bench, simulate_runs
 from measurement.recording import Recording
-from measurement.signals.conditioning import even_clock
+from measurement.signals.conditioning import even_clock, noise_density
 from measurement.signals.derivatives import METHODS, find_period, fourier, savgol
 from measurement.trajectories.trajectory import random_trajectory
 from optimisation.fitting.identify import identify
@@ -93,3 +93,13 @@ def test_from_the_command_line(tmp_path, capsys):
     assert main(["simulate", "--runs", "1", "--duration", "9", "--out", str(tmp_path / "b"), "--quiet"]) == 0
     assert main(["identify", str(tmp_path / "b" / "run_0.csv"), "--derivative", "fourier", "--quiet"]) == 2
     assert "does not repeat" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("seconds", [6.0, 20.0, 60.0])
+def test_the_noise_of_angles_is_not_underestimated_in_short_recordings(seconds):
+    found = []
+    for seed in range(20):
+        noise = 1e-4 * np.random.default_rng(seed).standard_normal((round(100.0 * seconds), 2))
+        t = np.arange(len(noise)) / 100.0
+        found.append(noise_density(even_clock(Recording("", t, noise, noise))))
+    assert np.mean(found) == pytest.approx(2.0 * 1e-8 / 100.0, rel=0.1)

@@ -55,6 +55,11 @@ def check(recording: Recording) -> list[Finding]:
         held = [f"{channel.values[0] + 0.0:.4g} {channel.unit}" for channel in constant]
         what = f"no torque changes ({listed(held)})"
         remedy = f"are these the torque columns? --map {','.join(f'{channel.name}=COLUMN' for channel in constant)}"
+        if not any(channel.values.any() for channel in constant):
+            remedy = (
+                "a free swing tells only ratios of parameters (inertia to weight, friction to inertia), not how large "
+                f"they are: record motion in which at least one joint is driven; if one was, {remedy}"
+            )
         return [*found, Finding("motion", "refused", what, where, 0.0, 0.0, remedy)]
     size_of = {channel.joint.name: size for channel, size in zip(angles, turned, strict=True)}
     found += _next_to_nothing(recording, size_of)
