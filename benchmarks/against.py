@@ -49,6 +49,11 @@ from diagnosis import compare
 began = now()
 compare(Model.standard(), train, verify)
 """,
+    "add": READ + """
+from diagnosis.extend import add
+began = now()
+add(Model.standard(), "stribeck", "knee", train, verify)
+""",
     "discover": READ + """
 from diagnosis import discover
 began = now()
@@ -63,12 +68,16 @@ model = Model.standard().with_effect({effect!r}, "knee")
 began = now()
 identify(model, prepared.train, optimisers=())
 """
-EFFECTS = ("load_friction", "stribeck", "time_delay", "end_stop", "backlash", "hysteresis")
+EFFECTS = (
+    "load_friction", "stribeck", "time_delay", "end_stop", "backlash", "hysteresis", "joint_elasticity",
+    "motor_elasticity", "series_backlash",
+)  # fmt: skip
 
 
 def seconds(checkout: Path, code: str, files: str) -> float:
     """Return the CPU time in s that `code` takes from its own beginning on in a checkout."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    # Byte code is kept, as where people use it: otherwise every import compiles its text again.
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": ""}
     whole = f"{PREPARE}{code}\nprint(now() - began)"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", whole, files],
