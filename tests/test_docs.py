@@ -129,7 +129,7 @@ def test_the_effect_of_the_page_is_found(tmp_path, monkeypatch, capsys):
 
 def test_the_numbers_on_the_statistics_page_are_those_of_the_code():
     text = (ROOT / "docs" / "statistics.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `([a-z_.]+)\.([A-Z_]+)` \| ([^ ]+) \|", text, flags=re.M)
+    rows = re.findall(r"^\| `([a-z_]+(?:\.[a-z_]+)+)\.([A-Z_]+)` \| ([^ ]+) \|", text, flags=re.M)
     assert rows
     for module, name, value in rows:
         assert getattr(importlib.import_module(module), name) == float(value), f"docs/statistics.md: {module}.{name}"
