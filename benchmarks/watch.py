@@ -49,7 +49,7 @@ LEAVE_OUT = ("drift", "base")
 CUSUM = 12.0
 PERIOD = 47.0
 """s after which a motion repeats."""
-STREAM = 4.0 * 3600.0
+STREAM = 2.0 * 3600.0
 """s of a stream in which nothing changes."""
 
 

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from diagnosis.separation.design import separate
     from diagnosis.session.session import Session
     from diagnosis.watching.differences import compare_against
-    from diagnosis.watching.played import play
+    from diagnosis.watching.replay import replay
     from diagnosis.watching.watch import follow, watch
 
 __all__ = [
-    "Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "play", "separate", "watch",
+    "Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "replay", "separate", "watch",
 ]  # fmt: skip
 
 lend(
@@ -31,7 +31,7 @@ lend(
         "diagnose": "diagnosis.discover",
         "discover": "diagnosis.discover",
         "follow": "diagnosis.watching.watch",
-        "play": "diagnosis.watching.played",
+        "replay": "diagnosis.watching.replay",
         "separate": "diagnosis.separation.design",
         "watch": "diagnosis.watching.watch",
     },

@@ -200,7 +200,10 @@ class BeforeAfter:
 
     def _weighed(self, evidence: Evidence, asked: Sequence[Asked]) -> list[Score]:
         columns = {c.name: self.questions.columns(c, self.now) for c in asked}
-        return agreed(evidence, [weigh(evidence, c, columns[c.name]) for c in asked], columns)
+        scores = [weigh(evidence, c, columns[c.name]) for c in asked]
+        # Of a side with a single recording, no split both fits and judges a part.
+        lone = min(self.before, len(evidence.blocks) - self.before) < 2
+        return scores if lone else agreed(evidence, scores, columns)
 
     def _at(self, score: Score) -> list[Columns]:
         """Return the columns of a score at its node."""

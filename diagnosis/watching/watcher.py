@@ -46,6 +46,9 @@ GROWN = Threshold(
     "times the usual error from which a change without a name is no longer called small, and to which a name may leave "
     "it: what leaves more is the nearest entry, not the answer",
 )
+LEAST_SHARE = Threshold(
+    0.02, "least share of the weighted unseen loss that a name explains: a burst resembles something for some seconds"
+)
 NOTICED = Threshold(
     1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
 )
@@ -87,11 +90,14 @@ class _Reference:
 
 @dataclass(eq=False)
 class _Pending:
-    """An alarm that is still to be asked about in `wait` blocks; `age` blocks old; `told` that it has no name yet."""
+    """An alarm that is still to be asked about in `wait` blocks; `age` blocks old, `asked` so often; `told` that it has
+    no name yet.
+    """
 
     found: Deviation
     wait: int
     age: int = 0
+    asked: int = 0
     told: bool = False
 
 
@@ -296,10 +302,14 @@ class Watcher:
             self.named = self._change(answer, pending.found, "first", last)
             return [self.named]
         if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
-            told, pending.told, pending.wait = pending.told, True, max(1, pending.age // 2)
+            pending.asked += 1
+            pending.wait = max(1, pending.age // 2)
+            events = []
+            if pending.asked > 1 and not pending.told:  # a burst is over when it is asked about again
+                pending.told, events = True, [self._nameless(answer)]
             if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
                 self._relearn(last)
-            return [] if told else [self._nameless(answer)]
+            return events
         self.pending = None
         detector.calm()
         for one in last:
@@ -351,7 +361,7 @@ class Watcher:
         )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)
-        rules = replace(self.rules, placebos=self.settings.draws)
+        rules = replace(self.rules, placebos=self.settings.draws, least_share=LEAST_SHARE)
         return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most).run(0.0)
 
     def _change(self, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:

@@ -7,6 +7,7 @@ import pytest
 
 from diagnosis.watching.alarm import SPANS
 from diagnosis.watching.course import onset
+from diagnosis.watching.differences import compare_against
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.result import Course
@@ -16,6 +17,7 @@ from ground.errors import RecordingError
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
 from measurement.reading.live import Lines, grown
+from measurement.recording import Recording
 from measurement.trajectories.trajectory import random_trajectory
 from symbolic.mechanics.payload import Payload
 from symbolic.model import Model
@@ -264,3 +266,23 @@ def test_the_beginning_of_a_slow_change_has_an_interval(seed: int) -> None:
     assert found.slow
     assert found.low < found.t < found.high
     assert found.low <= 150.0 <= found.high
+
+
+@pytest.mark.slow
+def test_one_recording_before_and_one_after_are_enough(usual_run) -> None:  # type: ignore[no-untyped-def]
+    model, motion, torque = usual_run
+    number = np.zeros(len(model.parameters))
+    number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
+    tau = torque + 0.5 * np.random.default_rng(8).standard_normal(torque.shape)
+    loaded = tau + (model.columns(motion) @ number).T
+
+    def part(name: str, of: np.ndarray, begin: float, end: float) -> Recording:
+        own = (motion.t >= begin) & (motion.t < end)
+        return Recording(name, motion.t[own] - begin, motion.q[own], of[own])
+
+    before = part("before", tau, 0.0, 40.0)
+    found = compare_against(model, [before], [part("after", loaded, 60.0, 90.0)])
+    assert [d.name for d in found.found] == ["payload:shank"]
+    change = found.found[0].change[0]
+    assert change.low <= 1.5 <= change.high
+    assert not compare_against(model, [before], [part("after", tau, 60.0, 90.0)]).differs

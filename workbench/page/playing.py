@@ -11,7 +11,7 @@ from ground.errors import ExoidError
 from workbench.page.given import error_json
 
 if TYPE_CHECKING:
-    from diagnosis.watching.played import Played
+    from diagnosis.watching.replay import Replay
     from measurement.recording import Recording
     from symbolic.effect import Effect
     from symbolic.model import Model
@@ -24,7 +24,7 @@ class BackgroundWatch:
         self, model: Model, recording: Recording, index: int, extra: Sequence[Effect], touch: Callable[[], object]
     ) -> None:
         self.index, self.recording = index, recording
-        self.played: Played | None = None
+        self.played: Replay | None = None
         self.error: dict[str, Any] | None = None
         self.blocks, self.running, self.cancelled = 0, True, False
         self._model, self._extra, self._touch = model, extra, touch
@@ -51,10 +51,10 @@ class BackgroundWatch:
         return self.to_json() | begins | ({} if self.played is None else self.played.to_json())
 
     def _run(self) -> None:
-        from diagnosis.watching.played import play
+        from diagnosis.watching.replay import replay
 
         try:
-            self.played = play(self._model, self.recording, extra=self._extra, progress=self._heard)
+            self.played = replay(self._model, self.recording, extra=self._extra, progress=self._heard)
         except _CancelledError:
             pass
         except ExoidError as error:
@@ -67,7 +67,7 @@ class BackgroundWatch:
         self.running = False
         self._touch()
 
-    def _heard(self, played: Played) -> None:
+    def _heard(self, played: Replay) -> None:
         if self.cancelled:
             raise _CancelledError
         self.played = played

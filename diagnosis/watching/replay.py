@@ -29,7 +29,7 @@ SHARE = 0.33
 
 
 @dataclass(frozen=True, eq=False)
-class Played:
+class Replay:
     """What a watch reported of a recording: its `events`, and from when on it knew each number of the model.
 
     `values`, `low` and `high` (K, P) are the numbers and their 95 % intervals at times `t` (K,) s.
@@ -65,10 +65,10 @@ class Played:
         return numbers_figure(self.t, self.names, self.units, self.values, self.low, self.high, marks)
 
 
-def play(
+def replay(
     model: Model, recording: Recording, settings: Settings | None = None,
-    *, extra: Sequence[Effect] = (), progress: Callable[[Played], object] | None = None,
-) -> Played:  # fmt: skip
+    *, extra: Sequence[Effect] = (), progress: Callable[[Replay], object] | None = None,
+) -> Replay:  # fmt: skip
     """Return what a watch reports of a recording; `progress` hears of it after every block.
 
     Without `settings` the first third says what is usual, two minutes at most. RecordingError for one that is too
@@ -89,7 +89,7 @@ def play(
     events: list[Event] = []
     known: list[Event] = []
 
-    def heard(fresh: Sequence[Event]) -> Played:
+    def heard(fresh: Sequence[Event]) -> Replay:
         known.extend(e for e in fresh if e.event == "estimates")
         events.extend(e for e in fresh if e.event != "estimates")
         numbers = [e.estimates for e in known]
@@ -98,7 +98,7 @@ def play(
             np.array([[getattr(e, side) for e in each] for each in numbers]).reshape(-1, len(first))
             for side in ("value", "low", "high")
         )
-        return Played(
+        return Replay(
             tuple(events), tuple(p.name for p in first), tuple(p.unit for p in first),
             np.array([e.t for e in known]), values, low, high, watcher.last,
         )  # fmt: skip
