@@ -48,6 +48,8 @@ LOOSE_TOLERANCE = Threshold(
 )
 PARTS, PART = 12, 100.0
 """A recording longer than so many stretches of so many s is judged by as many of them."""
+RESOLVED = 1e-5
+"""Part of a torque below which its noise is none of a sensor: that of a simulation is what the filter gets wrong."""
 MOST_POSES = 64
 """Postures in which the mass matrix is looked at, at most."""
 
@@ -164,7 +166,9 @@ class _Trials:
         def noise(k: int, of: int) -> _Noise:
             # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
             share = noise_share(prepared(of), even, tried[k])
-            return _Noise(share, _carried_noise(masses, even, tried[k], density(of) * np.sqrt(tried[k])))
+            size = np.max([one.wide_tau.std(axis=0) for one in prepared(of)], axis=0)
+            sensor = np.maximum(density(of) * np.sqrt(tried[k]), RESOLVED * size)
+            return _Noise(share, _carried_noise(masses, even, tried[k], sensor))
 
         @cache
         def data(k: int) -> LinearData:
