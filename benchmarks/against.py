@@ -1,7 +1,9 @@
 """This checkout against another one, in one run: `python benchmarks/against.py OTHER RUN.csv ... --verify RUN.csv`.
 
-Every row is measured in processes of its own, each time the two checkouts in turn, and the smaller CPU time of each
-counts; all are single threaded, and what is compiled is compiled before. Prints ratios; nothing is asserted.
+Every row is measured in processes of its own, each time the two checkouts in turn, and the smallest times of each
+count, by the clock and of the processor, copies of the process included (`EXOID_PROCESSES`); linear algebra has one
+thread, and what is compiled is compiled before. Ratios by the clock mean something on a quiet
+machine only; nothing is asserted.
 """
 
 from __future__ import annotations
@@ -16,9 +18,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 
 PREPARE = """
-import json, sys, time
+import json, os, sys, time
 train, verify = json.loads(sys.argv[1])
-now = time.process_time
+def now():
+    return time.perf_counter(), sum(os.times()[:4])
 """
 READ = """
 from measurement import read_recording
@@ -74,16 +77,16 @@ EFFECTS = (
 )  # fmt: skip
 
 
-def seconds(checkout: Path, code: str, files: str) -> float:
-    """Return the CPU time in s that `code` takes from its own beginning on in a checkout."""
+def seconds(checkout: Path, code: str, files: str) -> tuple[float, ...]:
+    """Return the time in s, by the clock and of the processor, that `code` takes from its own beginning on."""
     # Byte code is kept, as where people use it: otherwise every import compiles its text again.
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": ""}
-    whole = f"{PREPARE}{code}\nprint(now() - began)"
+    whole = f"{PREPARE}{code}\nprint(*(b - a for a, b in zip(began, now())))"
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", whole, files],
         cwd=checkout, env=environment, check=True, capture_output=True, text=True,
     )  # fmt: skip
-    return float(done.stdout.split()[-1])
+    return tuple(float(word) for word in done.stdout.split()[-2:])
 
 
 def main() -> None:
@@ -101,8 +104,11 @@ def main() -> None:
         if args.only and not name.startswith(tuple(args.only)):
             continue
         times = [[seconds(folder, code, files) for folder in (args.other, ROOT)] for _ in range(args.repeats + 1)]
-        other, own = (min(pair[k] for pair in times[1:]) for k in (0, 1))
-        sys.stdout.write(f"{name:24} {other:7.2f} s  {own:7.2f} s  {other / own:5.1f} times faster\n")
+        texts = []
+        for which, what in enumerate(("clock", "processor")):
+            other, own = (min(pair[k][which] for pair in times[1:]) for k in (0, 1))
+            texts.append(f"{what} {other:7.2f} s {own:7.2f} s {other / max(own, 1e-9):5.1f} times faster")
+        sys.stdout.write(f"{name:24} {'   '.join(texts)}\n")
         sys.stdout.flush()
 
 

@@ -15,6 +15,8 @@ ALIKE = 0.05
 SHORTEST = 1.0
 """s, of a period; and of what two recordings must have in common."""
 LEAST_SAMPLES = 60
+ROUNDING = 1e-9
+"""Differences, of variances, up to which lags are compared sample by sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +52,22 @@ def _periods(fitted: FittedModel, index: int) -> Pair | None:
         return None
     q = (q - q.mean(axis=0))[:, moves] / q.std(axis=0)[moves]
     lags = np.arange(first, most + 1)
-    away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in lags])
-    best = int(np.argmin(away))
-    if away[best] > ALIKE:
+    rough = _differences(q, most)[lags].max(axis=1)
+    close = lags[rough <= rough.min() + ROUNDING]
+    away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in close])
+    if away.min() > ALIKE:
         return None
-    lag, rest, use = int(lags[best]), fitted.residuals[index], one.use.T
+    lag, rest, use = int(close[np.argmin(away)]), fitted.residuals[index], one.use.T
     return rest[:, :-lag], rest[:, lag:], use[:, :-lag] & use[:, lag:]
+
+
+def _differences(x: Float, most: int) -> Float:
+    """Return the mean of (x(t + lag) - x(t))² of signals `x` (N, J) for each lag up to `most`, (most + 1, J)."""
+    count, lags = len(x), np.arange(most + 1)
+    size = 2 * count
+    alike = np.fft.irfft(np.abs(np.fft.rfft(x, size, axis=0)) ** 2, size, axis=0)[: most + 1]
+    sums = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(x**2, axis=0)])
+    return np.asarray((sums[-1] - sums[lags] + sums[count - lags] - 2.0 * alike) / (count - lags)[:, None])
 
 
 def _runs(fitted: FittedModel, a: int, b: int) -> Pair | None:
