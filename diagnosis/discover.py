@@ -62,11 +62,12 @@ def discover(
     derivative: str = BUTTERWORTH,
     extra: Sequence[Effect] = (),
     progress: Progress | None = None,
+    most: int | None = None,
     rules: Rules = RULES,
     splits: str = LINEARISED,
 ) -> Diagnosis:
-    """Find which effects `model` (or the model of a Fit) is missing and add them; `rules` are the thresholds that
-    decide.
+    """Find which effects `model` (or the model of a Fit) is missing and add them, at most `most` of them (default: what
+    `rules`, the thresholds that decide, say).
 
     `verify` are recordings that are never fitted and must improve; `extra` are effects beyond the catalogue and
     the model's own (`[[custom_effects]]` of its file), which are suspected anyway. Every random number comes
@@ -77,6 +78,7 @@ def discover(
     if splits not in (LINEARISED, ALL):
         raise ExoidError(f"splits cannot be repeated as {splits!r}", remedy=f"use {LINEARISED} or {ALL}")
     model = cast("Model", model.model) if isinstance(model, Fit) else model
+    rules = rules if most is None else replace(rules, most_terms=most)
     question = Question(model, seed, cutoff, derivative, tuple(extra), rules, splits)
     return answer_of(question, recordings, verify, progress or silent)
 
@@ -139,7 +141,7 @@ def diagnose(
     """Find the effect that `model` misses most: `discover` that stops after one step."""
     return discover(
         model, recordings, verify, seed=seed, cutoff=cutoff, derivative=derivative, extra=extra, progress=progress,
-        rules=replace(RULES, most_terms=1),
+        most=1,
     )  # fmt: skip
 
 
