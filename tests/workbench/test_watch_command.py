@@ -35,10 +35,12 @@ def wait_for(path: Path, text: str, count: int, process: subprocess.Popen[str]) 
 def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: Path) -> None:
     log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
     log.write_text(HEADER + rows(0, 300) + "3.00,0.5,-0.", encoding="utf-8")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores Ctrl-C
     process = subprocess.Popen(
         [sys.executable, "-m", "exoid", "watch", "standard", "--follow", str(log), "--json", str(out)],
         env={**os.environ, "PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
+    signal.signal(signal.SIGINT, before)
     try:
         wait_for(out, '"start"', 1, process)
         with log.open("a", encoding="utf-8") as stream:  # the end of the partial line, and two that are none
