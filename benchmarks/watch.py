@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,8 @@ from typing import Any
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from diagnosis.watching.events import Event
 from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
