@@ -117,9 +117,10 @@ def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         return None
     readings, joints = _Readings(base), np.isfinite(share)
     found = readings.best(joints, rules)
-    for joint in np.flatnonzero(joints & (np.nan_to_num(share) > rules.late_least)) if joints.sum() > 1 else ():
-        if found is None:  # the channel of one joint alone
-            found = readings.best(np.arange(len(share)) == joint, rules)
+    if found is None and joints.sum() > 1:  # the channel of one joint alone
+        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.late_least))
+        alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
+        found = next((one for one in alone if one is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
     kind, value, after, which = found.kind, found.value, found.share, found.which

@@ -43,16 +43,16 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
             out.append(_possible(score, agreement, reason))
         elif reason := _too_few(score, several):
             untested.append((score, agreement, reason))
-    out += [_possible(*one) for one in untested[: rules.most_possible] if _beyond_chance(context, state, one[0])]
+    if untested:
+        draws = math.ceil(DRAWS_AT_LEVEL / rules.false_discovery_rate)
+        evidence = context.evidence(state.last, draws=draws)
+        for score, agreement, reason in untested[: rules.most_possible]:
+            # It needed no placebos before, since it cannot be accepted.
+            columns = context.library.columns(score.candidate, state.last.fitted)
+            chance = placebo(evidence, score, columns).p_value
+            if chance is not None and chance <= rules.false_discovery_rate:
+                out.append(_possible(score, agreement, reason))
     return tuple(sorted(out, key=lambda one: -one.explained_share)[: rules.most_possible])
-
-
-def _beyond_chance(context: SearchContext, state: State, score: Score) -> bool:
-    """Whether an entry that needed no placebos, since it cannot be accepted, gains more than nearly all of them."""
-    level = context.rules.false_discovery_rate
-    evidence = context.evidence(state.last, draws=math.ceil(DRAWS_AT_LEVEL / level))
-    tested = placebo(evidence, score, context.library.columns(score.candidate, state.last.fitted))
-    return tested.p_value is not None and tested.p_value <= level
 
 
 def _too_few(score: Score, several: bool) -> str:

@@ -29,6 +29,8 @@ MOST_JOBS = 500
 ATTEMPTS = 2
 """Times a job is tried whose process ended in the middle of it."""
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+BESIDE_OTHERS = {name: "1" for name in (*ONE_THREAD, PROCESSES)}
+"""The environment of a worker that shares its machine with others."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ class Cell:
         if self._process is None or self._process.poll() is not None:
             self.close()
             path = os.pathsep.join([p for p in sys.path if p] + [os.getcwd()])
-            environment = {**dict.fromkeys((*ONE_THREAD, PROCESSES), "1"), **os.environ, "PYTHONPATH": path}
+            environment = {**BESIDE_OTHERS, **os.environ, "PYTHONPATH": path}
             self._process = subprocess.Popen(
                 [sys.executable, "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment,
                 start_new_session=True,

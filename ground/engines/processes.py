@@ -9,9 +9,8 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from typing import Any
 
-from ground.engines.cell import ONE_THREAD
+from ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
 from ground.engines.engine import Engine
-from ground.engines.forks import PROCESSES
 
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""
@@ -56,11 +55,7 @@ def processes(jobs: int = 0) -> Engine:
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
     executor = ProcessPoolExecutor(
-        count,
-        timeout=IDLE,
-        env=dict.fromkeys((*ONE_THREAD, PROCESSES), "1"),
-        initializer=end_with,
-        initargs=(os.getpid(),),
+        count, timeout=IDLE, env=BESIDE_OTHERS, initializer=end_with, initargs=(os.getpid(),)
     )
 
     def close(wait: bool) -> None:
