@@ -29,7 +29,7 @@ from symbolic.motion import Float
 
 CHECK = "convention"
 GOOD = Threshold(
-    0.25,
+    0.4,
     "share of the torques' power that a reading leaves at most: one that fits nothing would be named",
 )
 DOUBT = Threshold(0.08, "share of power left as recorded, from which another reading is looked for: friction left out")
@@ -37,7 +37,7 @@ TIMES = Threshold(4.0, "times more than the other reading leaves: two readings t
 SLIGHT_DOUBT = Threshold(0.03, "the same share where the other reading is far better: a light payload or a small tilt")
 SLIGHT_TIMES = Threshold(15.0, "times more that is far better: a reading that absorbs what the rough leg leaves out")
 DOUBTS = ((DOUBT, TIMES), (SLIGHT_DOUBT, SLIGHT_TIMES))
-LEAST = min(least for least, _ in DOUBTS)
+LEAST = float(min(least for least, _ in DOUBTS))
 QUIET = Threshold(
     0.1,
     "variation of a torque, of the other's, below which it counts as so much: noise of a light joint would "
@@ -135,7 +135,7 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
         LEAST,
         f"if so, give --convention {file}{option}" if option else "if so, leave --convention away",
         consequence="every parameter is wrong",
-        confidence="possible" if found.rivals else "likely",
+        confidence="possible" if found.rivals or found.then > DOUBT else "likely",
     )
 
 
@@ -156,7 +156,7 @@ def better_reading(recordings: Sequence[Recording]) -> Better | None:
     for more in _stages(now, _turning(sets)):
         kinds = [*kinds, *more]
         left = np.concatenate([left, _left(sets, more, AS_GOOD * enough)])
-        if left.min(initial=np.inf) <= enough:
+        if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
             break
     best = float(left.min())
     if best > enough:

@@ -2,10 +2,11 @@
 
     tau1 = a θ1'' + b (θ1'' + θ2'') + c (cos θ2 (2 θ1'' + θ2'') - sin θ2 (2 θ1' θ2' + θ2'²))
            + g1 sin θ1 + g2 sin θ12 + friction
-    tau2 = b (θ1'' + θ2'') + c (cos θ2 θ1'' + sin θ2 θ1'²) + g2 sin θ12 + friction
+    tau2 = b (θ1'' + θ2'') + c (cos θ2 θ1'' + sin θ2 θ1'²) + g2 sin θ12 + r θ2'' + friction
 
-Inertias, weights and frictions are free but not negative, so neither thigh length nor gravity nor the scale
-of the torque need be known, and a leg turned upside down does not fit (non-negative least squares).
+Inertias (r: of the knee drive's rotor), weights and frictions are free but not negative, so neither thigh length
+nor gravity nor the scale of the torque need be known, and a leg turned upside down does not fit (non-negative least
+squares).
 """
 
 from __future__ import annotations
@@ -135,12 +136,12 @@ def _most_explained(gram: Float, slope: Float) -> Float:
     return np.asarray(np.sum(np.where(told, along[:, :, 0] ** 2 / np.where(told, size, 1.0), 0.0), axis=1))
 
 
-OFFSETS = 9
+OFFSETS = 10
 """Of the columns the first that is an offset."""
 
 
 def columns(q: Float, dq: Float, ddq: Float) -> Float:
-    """Return the columns (J, K, 13) of the pendulum with friction and offsets of either sign."""
+    """Return the columns (J, K, 14) of the pendulum with friction and offsets of either sign."""
     s1, s12 = np.sin(q[:, 0]), np.sin(q[:, 0] + q[:, 1])
     s2, c2 = np.sin(q[:, 1]), np.cos(q[:, 1])
     (v1, v2), (a1, a2) = dq.T, ddq.T
@@ -148,6 +149,6 @@ def columns(q: Float, dq: Float, ddq: Float) -> Float:
     hip = [a1, a1 + a2, c2 * (2 * a1 + a2) - s2 * (2 * v1 * v2 + v2**2), s1, s12]
     knee = [none, a1 + a2, c2 * a1 + s2 * v1**2, none, s12]
     soft1, soft2 = np.tanh(v1 / 0.05), np.tanh(v2 / 0.05)
-    hip += [soft1, v1, none, none, one, -one, none, none]
-    knee += [none, none, soft2, v2, none, none, one, -one]
+    hip += [none, soft1, v1, none, none, one, -one, none, none]
+    knee += [a2, none, none, soft2, v2, none, none, one, -one]
     return np.stack([np.column_stack(hip), np.column_stack(knee)])

@@ -8,6 +8,7 @@ from tables import leg
 
 from measurement.auditing.audit import find_checks
 from measurement.recording import Recording
+from symbolic.joints import Joint
 
 CHECKS = find_checks()
 
@@ -133,3 +134,75 @@ def test_a_channel_that_stays_while_the_leg_moves_is_frozen(rate, rows, said):
 def test_torques_too_small_for_any_rig_are_warned_of(size, said):
     tau = np.column_stack([leg()["tau1"], leg()["tau2"]])
     assert severity("scale", tau=tau / tau.std(axis=0).max() * size) == said
+
+
+def torques():
+    return np.column_stack([leg()["tau1"], leg()["tau2"]])
+
+
+def with_waves(tau, size):
+    """`tau` with waves that no leg explains, `size` times as large as it varies."""
+    return tau + size * tau.std(axis=0) * np.sin(np.outer(leg()["t"], [7.0, 9.0]))
+
+
+@pytest.mark.shows("scale.DOUBT")
+@pytest.mark.parametrize(("factor", "said"), [(1.5, ""), (1.7, "warning")])
+def test_a_factor_is_looked_for_where_no_leg_explains_the_torques(factor, said):
+    """A leg whose thigh weighs nothing: its torques fix their ratio as no others do."""
+    t, q1, q2 = (leg()[key] for key in ("t", "q1", "q2"))
+    v1, v2, a1, a2 = np.gradient(q1, t), np.gradient(q2, t), -4.0 * (q1 - 0.6), -9.61 * (q2 + 0.9)
+    reach = 0.36 * np.cos(q2)
+    shank = 0.432 * (a1 + a2) + 11.8 * np.sin(q1 + q2)
+    tau1 = shank + 0.36 * a1 + reach * (2 * a1 + a2) - 0.36 * np.sin(q2) * (2 * v1 * v2 + v2**2) + 11.8 * np.sin(q1)
+    tau2 = shank + reach * a1 + 0.36 * np.sin(q2) * v1**2
+    assert severity("scale", tau=np.column_stack([tau1, factor * tau2])) == said
+
+
+@pytest.mark.shows("scale.GOOD", "scale.TIMES")
+@pytest.mark.parametrize(
+    ("factor", "waves", "said"), [(6.0, 0.2, ""), (15.0, 0.2, "warning"), (40.0, 0.3, "warning"), (40.0, 0.4, "")]
+)
+def test_a_factor_is_named_where_it_fits_well_and_far_better(factor, waves, said):
+    assert severity("scale", tau=with_waves(torques() * [1.0, factor], waves)) == said
+
+
+@pytest.mark.shows("motion.NOTHING")
+@pytest.mark.parametrize(("share", "said"), [(0.07, "info"), (0.1, "")])
+def test_a_torque_that_reads_next_to_nothing_is_noted(share, said):
+    low, high = np.percentile(torques(), [10, 90], axis=0)
+    assert severity("motion", tau=torques() / (high - low) * [1.0, share]) == said
+
+
+@pytest.mark.shows("delay.GAIN", "delay.FITS")
+@pytest.mark.parametrize(
+    ("late", "noise", "said"), [(0.01, 0.0, "info"), (0.01, 0.1, ""), (0.1, 0.7, "info"), (0.1, 0.9, "")]
+)
+def test_a_delay_is_noted_where_it_explains_something_and_the_leg_fits(late, noise, said):
+    t, tau = leg()["t"], torques()
+    tau = np.column_stack([np.interp(t - late, t, one) for one in tau.T])
+    noisy = tau + noise * tau.std(axis=0) * np.random.default_rng(3).standard_normal(tau.shape)
+    assert severity("delay", tau=noisy) == said
+
+
+@pytest.mark.shows("saturated.PILE")
+@pytest.mark.parametrize(("rows", "said"), [(45, ""), (67, "warning")])
+def test_a_channel_that_stays_at_its_end_is_at_its_end_of_scale(rows, said):
+    tau = np.round(np.random.default_rng(0).uniform(-10.0, 10.0, (1500, 2)), 1)
+    tau[200 : 200 + rows, 0] = tau[:, 0].max()
+    assert severity("saturated", tau=tau) == said
+
+
+@pytest.mark.shows("saturated.RESTING")
+@pytest.mark.parametrize(("last", "said"), [(0.02, ""), (0.035, "warning")])
+def test_an_angle_that_slows_down_before_it_stays_came_to_rest(last, said):
+    swing = np.concatenate([0.01 * np.arange(90), np.full(40, 0.89 + 0.01 * last), np.linspace(0.88, 0.01, 20)])
+    q = np.column_stack([np.tile(swing, 10), leg()["q2"]])
+    assert severity("saturated", q=q) == said
+
+
+@pytest.mark.shows("units.FAR")
+@pytest.mark.parametrize(("far", "said"), [(19.0, ""), (21.0, "warning")])
+def test_a_slide_that_goes_very_far_is_warned_of(far, said):
+    t = leg()["t"]
+    slide = Recording("run", t, far * np.sin(t)[:, None], np.sin(3 * t)[:, None], joints=(Joint("stage", "prismatic"),))
+    assert [finding.severity for finding in CHECKS["units"](slide)] == [said] * bool(said)

@@ -85,12 +85,35 @@ def test_a_convention_is_recognised_and_the_option_named_puts_it_right(names):
     assert not check_conventions([right])
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        "flexion-positive,hip-from-horizontal,absolute-shank",
+        "swapped-joints,knee-torque-negated,hip-from-upright",
+        "swapped-angles,hip-torque-negated,hip-from-horizontal",
+        "degrees,flexion-positive,absolute-shank",
+    ],
+)
+def test_three_conventions_together_are_not_taken_for_two_that_fit_somewhat(names):
+    (finding,) = check_conventions([kept(motion(noise=0.3), names)])
+    assert finding.remedy == f"if so, give --convention {names}"
+
+
 def test_honest_recordings_give_no_finding():
     for seed in range(4):
         assert not check_conventions([motion(seed)])
     assert not check_conventions([motion(0), motion(1)])
     assert not check_conventions([motion(0, noise=2.0)])
     assert not check_conventions([motion(0, friction=False)])
+
+
+@pytest.mark.parametrize("names", ["flexion-positive", "hip-from-upright", "swapped-joints,hip-from-upright"])
+def test_conventions_are_recognised_beside_the_rotor_of_a_drive_and_model_error(names):
+    """As on rigs with light links and geared motors: the rotor is as large as the shank, friction is not smooth."""
+    run = disturbed(motion(), 0.3)
+    rotor = 0.25 * np.column_stack([np.zeros(len(run.t)), np.gradient(np.gradient(run.q[:, 1], run.t), run.t)])
+    (finding,) = check_conventions([kept(replace(run, tau=run.tau + rotor), names)])
+    assert finding.remedy == f"if so, give --convention {names}" and finding.confidence == "possible"
 
 
 def test_a_strong_stop_is_no_convention():
@@ -192,3 +215,49 @@ def test_the_torque_of_a_joint_that_a_lock_holds_speaks_for_no_convention():
         tau[:, held] = 0.0
         runs.append(Recording(f"locked{seed}", t, q, tau + 0.02 * np.random.default_rng(seed).normal(size=tau.shape)))
     assert not check_conventions(runs)
+
+
+def disturbed(run, size):
+    """`run` with waves that no leg explains, `size` times as large as its torques vary."""
+    t = run.t[:, None]
+    waves = np.sin(t * [7.0, 9.0]) + np.sin(t * [5.3, 4.1] + [1.0, 2.0])
+    return replace(run, tau=run.tau + size * run.tau.std(axis=0) * waves)
+
+
+@pytest.mark.shows("convention.GOOD")
+@pytest.mark.parametrize(("size", "named"), [(0.5, True), (0.55, False)])
+def test_a_reading_that_fits_badly_itself_is_not_named(size, named):
+    assert (better_reading([kept(disturbed(motion(), size), "load-torque")]) is not None) is named
+
+
+@pytest.mark.shows("convention.TIMES")
+@pytest.mark.parametrize(("size", "named"), [(0.3, True), (0.35, False)])
+def test_a_reading_is_named_where_it_leaves_four_times_less(size, named):
+    assert (better_reading([kept(disturbed(motion(), size), "flexion-positive")]) is not None) is named
+
+
+@pytest.mark.shows("convention.DOUBT", "convention.SLIGHT_TIMES")
+@pytest.mark.parametrize(("size", "named"), [(0.02, True), (0.05, False)])
+def test_recordings_of_which_little_is_left_are_doubted_only_where_another_reading_is_far_better(size, named):
+    assert (better_reading([kept(disturbed(motion(), size), "absolute-shank")]) is not None) is named
+
+
+@pytest.mark.shows("convention.SLIGHT_DOUBT")
+@pytest.mark.parametrize(("mass", "named"), [(0.3, False), (2.0, True)])
+def test_recordings_of_which_nearly_nothing_is_left_are_not_doubted(mass, named):
+    t, q, dq, _ = moved(0)
+    light = Leg(m=(7.0, mass), inertia=(0.14, 0.016 * mass), along=(0.18, 0.2))
+    ddq = np.gradient(dq, t, axis=0)
+    run = Recording("run", t, q, np.array([torque(light, *state) for state in zip(q, dq, ddq, strict=True)]))
+    assert (better_reading([kept(run, "absolute-shank")]) is not None) is named
+
+
+@pytest.mark.shows("convention.TURNING")
+@pytest.mark.parametrize(("ratio", "named"), [(5.0, False), (8.0, True)])
+def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
+    t, q, dq, _ = moved(0)
+    q, dq = np.array([0.4, -0.9]) + 0.2 * (q - [0.4, -0.9]), 0.2 * dq
+    ddq = np.gradient(dq, t, axis=0)
+    run = Recording("run", t, q, np.array([torque(LEG, *state) for state in zip(q, dq, ddq, strict=True)]))
+    found = better_reading([kept(run, f"hip-motor={ratio:g}")])
+    assert (found is not None and [c.name for c in found.reading.names] == [f"hip-motor={ratio:g}"]) is named

@@ -13,7 +13,6 @@ from symbolic.joints import is_leg
 
 TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""
-LEAST = Threshold(0.005, "s of delay that is noted: half a step of usual loggers")
 GAIN = Threshold(0.15, "part of the torque's power that another timing explains: a missing effect looks late")
 FITS = Threshold(0.2, "share of power left, beyond which the rough leg cannot tell: other errors are larger")
 
@@ -33,7 +32,7 @@ def check(recording: Recording) -> list[Finding]:
     left = unexplained(motion, TRIED.tolist(), most=(1.0 - GAIN) * now).sum(axis=1)
     best = int(np.argmin(left))
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
-    if abs(delay) < LEAST or gain < GAIN or best in (0, TRIED.size - 1):
+    if gain < GAIN or best in (0, TRIED.size - 1):
         return []
     what = f"the torques fit better when read {abs(delay) * 1e3:.0f} ms {'earlier' if delay > 0 else 'later'}"
     return [
@@ -43,7 +42,7 @@ def check(recording: Recording) -> list[Finding]:
             f"{what} ({gain:.0%} less is left)",
             place(recording),
             delay,
-            LEAST,
+            None,
             "if the logger delays a channel, shift it; `time_delay` in the catalogue tests it properly",
             consequence="a delay looks like viscous friction",
             confidence="possible",
