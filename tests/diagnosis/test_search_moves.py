@@ -38,6 +38,7 @@ def test_forward_adds_what_is_hidden_and_stops(plain):
     assert start.names == ()
 
 
+@pytest.mark.shows("most_terms")
 def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     start = replace(state_with(plain), banned=frozenset({"torque_offset:knee"}))
     assert "torque_offset:knee" not in forward(plain, start).names
@@ -152,6 +153,7 @@ def test_a_small_gain_far_above_the_noise_is_only_possible():
     assert found.state.names == ()
 
 
+@pytest.mark.shows("dominant")
 def test_no_part_of_a_larger_unsteady_effect_is_accepted_in_its_place():
     context = search(STRIBECK, ["stribeck:hip", "viscous_quadratic:hip", "torque_offset:knee"])
     start = state_with(context).last

@@ -1,0 +1,134 @@
+"""Thresholds of the search lie where they are said to: on one side one decision, on the other the other one."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from synthetic import search, state_with
+
+from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.score import _harmless, admissible
+from diagnosis.evidence.stability import Splits
+from diagnosis.results import Possible
+from diagnosis.rules import RULES
+from diagnosis.search.doubt import on_bound, small_while_far
+from diagnosis.search.possible import possible_of
+from diagnosis.verdict import _nearest
+from symbolic.effect import Coefficient, Shape
+
+
+@pytest.mark.shows("harmless")
+@pytest.mark.parametrize(("lost", "passes"), [(0.2, True), (0.4, False)])
+def test_what_some_recordings_lose_is_small_beside_what_others_gain(lost, passes):
+    assert _harmless(RULES, np.array([0.7, -lost, 0.3])) is passes
+
+
+@pytest.mark.shows("tangent_reach")
+@pytest.mark.parametrize(("value", "possible"), [(1.5, True), (2.5, False)])
+def test_a_tangent_may_reach_beyond_a_bound_for_it_shows_only_the_direction(value, possible):
+    effect = SimpleNamespace(coefficients={"c": Coefficient("N·m", max=1.0)})
+    candidate = SimpleNamespace(change=False, tangent=True, term=SimpleNamespace(effect=effect))
+    assert admissible(candidate, np.array([[value]]), RULES).tolist() == [possible]
+    candidate.tangent = False
+    assert admissible(candidate, np.array([[value]]), RULES).tolist() == [False]
+
+
+def counted(rows):
+    splits = SimpleNamespace(rules=RULES, aside=tuple((k,) for k in range(len(rows))))
+    found = Splits._agreement(splits, np.array(rows), {})
+    return found.accepted, found.of
+
+
+@pytest.mark.shows("split_keeps")
+@pytest.mark.parametrize(("gain", "agree"), [(0.35, 4), (0.2, 3)])
+def test_a_split_agrees_that_shows_a_good_part_of_the_gain(gain, agree):
+    assert counted([(1.0, 1.0, 1.0)] * 3 + [(gain, 1.0, 1.0)]) == (agree, 4)
+
+
+@pytest.mark.shows("split_shows")
+@pytest.mark.parametrize(("shown", "told"), [(0.12, 4), (0.06, 3)])
+def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
+    assert counted([(1.0, 1.0, 1.0)] * 3 + [(-1.0, shown, 1.0)]) == (3, told)
+    assert counted([(1.0, 1.0, 1.0)] * 3 + [(-1.0, 1.0, shown)]) == (3, told)
+
+
+@pytest.mark.shows("small_gain", "far_above", "farther")
+@pytest.mark.parametrize(
+    ("share", "times", "doubted"),
+    [(0.1, 2.5, False), (0.1, 3.5, True), (0.2, 3.5, False), (0.3, 25.0, False), (0.3, 40.0, True)],
+)
+def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, doubted):
+    fitted = SimpleNamespace(
+        verified=False, judged_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
+    )
+    before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
+    after.added = SimpleNamespace(share=share, unseen=None)
+    assert bool(small_while_far(before, after, np.ones(2), RULES)) is doubted
+
+
+@pytest.mark.shows("at_bound")
+@pytest.mark.parametrize(("width", "doubted"), [(0.1015, False), (0.1007, True)])
+def test_a_value_on_its_bound_is_another_effect(width, doubted):
+    shape = Shape("rad", 0.1, 1.1)
+    entry = SimpleNamespace(term="stop:knee", name="stop:knee.w", shape=shape)
+    fitted = SimpleNamespace(
+        model=SimpleNamespace(shapes=[entry], parameters=[]), shape=[width], shapes=np.array([[width]]), linear=[]
+    )
+    assert bool(on_bound(fitted, "stop:knee", RULES)) is doubted
+
+
+def possible(share):
+    return Possible("stribeck", "knee", Agreement(1, 4), {}, share, "supported by 1 of 4 splits")
+
+
+@pytest.mark.shows("nearest")
+@pytest.mark.parametrize(("share", "named"), [(0.07, True), (0.04, False)])
+def test_the_nearest_entry_is_named_where_it_explains_something(share, named):
+    assert bool(_nearest([possible(share), possible(0.01)], RULES)) is named
+
+
+@pytest.mark.shows("least_possible", "most_possible")
+@pytest.mark.parametrize(("accepted", "listed"), [(15, 0), (25, 6)])
+def test_what_a_fifth_of_the_splits_supports_is_listed_as_possible(accepted, listed):
+    term = SimpleNamespace(effect=SimpleNamespace(id="o", coefficients={}), joint="hip")
+    scores = [
+        SimpleNamespace(
+            name=f"offset{k}",
+            share=0.1,
+            caution="",
+            agreement=Agreement(accepted, 100),
+            coefficients=[],
+            candidate=SimpleNamespace(term=term),
+        )
+        for k in range(9)
+    ]
+    context = SimpleNamespace(
+        rules=RULES,
+        key=lambda _: "now",
+        ranked={"now": (None, scores)},
+        doubts={("now", score.name): "its interval contains zero" for score in scores},
+    )
+    assert len(possible_of(context, SimpleNamespace(last=None, banned=()), True)) == listed
+
+
+@pytest.mark.shows("differing_named", "differing_recordings")
+def test_differences_are_named_up_to_a_number_and_where_one_recording_still_matters():
+    """Of four recordings one has an offset at the knee a fifth larger than the others."""
+    context = search(
+        {"torque_offset:knee": ([0.5], [])}, ["torque_offset:knee"], scales=(1.0, 1.0, 1.0, 1.2), noise=0.05
+    )
+    last = state_with(context, "torque_offset:knee").last
+
+    def named(**rules):
+        evidence = copy(context.evidence(last, draws=0))
+        evidence.rules = replace(RULES, **rules)
+        return [one.recording for one in differing(last.fitted, evidence)]
+
+    assert set(named()) == {"run_3"}
+    assert len(named(differing_named=1)) == 1
+    assert named(differing_recordings=3) == []
