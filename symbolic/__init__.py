@@ -48,6 +48,7 @@ lend_methods(
     {
         "columns": "symbolic.columns:model_columns",
         "torque": "symbolic.columns:model_torque",
+        "moving_torque": "symbolic.columns:moving_torque",
         "needs_reference": "symbolic.columns:needs_reference",
         "reference_places": "symbolic.columns:reference_places",
         "following_places": "symbolic.columns:following_places",

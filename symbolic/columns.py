@@ -113,6 +113,46 @@ def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None 
     return transformed_torque(model, columns, carried, shapes, motion).T
 
 
+def moving_torque(
+    model: Model, motion: Motion, linear: Float, shape: Float, index: int
+) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]:
+    """Return the torque (N, J) that shape value `index` has no part in, the joints (A,) of the rest, and what gives the
+    rest (V, A, N) at V values of it; other arguments as of `model_torque`.
+    """
+    entry, at = model.shapes[index], shape_values(model, shape)
+    term = next(term for term in model.terms if term.name == entry.term)
+    if term.effect.derive is not None:
+
+        def whole(values: Float) -> Float:
+            trials = np.tile(shape, (len(values), 1))
+            trials[:, index] = values
+            return np.stack([model_torque(model, motion, linear, trial).T for trial in trials])
+
+        return np.zeros((len(motion), len(model.joints))), tuple(range(len(model.joints))), whole
+    carried = carrying(motion, linear)
+    columns = _untransformed(model, motion, shape, carried)
+    own = {key: places(model)[f"{term.name}.{key}"] for key in term.effect.coefficients}
+    words = {**motion_words(motion), **shaped(term, at), **{key: float(carried[place]) for key, place in own.items()}}
+    if is_transform(term):
+        base = base_places(model)
+        words |= {f"tau_model{j + 1}": values for j, values in enumerate(columns[:, :, base] @ carried[base])}
+    elif uses_feedback(term):
+        words |= feedback(model, columns, carried) | slopes_of(model, (term,), motion, carried, shape)
+    still = np.array(carried)
+    still[[*own.values()]] = 0.0
+    texts = torques(term)
+    joints = tuple(sorted({text.joint for text in texts}))
+
+    def moved(values: Float) -> Float:
+        tried = {**words, entry.name.removeprefix(f"{term.name}."): values[:, None]}
+        out = np.zeros((len(values), len(joints), len(motion)))
+        for text in texts:
+            out[:, joints.index(text.joint)] += torque_values(text, tried, motion, count=len(values))
+        return out
+
+    return transformed_torque(model, columns, still, shape, motion, term).T, joints, moved
+
+
 def needs_reference(model: Model) -> bool:
     """Whether some column depends on the linear parameters themselves."""
     if any(uses_feedback(term) for term in model.terms):

@@ -100,10 +100,14 @@ def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) ->
         _transform(term, untouched, base, {**env, **shaped(term, at)}, motion, out)
 
 
-def transformed_torque(model: Model, columns: Float, linear: Float, shapes: Float, motion: Motion) -> Float:
-    """Return the torque (J, N) of columns (J, N, P) not yet transformed; transforms are linear, so each acts once."""
+def transformed_torque(
+    model: Model, columns: Float, linear: Float, shapes: Float, motion: Motion, without: Term | None = None
+) -> Float:
+    """Return the torque (J, N) of columns (J, N, P) not yet transformed; transforms are linear, so each acts once, but
+    for the one `without` which the torque is wanted.
+    """
     out = columns @ linear
-    transforms = [term for term in model.terms if is_transform(term)]
+    transforms = [term for term in model.terms if is_transform(term) and term is not without]
     if transforms:
         base, at, env = base_places(model), shape_values(model, shapes), motion_words(motion)
         total, whole = (columns[:, :, base] @ linear[base])[:, :, None], out[:, :, None]
@@ -130,9 +134,12 @@ def signs(motion: Motion) -> dict[str, Float]:
 def _transform(
     term: Term, untouched: Float, base: list[int], env: dict[str, Float | float], motion: Motion, out: Float
 ) -> None:
-    """Add to each base column in `out` what the term makes of it."""
+    """Add to each base column in `out` what the term makes of it: of nothing it makes nothing."""
+    rows = np.ascontiguousarray(np.swapaxes(untouched, 1, 2))
     for torque in torques(term):
-        for k, column in enumerate(base):
-            words = {f"tau_model{j + 1}": untouched[j, :, k] for j in range(len(untouched))}
-            if np.any([np.any(values) for values in words.values()]):
-                out[torque.joint, :, column] += torque_values(torque, {**env, **words}, motion)
+        words = {f"tau_model{j + 1}": row for j, row in enumerate(rows)}
+        heard = [row for word, row in words.items() if word in torque.names]
+        some = np.flatnonzero(np.any(heard, axis=(0, 2)))
+        if some.size:
+            acted = {**env, **{word: row[some] for word, row in words.items()}}
+            out[torque.joint, :, np.asarray(base)[some]] += torque_values(torque, acted, motion, count=some.size)

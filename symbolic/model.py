@@ -10,7 +10,7 @@ each term. A model is a value: `with_effect` and `without` return another one. W
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -221,6 +221,9 @@ class Model:
         def following_columns(self, motion: Motion, nodes: Float) -> Float: ...  # noqa: D102
         def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
         def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102
+        def moving_torque(  # noqa: D102
+            self, motion: Motion, linear: Float, shape: Float, index: int
+        ) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]: ...
         def key(self) -> str: ...  # noqa: D102
 
     def _repr_html_(self) -> str:

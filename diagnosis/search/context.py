@@ -57,6 +57,8 @@ class SearchContext:
     """Why a candidate was not accepted beside a model with these terms, although it helps."""
     refits: dict[tuple[tuple[str, ...], str, bytes], Extension] = field(default_factory=dict)
     """A model with these terms and one candidate, started at these values, for when it is compared again."""
+    fits: dict[tuple[tuple[str, ...], bytes], Extension] = field(default_factory=dict)
+    """A model with these terms fitted from these shapes: moves take the same terms out again and again."""
     noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
     """The noise (J,) N·m beside a model with these terms."""
 
@@ -64,8 +66,12 @@ class SearchContext:
 
     def fit(self, model: Model, start: Float | None = None) -> Extension:
         """Return `model` fitted to the training recordings, on all of them; no term is added yet."""
-        fit = identify(model, self.prepared.train, optimisers=(), start=start)
-        return Extension(fitted_model(fit, self.prepared))
+        begun = b"" if start is None else np.asarray(start, dtype=float).tobytes()
+        key = tuple(term.name for term in model.terms), begun
+        if key not in self.fits:
+            fit = identify(model, self.prepared.train, optimisers=(), start=start)
+            self.fits[key] = Extension(fitted_model(fit, self.prepared))
+        return self.fits[key]
 
     def with_term(self, extension: Extension, score: Score) -> Extension:
         """Return the model of `extension` with the candidate of `score` added, everything refitted."""

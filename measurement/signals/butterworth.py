@@ -55,7 +55,7 @@ class Filter:
         states = np.empty((count, stretches, self.poles.size), dtype=complex)
         states[:, 0] = rows[:, :1] * self.steady
         states[:, 1:] = (x @ entry)[:, :-1].view(complex)
-        _carry(states, self.poles**STRETCH)
+        _carry(np.moveaxis(states, 2, 0), (self.poles**STRETCH)[:, None, None])
         both += states.view(float) @ exit_
         return np.asarray(both.reshape(count, -1)[:, :samples])
 
@@ -82,10 +82,10 @@ def _onto(factors: Any, poles: Any, steps: Any) -> Float:
 
 
 def _carry(states: Any, step: Any) -> None:
-    """Turn what each stretch adds to its states (C, S, P), in place, into the states: s[k] += step · s[k - 1]."""
+    """Turn what each stretch adds to its states (..., S), in place, into the states: s[k] += step · s[k - 1]."""
     reach, factor = 1, step
-    while reach < states.shape[1] and np.abs(factor).max() > FORGOTTEN:
-        states[:, reach:] += factor * states[:, :-reach].copy()
+    while reach < states.shape[-1] and np.abs(factor).max() > FORGOTTEN:
+        states[..., reach:] += factor * states[..., :-reach]  # a copy, so that nothing is carried twice
         reach, factor = 2 * reach, factor**2
 
 
@@ -155,36 +155,44 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
     continued by their odd reflection.
     """
-    samples = rows.shape[1]
-    own, onto, forget = _kept(one, step)
-    length = KEPT * step
-    stretches = -(-count // KEPT)
+    own, parts, onto, forget = _kept(one, step)
+    many, samples = rows.shape
+    length, stretches, modes = KEPT * step, -(-count // KEPT), one.poles.size
     end = first + stretches * length
     beyond = _after(rows, min(samples - 1, reach + max(0, end - samples)))
+    x = np.empty((many, stretches * length))
+    x[:, : samples - first] = rows[:, first:end]
     if end > samples:
-        rows = np.concatenate([rows, beyond[:, : end - samples]], axis=1)
+        x[:, samples - first :] = beyond[:, : end - samples]
         beyond = beyond[:, end - samples :]
-    x = rows[:, first:end].reshape(len(rows), stretches, length)
-    both = x @ own
-    added = np.ascontiguousarray(both[:, :, KEPT:]).view(complex)
-    modes = one.poles.size
-    states = np.empty((2, *added.shape[:2], modes), dtype=complex)
-    states[0, :, 1:], states[1, :, 1:] = added[:, :-1, :modes], added[:, :0:-1, modes:]
-    outer = np.concatenate([_before(rows, max(0, reach - first)), rows[:, max(0, first - reach) : first]], axis=1)
-    back = np.arange(outer.shape[1], 0, -1)[:, None]
-    states[0, :, 0] = (outer @ _parts(one.poles**back)).view(complex)
-    outer = np.concatenate([rows[:, end:], beyond], axis=1)[:, :reach]
-    states[1, :, 0] = (outer @ _parts(one.poles ** np.arange(outer.shape[1])[:, None])).view(complex)
-    for side in states:
-        _carry(side, forget)
-    around = np.concatenate([states[0], states[1][:, ::-1]], axis=2).view(float)
-    return np.asarray((both[:, :, :KEPT] + around @ onto).reshape(len(rows), -1)[:, :count])
+    flat = x.reshape(-1, length)
+    out = flat @ own
+    # What a stretch adds to the states before and behind it; real and imaginary part, sample by sample of a row last.
+    added = (parts @ flat.T).reshape(2, modes, 2, many, stretches)
+    states = np.empty((2, modes, many, stretches), dtype=complex)
+    for state, inner in ((states[0, :, :, 1:], added[0, ..., :-1]), (states[1, :, :, 1:], added[1, ..., :0:-1])):
+        state.real, state.imag = inner[:, 0], inner[:, 1]
+    before = np.concatenate([_before(rows, max(0, reach - first)), rows[:, max(0, first - reach) : first]], axis=1)
+    behind = np.concatenate([rows[:, end:], beyond], axis=1)[:, :reach]
+    states[0, :, :, 0] = _outer(one, before[:, ::-1], 1)
+    states[1, :, :, 0] = _outer(one, behind, 0)
+    _carry(states, forget[:, None, None])
+    for side, inner in zip(added, (states[0], states[1, :, :, ::-1]), strict=True):
+        side[:, 0], side[:, 1] = inner.real, inner.imag
+    out += added.reshape(4 * modes, -1).T @ onto
+    return out.reshape(many, -1)[:, :count]
+
+
+def _outer(one: Filter, rows: Float, begin: int) -> Any:
+    """Return the states (P, C) that samples `rows` (C, N), the nearest first, make `begin` samples further on."""
+    weights = one.poles[:, None] ** np.arange(begin, begin + rows.shape[1])
+    return weights.real @ rows.T + 1j * (weights.imag @ rows.T)
 
 
 @lru_cache(maxsize=32)
-def _kept(one: Filter, step: int) -> tuple[Float, Float, Any]:
-    """Return what a stretch makes of its kept samples and of the states beside it, (S, K + 4P), what states make of the
-    kept samples, (4P, K), and what is left of states after a stretch (P,).
+def _kept(one: Filter, step: int) -> tuple[Float, Float, Float, Any]:
+    """Return what a stretch makes of its kept samples, (S, K), and of the states beside it, (4P, S), what states make
+    of the kept samples, (4P, K), and what is left of states after a stretch (P,).
     """
     length, at = KEPT * step, step * np.arange(KEPT)
     inside = np.arange(length)
@@ -194,16 +202,10 @@ def _kept(one: Filter, step: int) -> tuple[Float, Float, Any]:
     pulse = np.real(np.sum(factors[:, None] * one.poles[:, None] ** np.arange(length), axis=0))
     origin = one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 0.0))
     pulse[0] += float(np.real(one.direct * origin))
-    own = np.concatenate(
-        [
-            pulse[np.abs(at[None, :] - inside[:, None])],
-            _parts(one.poles ** (length - inside)[:, None]),
-            _parts(one.poles ** inside[:, None]),
-        ],
-        axis=1,
-    )
+    own = pulse[np.abs(at[None, :] - inside[:, None])]
+    parts = [_parts(one.poles ** lag[:, None]) for lag in (length - inside, inside)]
     onto = np.concatenate([_onto(factors, one.poles, at), _onto(factors, one.poles, length - at)])
-    return own, onto, one.poles**length
+    return own, np.ascontiguousarray(np.concatenate(parts, axis=1).T), onto, one.poles**length
 
 
 def _pair(one: Filter, z: Any) -> Any:

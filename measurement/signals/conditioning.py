@@ -183,10 +183,17 @@ class Bridge:
         alike, and what holds between them goes on to hold.
         """
         if self.rows.size and self.beside.size:  # nothing stands beside a joint that sticks throughout
-            sizes = np.diff(np.append(self.begins, self.beside.size))
-            level = np.add.reduceat(x[..., self.beside], self.begins, axis=-1) / sizes
+            level = np.add.reduceat(x[..., self.beside], self.begins, axis=-1) / self._sizes
             before, behind = level[..., self.ends[0]], level[..., self.ends[1]]
-            x[..., self.rows] = before + self.share * (behind - before)
+            behind -= before
+            behind *= self.share
+            before += behind
+            x[..., self.rows] = before
+
+    @cached_property
+    def _sizes(self) -> NDArray[np.int_]:
+        """How many samples (M,) make each end."""
+        return np.diff(np.append(self.begins, self.beside.size))
 
 
 def bridging(hidden: NDArray[np.bool_], rate: float) -> Bridge:

@@ -79,6 +79,13 @@ class FittableModel(Protocol):
     def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return the torque (N, J) in N·m."""
 
+    def moving_torque(
+        self, motion: Motion, linear: Float, shape: Float, index: int
+    ) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]:
+        """Return the torque (N, J) without what shape value `index` has a part in, the joints (A,) of that, and what
+        gives it (V, A, N) at V values.
+        """
+
 
 def is_paper_leg(model: FittableModel) -> bool:
     """Whether Φ1 to Φ4 of `model` are those of the leg, not numbers of another machine."""

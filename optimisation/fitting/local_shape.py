@@ -59,9 +59,6 @@ def _fit_own(
 ) -> Float:
     """Return `shape` with the values of index `own` fitted to one recording, everything else fixed."""
 
-    def loss(values: Float) -> float:
-        return _own_loss(model, one, linear, values, delta)
-
     best = shape.copy()
     for _ in range(2 if len(own) > 1 else 1):
         for index in own:
@@ -69,27 +66,36 @@ def _fit_own(
             joint = shape_joint(model, model.shapes[index])
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
-            best = _scan(loss, best, index, trials)
+            losses = _own_losses(model, one, linear, best, index, delta)
+            k = int(np.argmin(losses(trials)))
+            low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
+            best[index] = minimum(_one_by_one(losses), low, high, NUDGE * (high - low))[0]
     return best
 
 
-def _own_loss(model: FittableModel, one: Working, linear: Float, shape: Float, delta: Float) -> float:
-    """Return the Huber loss on one recording, everything held; torques pass the filter, not columns: it is linear."""
-    residual = one.tau - one.smooth(model.torque(one.motion, linear, shape))
-    return huber(np.where(one.use, residual, 0.0).T, delta)
+def _own_losses(
+    model: FittableModel, one: Working, linear: Float, shape: Float, index: int, delta: Float
+) -> Callable[[Float], Float]:
+    """Return what gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
+    torques pass the filter, not columns: it is linear.
+    """
+    still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
+    rest = np.where(one.use, one.tau - one.smooth(still), 0.0).T
+    own = list(joints)
+    others = np.setdiff1d(np.arange(len(rest)), own)
+    known, use, limit = huber(rest[others], delta[others]), one.use[:, own, None], delta[own][:, None]
+
+    def losses(values: Float) -> Float:
+        moved = one.smooth(np.transpose(moving(values), (2, 1, 0)), joints)  # (K, A, V)
+        size = np.abs(rest[own].T[:, :, None] - np.where(use, moved, 0.0))
+        inner = np.minimum(size, limit)
+        return np.asarray(known + np.sum(inner * (2.0 * size - inner), axis=(0, 1)))
+
+    return losses
 
 
-def _scan(loss: Callable[[Float], float], shape: Float, index: int, trials: Float) -> Float:
-    """Return `shape` with value `index` at the best of `trials`, refined between its neighbours."""
-    k = int(np.argmin([loss(_with(shape, index, v)) for v in trials]))
-    low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
-    return _with(shape, index, minimum(lambda v: loss(_with(shape, index, v)), low, high, NUDGE * (high - low))[0])
-
-
-def _with(shape: Float, index: int, value: float) -> Float:
-    out = shape.copy()
-    out[index] = value
-    return out
+def _one_by_one(losses: Callable[[Float], Float]) -> Callable[[float], float]:
+    return lambda value: float(losses(np.array([value]))[0])
 
 
 class ShapeProblem(Protocol):
@@ -185,14 +191,11 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
     best = shape.copy()
     for index in own_shapes(model):
         entry = model.shapes[index].shape
-
-        def loss(v: float, base: Float = best, index: int = index) -> float:
-            return _own_loss(model, one, linear, _with(base, index, v), delta)
-
+        loss = _one_by_one(_own_losses(model, one, linear, best, index, delta))
         at = float(best[index])
         low, high = max(entry.min, at - far[index]), min(entry.max, at + far[index])
         found, least = minimum(loss, low, high, NUDGE * (high - low))
-        best = _with(best, index, found) if least < loss(at) else best
+        best[index] = found if least < loss(at) else at
     return best
 
 

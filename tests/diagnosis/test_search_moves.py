@@ -38,6 +38,13 @@ def test_forward_adds_what_is_hidden_and_stops(plain):
     assert start.names == ()
 
 
+def test_a_model_is_fitted_once_from_the_same_start(plain):
+    base = state_with(plain).last.fitted.model
+    assert plain.fit(base) is plain.fit(base.with_effect("torque_offset:knee").without("torque_offset:knee"))
+    more = base.with_effect("stribeck:knee")
+    assert plain.fit(more, np.array([0.05])) is not plain.fit(more, np.array([0.5]))
+
+
 @pytest.mark.shows("most_terms")
 def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     start = replace(state_with(plain), banned=frozenset({"torque_offset:knee"}))

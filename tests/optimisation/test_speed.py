@@ -43,6 +43,29 @@ def test_columns_depend_on_no_other_parameter_than_is_said(effect):
     assert bool(model.reference_places) == model.needs_reference
 
 
+@pytest.mark.parametrize(
+    "effect", ["stribeck:knee", "end_stop:hip", "time_delay:knee", "joint_elasticity:hip", "series_backlash:knee",
+               "gravity_tilt"],
+)  # fmt: skip
+def test_a_torque_is_what_follows_a_shape_and_the_rest(effect):
+    model = Model.standard().with_effect(effect)
+    for other in ("time_delay:hip", "load_friction:knee"):
+        model = model.with_effect(other)
+    t = np.arange(200) * 0.02
+    q = np.column_stack([0.5 + 0.6 * np.sin(1.3 * t), -0.9 + 0.6 * np.sin(2.0 * t)])
+    motion = Motion(t, q, np.gradient(q, t, axis=0), RNG.normal(size=q.shape))
+    linear, shape = RNG.uniform(0.5, 1.0, len(model.parameters)), np.array(model.typical_shape)
+    for index, entry in enumerate(model.shapes):
+        low, high = entry.shape.min, entry.shape.max
+        values = np.array([0.7 * low + 0.3 * high, 0.3 * low + 0.7 * high])
+        still, joints, moved = model.moving_torque(motion, linear, shape, index)
+        for value, part in zip(values, moved(values), strict=True):
+            shape_there = np.where(np.arange(shape.size) == index, value, shape)
+            whole = still.copy()
+            whole[:, list(joints)] += part.T
+            assert np.allclose(whole, model.torque(motion, linear, shape_there), rtol=0.0, atol=1e-10)
+
+
 def test_a_long_recording_is_judged_by_stretches_in_which_it_moves(monkeypatch):
     monkeypatch.setattr(cutoff, "PARTS", 2)
     monkeypatch.setattr(cutoff, "PART", 5.0)
