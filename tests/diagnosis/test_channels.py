@@ -14,6 +14,7 @@ from diagnosis.evidence.channels import Doubt, channel_findings, doubts_after, d
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import model_error
 from diagnosis.evidence.repeats import repeats
+from diagnosis.rules import RULES
 from measurement.reading.read import read_recording
 from measurement.recording import Recording
 from measurement.signals.conditioning import low_pass
@@ -40,12 +41,20 @@ def doubt(recordings, verify=()) -> Doubt | None:
     return doubts_before(fitted) or doubts_after(fitted, fitted)
 
 
+def unseen_by(fitted: FittedModel, **rules: float) -> bool:
+    """Whether nothing is doubted where thresholds have other values."""
+    other = replace(RULES, **rules)
+    return doubts_before(fitted, other) is None and doubts_after(fitted, fitted, other) is None
+
+
 def with_torque(one: Recording, tau) -> Recording:
     return replace(one, tau=tau)
 
 
+@pytest.mark.shows("near_noise")
 def test_a_good_recording_raises_no_doubt(good):
     fitted = base(good[:2], good[2:])
+    assert model_error(fitted, replace(RULES, near_noise=0.5)) is not None
     assert doubts_before(fitted) is None and doubts_after(fitted, fitted) is None
     assert np.all(left_share(fitted) < 0.01)
     assert model_error(fitted) is None
@@ -64,9 +73,12 @@ def test_noise_for_torque(good, cutoff):
     assert found is not None and "variance unexplained" in found.sentence and "--map" in found.remedy
 
 
+@pytest.mark.shows("unexplained_share", "base_share")
 def test_torque_of_another_motion(good):
-    found = doubt([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
-    assert found is not None
+    fitted = base([with_torque(one, good[(k + 1) % 3].tau) for k, one in enumerate(good)])
+    assert doubts_after(fitted, fitted) is not None
+    assert "do not fit a leg" in doubts_after(fitted, fitted, replace(RULES, unexplained_share=2.0)).sentence
+    assert unseen_by(fitted, unexplained_share=2.0, base_share=2.0)
 
 
 def test_one_recording_with_the_torque_of_another_motion_is_named(good):
@@ -76,9 +88,13 @@ def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     assert found.remedy.startswith(f"begin with {odd.name}: ")
 
 
+@pytest.mark.shows("late_least", "late_gain", "late_delay")
 @pytest.mark.parametrize("late", [0.3, -0.2])
 def test_torque_logged_late_or_early(good, late):
-    found = doubt([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
+    fitted = base([with_torque(one, np.roll(one.tau, round(late * one.rate), axis=0)) for one in good])
+    found = doubts_before(fitted)
+    for rule, value in (("late_least", 2.0), ("late_gain", 0.0), ("late_delay", 0.4)) if late > 0 else ():
+        assert doubts_before(fitted, replace(RULES, **{rule: value})) is None
     assert found is not None and ("after" if late > 0 else "before") in found.sentence
     seconds = float(found.remedy.split(" s,")[0].rsplit(" ", 1)[1])
     assert seconds == pytest.approx(abs(late), abs=0.03)
@@ -108,17 +124,23 @@ def test_one_late_channel_is_told_from_a_late_logger(good):
     assert found is not None and found.sentence.startswith("The torque of the knee does not")
 
 
+@pytest.mark.shows("angle_noise")
 def test_angles_too_noisy_for_accelerations(good):
     rng = np.random.default_rng(1)
     noisy = [replace(one, q=one.q + 0.05 * rng.normal(size=one.q.shape)) for one in good]
     prepared = prepare(MODEL, noisy)
-    found = doubts_before(fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared))
+    fitted = fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared)
+    found = doubts_before(fitted)
     assert found is not None and "rad at hip and knee" in found.sentence
+    assert unseen_by(fitted, angle_noise=1.0)
 
 
+@pytest.mark.shows("another_machine", "own_machine")
 def test_held_out_recordings_of_another_leg(good):
     other = BETA * np.array([1.4, 1.6, 1.5, 0.5, 1.3, 0.7, 1.4, 1.2])
-    found = doubt(good[:2], [recording(9, beta=other)])
+    fitted = base(good[:2], [recording(9, beta=other)])
+    found = doubts_after(fitted, fitted)
+    assert unseen_by(fitted, another_machine=1e9) and unseen_by(fitted, own_machine=0.0)
     assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
 
 
