@@ -31,6 +31,12 @@ def plain():
     return search({**STRIBECK, **OFFSET}, names)
 
 
+def with_rules(context, **rules):
+    """`context` as it was begun, with other thresholds."""
+    fresh = {name: {} for name in ("ranked", "doubts", "refits", "fits", "noises")}
+    return replace(context, rules=replace(context.rules, **rules), **fresh)
+
+
 def test_forward_adds_what_is_hidden_and_stops(plain):
     start = state_with(plain)
     found = forward(plain, start)
@@ -52,9 +58,11 @@ def test_forward_passes_over_what_is_banned_and_keeps_to_its_limit(plain):
     assert len(forward(replace(plain, rules=replace(plain.rules, most_terms=1)), state_with(plain)).names) == 1
 
 
+@pytest.mark.shows("sure")
 def test_prune_drops_what_the_later_terms_made_superfluous(plain):
     state = state_with(plain, "viscous_cubic:hip", "stribeck:hip")
     assert prune(plain, state).names == ("stribeck:hip",)
+    assert prune(with_rules(plain, sure=1.0, least_share=-1.0), state) is state
     assert state.names == ("viscous_cubic:hip", "stribeck:hip")
 
 
