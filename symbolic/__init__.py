@@ -52,8 +52,9 @@ lend_methods(
         "needs_reference": "symbolic.columns:needs_reference",
         "reference_places": "symbolic.columns:reference_places",
         "following_places": "symbolic.columns:following_places",
+        "held_places": "symbolic.columns:held_places",
         "following_columns": "symbolic.columns:following_columns",
         "key": "symbolic.codegen.fingerprint:model_key",
     },
-    properties=("needs_reference", "reference_places", "following_places"),
+    properties=("needs_reference", "reference_places", "following_places", "held_places"),
 )

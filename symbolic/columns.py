@@ -80,14 +80,38 @@ def following_terms(model: Model) -> tuple[Term, ...]:
 
 def following_places(model: Model) -> tuple[int, ...]:
     """Return the indices (m,) of the parameters whose columns follow the shapes, all others staying what they are."""
+    return _coefficients(model, following_terms(model))
+
+
+def held_places(model: Model) -> tuple[int, ...]:
+    """Return the same where columns depend on the parameters and these are held; () where others may follow as well."""
+    found = tuple(term for term in model.terms if term.effect.shape)
+    if not needs_reference(model) or any(is_transform(term) for term in model.terms):
+        return ()
+    derived = [term for term in found if term.effect.derive is not None]
+    if derived and (len(found) > 1 or found[0] is not model.terms[-1] or any(map(uses_feedback, model.terms))):
+        return ()
+    return _coefficients(model, found)
+
+
+def _coefficients(model: Model, terms: Iterable[Term]) -> tuple[int, ...]:
     place = places(model)
-    return tuple(place[f"{t.name}.{key}"] for t in following_terms(model) for key in t.effect.coefficients)
+    return tuple(place[f"{term.name}.{key}"] for term in terms for key in term.effect.coefficients)
 
 
-def following_columns(model: Model, motion: Motion, nodes: Float) -> Float:
-    """Return the columns (V, J, m, N) of `following_places` at V rows of shapes, `nodes` (V, S)."""
+def following_columns(model: Model, motion: Motion, nodes: Float, reference: Float | None = None) -> Float:
+    """Return the columns (V, J, m, N) of `following_places` at V rows of shapes, `nodes` (V, S); of `held_places` where
+    the parameters are held at `reference` (P,).
+    """
     names, words = [entry.name for entry in model.shapes], motion_words(motion)
-    terms = following_terms(model)
+    terms = tuple(term for term in model.terms if term.effect.shape)
+    if reference is not None:
+        if terms[-1].effect.derive is not None:
+            return derived_columns(model, motion, nodes, reference)(nodes)
+        if any(map(uses_feedback, terms)):
+            carried, base = carrying(motion, reference), np.zeros((len(model.joints), len(motion), len(reference)))
+            _fill_base(model, motion, base, carried, shape_values(model, nodes[0]))
+            words |= feedback(model, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
     width = sum(len(term.effect.coefficients) for term in terms)
     out, first = np.zeros((len(nodes), len(model.joints), width, len(motion))), 0
     for term in terms:
@@ -294,7 +318,10 @@ def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Floa
     place = names.index(f"{term.name}.{next(iter(term.effect.shape))}")
     few = shapes[[0, len(shapes) // 2, -1]]
     known = computed(few)
-    turned = partial(_turned, known[0], float(few[0, place]), motion.t)
+    phase = 2.0 * np.pi * motion.t
+    first, carried = few[0, place] * phase, np.swapaxes(known[0], 0, 1)
+    carried = np.sin(first) * carried[0::2] + np.cos(first) * carried[1::2]
+    turned = partial(_turned, carried, phase)
     rounding = SAME * np.abs(known).max() * (1.0 + np.ptp(motion.t) * np.abs(few[:, place]).max())
     if np.abs(turned(few[:, place]) - known).max() > rounding:
         return computed
@@ -307,14 +334,16 @@ SAME = 1e-12
 """Rounding of a column, of its size, for each turn of the phase."""
 
 
-def _turned(columns: Float, frequency: float, t: Float, frequencies: Float) -> Float:
-    """Return at other frequencies, (V, J, m, N), columns (J, m, N) that are pairs x sin(2πft), x cos(2πft)."""
-    phase = 2.0 * np.pi * t
-    carried = np.sin(frequency * phase) * columns[:, 0::2] + np.cos(frequency * phase) * columns[:, 1::2]
-    out = np.empty((len(frequencies), *columns.shape))
+def _turned(carried: Float, phase: Float, frequencies: Float) -> Float:
+    """Return columns (V, J, 2m, N): pairs of `carried` (m, J, N) times sin(fφ), cos(fφ), at `frequencies` f (V,)
+    and the phase φ (N,) at 1 Hz.
+    """
+    pairs, *rest = carried.shape
+    out = np.empty((len(frequencies), pairs, 2, *rest))  # in the order in which columns are filtered
     for values, turn in zip(out, turns(frequencies, phase), strict=True):
-        values[:, 0::2], values[:, 1::2] = turn.imag * carried, turn.real * carried
-    return out
+        np.multiply(np.ascontiguousarray(turn.imag), carried, out=values[:, 0])
+        np.multiply(np.ascontiguousarray(turn.real), carried, out=values[:, 1])
+    return np.swapaxes(out.reshape(len(frequencies), 2 * pairs, *rest), 1, 2)
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...], bool], Float]] = WeakKeyDictionary()

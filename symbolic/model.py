@@ -218,7 +218,11 @@ class Model:
         def reference_places(self) -> tuple[int, ...]: ...  # noqa: D102
         @property
         def following_places(self) -> tuple[int, ...]: ...  # noqa: D102
-        def following_columns(self, motion: Motion, nodes: Float) -> Float: ...  # noqa: D102
+        @property
+        def held_places(self) -> tuple[int, ...]: ...  # noqa: D102
+        def following_columns(  # noqa: D102
+            self, motion: Motion, nodes: Float, reference: Float | None = None
+        ) -> Float: ...
         def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
         def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102
         def moving_torque(  # noqa: D102

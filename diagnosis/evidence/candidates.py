@@ -341,4 +341,6 @@ def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
         return np.column_stack([np.tile(fitted.shape, (len(some), 1)), some])
 
     columns, joints = derived_columns(extended, one.motion, shapes(nodes), reference), list(term.reaches)
+    if joints == list(range(len(extended.joints))):
+        return lambda some: columns(shapes(some))
     return lambda some: columns(shapes(some))[:, joints]

@@ -20,7 +20,7 @@ STRETCH = 64
 """Samples that one matrix product filters."""
 KEPT = 16
 """Kept samples that one matrix product gives."""
-FORGOTTEN = 1e-18
+FORGOTTEN = 1e-15
 """What is left of a state that no longer counts."""
 
 

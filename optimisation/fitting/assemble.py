@@ -73,8 +73,13 @@ class FittableModel(Protocol):
     def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
         """Return the regressor (J, N, P)."""
 
-    def following_columns(self, motion: Motion, nodes: Float) -> Float:
-        """Return the columns (V, J, m, N) of `following_places` at V rows of shapes."""
+    @property
+    def held_places(self) -> tuple[int, ...]:
+        """The same where columns depend on the parameters and these are held; () where others may follow as well."""
+
+    def following_columns(self, motion: Motion, nodes: Float, reference: Float | None = None) -> Float:
+        """Return the columns (V, J, m, N) of `following_places`, or `held_places` at `reference`, at V rows of shapes.
+        """
 
     def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
         """Return the torque (N, J) in N·m."""
@@ -156,9 +161,9 @@ class Assembly:
         self._shapes[index] = None if own is None else np.array(own)
         return smooth
 
-    def _following(self, one: FilteredRecording, nodes: Float) -> Float:
+    def _following(self, one: FilteredRecording, nodes: Float, reference: Float | None = None) -> Float:
         """Return the filtered columns (V, J, K, m) that follow the shapes, at `nodes` (V, S)."""
-        raw = self.model.following_columns(one.motion, nodes)
+        raw = self.model.following_columns(one.motion, nodes, reference)
         joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
         out = np.zeros((*raw.shape[:2], len(one.tau), raw.shape[2]))
         if not joints:  # zero at all nodes, as of a stop that is never met
@@ -166,18 +171,26 @@ class Assembly:
         out[:, joints] = np.transpose(one.smooth(np.transpose(raw[:, joints], (3, 1, 0, 2)), joints), (2, 1, 0, 3))
         return out
 
-    def sse_at(self, nodes: Float) -> Float:
-        """Return the smallest sum of squares (V,) at `nodes` (V, S), all at once; for models with `following_places`.
+    def sse_at(self, nodes: Float, reference: Float | None = None) -> Float | None:
+        """Return the smallest sum of squares (V,) at `nodes` (V, S), all at once; parameters that columns depend on are
+        held at `reference` (P,). None where more columns follow the shapes than `following_places`, or `held_places`.
 
         What stays is projected out once (Golub, Pereyra 1973).
         """
-        data, places = self.data(nodes[0]), list(self.model.following_places)
+        places = list(self.model.following_places if reference is None else self.model.held_places)
+        if not places:
+            return None
+        data = self.data(nodes[0], reference)
+        if reference is not None:
+            moved = (self.data(nodes[-1], reference).columns != data.columns).any(axis=(0, 1))
+            if np.delete(moved, places).any():
+                return None
         basis = factorise(np.delete(data.matrix, places, axis=1)).basis
         rest = data.vector - basis @ (basis.T @ data.vector)
         out = []
         many = max(1, TOGETHER // (data.columns[:, :, places].size * max(1, round(self._thinned))))
         for some in np.array_split(nodes, -(-len(nodes) // many)):
-            parts = [self._following(one, some) for one in self.prepared]
+            parts = [self._following(one, some, reference) for one in self.prepared]
             columns = np.concatenate(parts, axis=2) * data.use[:, :, None]
             columns = columns.reshape(len(some), -1, len(places))
             rows = np.ascontiguousarray(np.swapaxes(columns, 1, 2))

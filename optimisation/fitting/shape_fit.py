@@ -77,14 +77,15 @@ def solve_shape(
         return huber(found.data.residual(found.linear), delta)
 
     def at_once(nodes: Float) -> Float:
-        if sse and assembly.model.following_places:
+        fed_back = solved(nodes[len(nodes) // 2]).linear if assembly.model.needs_reference else None
+        if sse:
             try:
-                return assembly.sse_at(nodes)
+                if (found := assembly.sse_at(nodes, fed_back)) is not None:
+                    return found
             except ExpressionError:  # at some node: one by one
-                return np.array([loss(node) for node in nodes])
-        if not assembly.model.needs_reference:
+                pass
+        if fed_back is None:
             return np.array([loss(node) for node in nodes])
-        fed_back = solved(nodes[len(nodes) // 2]).linear
         return np.array([_held_loss(assembly, node, fed_back, solve, delta) for node in nodes])
 
     sse = possible is None and bool(np.isinf(delta).all())

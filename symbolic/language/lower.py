@@ -163,10 +163,17 @@ def turns(numbers: Float, x: Float) -> Iterator[Any]:
     turn of step · x, which takes an eighth of the time of a sine, and anew every so often so that nothing adds up.
     """
     even = len(numbers) > 1 and _even(numbers)
-    now = turn = np.exp(1j * (numbers[-1] - numbers[0]) / (len(numbers) - 1) * x) if even else x
+    now = turn = _turn((numbers[-1] - numbers[0]) / (len(numbers) - 1) * x) if even else x
     for k, number in enumerate(numbers):
-        now = now * turn if even and k % RENEWED else np.exp(1j * number * x)
+        now = now * turn if even and k % RENEWED else _turn(number * x)
         yield now
+
+
+def _turn(angle: Float) -> Any:
+    """Return exp(i angle): NumPy has sine and cosine of many numbers at once, but no such complex exponential."""
+    out = np.empty(angle.shape, dtype=complex)
+    out.real, out.imag = np.cos(angle), np.sin(angle)
+    return out
 
 
 def _even(numbers: Float) -> bool:

@@ -70,7 +70,16 @@ def test_an_unknown_way_is_refused():
         identify(Model.standard(), [runs[0].recording], shape_search="simulated_annealing")
 
 
-@pytest.mark.parametrize("names", [("stribeck:knee",), ("torque_ripple:hip", "backlash:knee"), ("end_stop:knee",)])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("stribeck:knee",),
+        ("torque_ripple:hip", "backlash:knee"),
+        ("end_stop:knee",),
+        ("base_motion",),
+        ("load_friction:hip", "series_backlash:knee", "stribeck:knee"),
+    ],
+)
 def test_all_nodes_at_once_are_the_nodes_one_by_one(names):
     runs = simulate_runs(2, None, standard_leg(), seed=4, bench=Bench(duration=6.0))
     model = Model.standard()
@@ -82,13 +91,23 @@ def test_all_nodes_at_once_are_the_nodes_one_by_one(names):
         [[rng.choice(s.shape.choices or (s.shape.min, s.shape.max)) for s in model.shapes] for _ in range(5)]
     )
     nodes[0] = model.typical_shape
+    held = rng.uniform(0.5, 1.0, len(model.parameters)) if model.needs_reference else None
     expected = []
     for node in nodes:
-        data = Assembly(model, assembly.prepared).data(node)  # nothing remembered
+        data = Assembly(model, assembly.prepared).data(node, held)  # nothing remembered
         expected.append(sse(data.residual(solve_sse(data))))
-        again = assembly.data(node)
+        again = assembly.data(node, held)
         np.testing.assert_allclose(again.columns, data.columns, atol=1e-12)
-    np.testing.assert_allclose(assembly.sse_at(nodes), expected, rtol=1e-9)
+    np.testing.assert_allclose(assembly.sse_at(nodes, held), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["gravity_tilt", "joint_elasticity:knee"])
+def test_where_all_columns_follow_a_shape_nodes_are_not_taken_together(name):
+    model = Model.standard().with_effect(name)
+    run = simulate_runs(1, None, standard_leg(), seed=4, bench=Bench(duration=6.0))[0]
+    assembly = Assembly(model, prepare(model, [run.recording], cutoff=5.0).train)
+    held = np.ones(len(model.parameters)) if model.needs_reference else None
+    assert assembly.sse_at(np.array([[0.01], [0.02]])[:, : len(model.shapes)], held) is None
 
 
 def test_an_optimum_on_a_bound_is_the_bound():
