@@ -231,23 +231,30 @@ def _slope(bare: Model, motion: Motion, field: str, joint: int, rigid: Float, ow
     Being linear in the numbers, it is derived once for a motion where the mechanism has none of its own.
     """
     if bare.derived or len(motion) > LONGEST_KEPT:
-        return np.asarray(
-            sum(
-                weight * (model_torque(bare, up, rigid, own) - model_torque(bare, down, rigid, own))
-                for weight, up, down in _moved(motion, field, joint)
-            )
-        ).T
+        return _difference(motion, field, joint, lambda moved: model_torque(bare, moved, rigid, own)).T
     kept = _DERIVED.setdefault(motion, {})
     key = field, joint, bare.thigh_length, bare.gravity, bare.chain, bare.moving_base
     if key not in kept:
-        none = np.zeros(bare.base_count)
-        kept[key] = np.asarray(
-            sum(
-                weight * (model_columns(bare, up, reference=none) - model_columns(bare, down, reference=none))
-                for weight, up, down in _moved(motion, field, joint)
-            )
-        )
+        columns, none = compiled(bare).pointwise, np.zeros(bare.base_count)
+        kept[key] = _difference(
+            motion, field, joint, lambda moved: np.swapaxes(columns(moved, none, own), 0, 1)
+        ).swapaxes(0, 1)
     return np.asarray(kept[key] @ rigid)
+
+
+def _difference(motion: Motion, field: str, joint: int, of: Callable[[Motion], Float]) -> Float:
+    """Return the derivative (N, ...) of what `of` gives for motions (N, ...) by an angle, velocity or acceleration of a
+    joint; each two motions are evaluated as one.
+    """
+    own, values, count = np.eye(motion.q.shape[1])[joint], getattr(motion, field), len(motion)
+    twice = {name: np.concatenate([getattr(motion, name)] * 2) for name in ("t", "q", "dq", "ddq", "sign")}
+    base = None if motion.base is None else np.concatenate([motion.base] * 2)
+    parts = []
+    for step, weight in STENCIL[field]:
+        moved = Motion(**{**twice, field: np.concatenate([values + step * own, values - step * own])}, base=base)
+        found = of(moved)
+        parts.append(weight * (found[:count] - found[count:]))
+    return np.asarray(sum(parts))
 
 
 _FIELDS = ("q", "dq", "ddq")
@@ -260,38 +267,26 @@ STENCIL = {
 by a velocity and an acceleration, in which the torque is quadratic and linear."""
 _DERIVED: WeakKeyDictionary[Motion, dict[tuple[Any, ...], Float]] = WeakKeyDictionary()
 """Derivatives (J, N, P) of the base columns along motions that are still in use."""
-_MOVED: WeakKeyDictionary[Motion, dict[tuple[str, int], list[tuple[float, Motion, Motion]]]] = WeakKeyDictionary()
-"""Moved motions of those that are still in use, so that their base columns are kept as well."""
-
-
-def _moved(motion: Motion, field: str, joint: int) -> list[tuple[float, Motion, Motion]]:
-    kept = _MOVED.setdefault(motion, {})
-    if (field, joint) not in kept:
-        own, values = np.eye(motion.q.shape[1])[joint], getattr(motion, field)
-        kept[field, joint] = [
-            (
-                weight,
-                replace(motion, payload=None, **{field: values + step * own}),
-                replace(motion, payload=None, **{field: values - step * own}),
-            )
-            for step, weight in STENCIL[field]
-        ]
-    return kept[field, joint]
 
 
 def transformed(model: Model, term: Term, motion: Motion, linear: Float, shapes: Float, nodes: Float) -> Float:
     """Return what a transform that is added to `model` adds to its torque, (V, J, N), at V rows of the transform's own
     shapes `nodes` (V, S); other arguments as of `model_torque`.
     """
-    bare, at = rigid_model(model), shape_values(model, shapes)
-    own = np.array([at[entry.name] for entry in bare.shapes])
-    torque = model_torque(bare, motion, linear[base_places(model)], own)
-    words = motion_words(motion) | {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
+    words = motion_words(motion) | torque_words(model, motion, linear, shapes)
     words |= {key: nodes[:, [k]] for k, key in enumerate(term.effect.shape)}
-    out = np.zeros((len(nodes), torque.shape[1], len(motion)))
+    out = np.zeros((len(nodes), len(model.joints), len(motion)))
     for text in torques(term):
         out[:, text.joint] += torque_values(text, words, motion, count=len(nodes))
     return out
+
+
+def torque_words(model: Model, motion: Motion, linear: Float, shapes: Float) -> dict[str, Float]:
+    """Return the words for the torque (N,) of all joints that a transform of `model` acts on."""
+    bare, at = rigid_model(model), shape_values(model, shapes)
+    own = np.array([at[entry.name] for entry in bare.shapes])
+    torque = model_torque(bare, motion, linear[base_places(model)], own)
+    return {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
 
 
 def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Float) -> Callable[[Float], Float]:

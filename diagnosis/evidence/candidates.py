@@ -243,7 +243,7 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
     if _feeds_back(term):
-        words |= _fed_back(term, one, fitted)
+        words |= fed_back((term,), one, fitted)
 
     def at(nodes: Float) -> Float:
         out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
@@ -282,11 +282,11 @@ _FED_BACK: WeakKeyDictionary[FittedModel, WeakKeyDictionary[PreparedRecording, d
 """Torques of models that are still in use, and their slopes: several candidates are made of the same ones."""
 
 
-def _fed_back(term: Term, one: PreparedRecording, fitted: FittedModel) -> dict[str, Float]:
-    """Return the words for the model's own torque and its slopes that the texts of `term` speak of, and others."""
+def fed_back(terms: Sequence[Term], one: PreparedRecording, fitted: FittedModel) -> dict[str, Float]:
+    """Return the words for the model's own torque and its slopes that the texts of `terms` speak of, and others."""
     kept = own_torques(fitted, one)
-    if not kept.keys() >= {name for torque in torques(term) for name in torque.names & SLOPES}:
-        kept |= slopes_of(fitted.model, (term,), one.motion, carrying(one.motion, fitted.linear), fitted.shape)
+    if not kept.keys() >= {name for term in terms for torque in torques(term) for name in torque.names & SLOPES}:
+        kept |= slopes_of(fitted.model, terms, one.motion, carrying(one.motion, fitted.linear), fitted.shape)
     return kept
 
 
@@ -310,11 +310,17 @@ def _extended(model: Model, term: Term) -> Model:
 
 def _tangent(term: Term, one: PreparedRecording, fitted: FittedModel) -> Float:
     """Return ∂τ/∂(the term's number) (A, 1, N) at zero, from a small value of it to either side."""
+    nodes, width = tangent_nodes(term)
+    changes = _changes(term, one, fitted, nodes)
+    return (changes[0] - changes[1]) / width
+
+
+def tangent_nodes(term: Term) -> tuple[Float, float]:
+    """Return the two nodes (2, S) of a tangent, above and below zero, and how far apart they are."""
     first, *rest = term.placed_shape.values()
     step = TANGENT_STEP * (first.max - first.min)
     typical = [s.typical or 0.5 * (s.min + s.max) for s in rest]
-    changes = _changes(term, one, fitted, np.array([[step, *typical], [-step, *typical]]))
-    return (changes[0] - changes[1]) / (2.0 * step)
+    return np.array([[step, *typical], [-step, *typical]]), 2.0 * step
 
 
 def _changes(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Float) -> Float:

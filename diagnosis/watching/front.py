@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.signal import sosfilt
 
 from ground.thresholds import Threshold
 from optimisation.preparation.filtering import STICK, WORKING_RATE
@@ -132,11 +132,10 @@ class Samples:
 
 def poles(x: Float, keep: float, state: Float) -> tuple[Float, Float]:
     """Return `x` (..., N) after first-order poles of gain one, and their state (K, ...) at the end."""
-    out = np.empty_like(state)
-    for k in range(len(state)):
-        x, last = lfilter([1.0 - keep], [1.0, -keep], x, axis=-1, zi=keep * state[k][..., None])
-        out[k] = last[..., 0] / keep
-    return x, out
+    sections = np.tile([1.0 - keep, 0.0, 0.0, 1.0, -keep, 0.0], (len(state), 1))
+    begin = np.stack([keep * state, np.zeros(state.shape)], axis=-1)
+    out, end = sosfilt(sections, x, axis=-1, zi=begin)
+    return out, end[..., 0] / keep
 
 
 @dataclass(eq=False)
@@ -278,8 +277,12 @@ class FrontEnd:
 
 def despiked(tau: Float) -> Float:
     """Return the torque (N - 2 HALF, J) with spikes replaced by the median of their neighbours."""
-    windows = np.lib.stride_tricks.sliding_window_view(tau, 2 * HALF + 1, axis=0)
-    middle = np.sort(windows, axis=-1)[..., HALF]
-    scale = np.sort(np.abs(windows - middle[..., None]), axis=-1)[..., HALF] / 0.6745
+    count = len(tau) - 2 * HALF
+    windows = np.stack([tau[k : k + count] for k in range(2 * HALF + 1)])
+    windows.sort(axis=0)
+    middle = windows[HALF]
+    # The median of the deviations: of all stretches of HALF + 1 neighbours in order, that which deviates least.
+    spread = [np.maximum(middle - windows[HALF - k], windows[2 * HALF - k] - middle) for k in range(HALF + 1)]
+    scale = np.min(spread, axis=0) / 0.6745
     own = tau[HALF : len(tau) - HALF]
     return np.where(np.abs(own - middle) > SPIKE * scale, middle, own)

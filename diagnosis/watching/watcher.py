@@ -26,7 +26,8 @@ from diagnosis.watching.events import Event, clock
 from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
 from diagnosis.watching.questions import questions
 from diagnosis.watching.result import Differences
-from diagnosis.watching.scores import Watched, columns_of, placebos, scores, watched
+from diagnosis.watching.scores import placebos, scores
+from diagnosis.watching.watched import Watched
 from diagnosis.watching.window import Window, joined_windows, prepared, window
 from ground.errors import ExoidError
 from ground.thresholds import Threshold
@@ -82,7 +83,7 @@ class _Reference:
     """What is usual: the model fitted to windows from before, what is watched, and the detector."""
 
     now: FittedModel
-    asked: tuple[Watched, ...]
+    watched: Watched
     detector: Detector
     scale: Float
     rms: Float
@@ -200,9 +201,8 @@ class Watcher:
             return events + (self._refined() if self.quiet_since >= self.settings.sure else [])
         leaving = self.recent[0] if len(reference.detector.recent) == SPANS[-1] else None
         found = reference.detector.take(
-            scores(columns_of(reference.asked, one, block.columns, reference.now), block.residual, block.use,
-                   reference.scale, block)
-        )  # fmt: skip
+            scores(reference.watched.columns(one, block.columns), block.residual, block.use, reference.scale, block)
+        )
         if leaving is not None:
             self._remember(leaving)
         if self.pending is not None:
@@ -228,14 +228,14 @@ class Watcher:
             return [Event("waiting", self.last, f"the motion so far does not determine the model: {error}")]
         blocks = [now.block_of(one) for one in self.kept]
         scale = now.scale
-        asked = watched(questions(now, [b.columns for b in blocks], len(blocks), self.extra, always=False))
+        watched = Watched(questions(now, [b.columns for b in blocks], len(blocks), self.extra, always=False), now)
         found, chance = [], []
         for one, block in zip(self.kept, blocks, strict=True):
-            columns = columns_of(asked, one, block.columns, now)
+            columns = watched.columns(one, block.columns)
             found.append(scores(columns, block.residual, block.use, scale, block))
             chance.append(placebos(columns, block.residual, block, scale, settings.placebos, self.rng))
         detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
-        self.reference = _Reference(now, asked, detector, scale, now.train_rms)
+        self.reference = _Reference(now, watched, detector, scale, now.train_rms)
         if self.estimator is None:
             width = len(self.model.parameters)
             self.estimator = Estimator.start(

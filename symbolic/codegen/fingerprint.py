@@ -12,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import CodeType
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from ground.cache import cache_folder, read_trusted
 from ground.files import sha256, write_whole
@@ -35,7 +36,13 @@ def model_key(model: Model) -> str:
 
 def equations_key(model: Model) -> str:
     """Return the hash of the model's equations alone: models that differ in name or limits share it."""
-    return sha256(canonical_json(equations(model)))
+    if model not in _KEYS:
+        _KEYS[model] = sha256(canonical_json(equations(model)))
+    return _KEYS[model]
+
+
+_KEYS: WeakKeyDictionary[Model, str] = WeakKeyDictionary()
+"""Keys of models that are in use: each is asked for thousands of times."""
 
 
 def equations(model: Model) -> dict[str, Any]:

@@ -6,7 +6,7 @@ CasADi. Without a compiler the same CasADi functions run in CasADi's virtual mac
 
 from __future__ import annotations
 
-import ctypes
+from ctypes import c_long, c_void_p
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -161,14 +161,13 @@ class Compiled:
             memory = np.zeros((len(state), len(memory_operations(self.model))))
         if self.library is not None:
             arrays = [np.ascontiguousarray(a) for a in (state, linear, shape, memory)]
-            given = [None if a is None or not a.size else a.ctypes.data_as(_DOUBLES) for a in (*arrays, extra, out)]
-            self.library.c[f"leg_{name}_many"](ctypes.c_long(len(state)), *given)
+            given = [None if a is None or not a.size else c_void_p(a.ctypes.data) for a in (*arrays, extra, out)]
+            self.library.c[f"leg_{name}_many"](c_long(len(state)), *given)
             return out
         inputs = [state.T, linear, shape, memory.T, *([] if extra is None else [extra.T])]
         return np.ascontiguousarray(np.asarray(self.machine[name](*inputs)).T)
 
 
-_DOUBLES = ctypes.POINTER(ctypes.c_double)
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 

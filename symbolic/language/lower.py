@@ -20,11 +20,24 @@ FEW = 8
 """Trial values from which on waves are turned from one to the next."""
 RENEWED = 32
 """Turns after which a wave is computed anew."""
-_ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
+ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
     "/": lambda a, b: a / b,
+}
+NUMPY: Mapping[str, Callable[..., Any]] = {
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "exp": np.exp,
+    "log": np.log,
+    "sqrt": np.sqrt,
+    "abs": np.abs,
+    "sgn": np.sign,
+    "tanh": np.tanh,
+    "max": np.maximum,
+    "min": np.minimum,
 }
 
 
@@ -36,15 +49,6 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
     `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no value or
     the torque is not a finite number.
     """
-
-    def remember(word: str) -> Callable[..., Any]:
-        def apply(x: Any, *parameter: Any) -> Float:
-            t = np.asarray(_known("t", env), dtype=float)
-            return MEMORY[word](
-                t, np.broadcast_to(x, (*np.shape(x)[:-1], t.size)), *(_constant(word, p) for p in parameter)
-            )
-
-        return apply
 
     def wave(call: Call) -> Float | None:
         """Return sin(n x) or cos(n x) for evenly spaced trial values n; None for anything else."""
@@ -59,23 +63,13 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
 
     table = Spelling(
         number=np.float64,
-        name=lambda name: np.asarray(_known(name, env), dtype=float),
+        name=lambda name: np.asarray(known(name, env), dtype=float),
         negative=lambda a: -a,
-        power=lambda base, exponent: _power(base, exponent, np.sqrt),
-        binary=_ARITHMETIC,
+        power=lambda base, exponent: power(base, exponent, np.sqrt),
+        binary=ARITHMETIC,
         functions={
-            "sin": np.sin,
-            "cos": np.cos,
-            "tan": np.tan,
-            "exp": np.exp,
-            "log": np.log,
-            "sqrt": np.sqrt,
-            "abs": np.abs,
-            "sgn": np.sign,
-            "tanh": np.tanh,
-            "max": np.maximum,
-            "min": np.minimum,
-            **{word: remember(word) for word in OPERATORS},
+            **NUMPY,
+            **{word: lambda *given, word=word: with_memory(word, known("t", env), *given) for word in MEMORY},
         },
         signs=signs,
         shortcut=wave,
@@ -99,10 +93,10 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
 
     table = Spelling(
         number=lambda value: sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value),
-        name=lambda name: sympy.pi if name == "pi" and name not in symbols else _known(name, symbols),
+        name=lambda name: sympy.pi if name == "pi" and name not in symbols else known(name, symbols),
         negative=lambda a: -a,
         power=lambda base, exponent: base ** sympy.Rational(int(2 * exponent), 2),
-        binary=_ARITHMETIC,
+        binary=ARITHMETIC,
         functions={
             "sin": sympy.sin,
             "cos": sympy.cos,
@@ -128,10 +122,10 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
 
     table = Spelling(
         number=float,
-        name=lambda name: _known(name, symbols),
+        name=lambda name: known(name, symbols),
         negative=lambda a: -a,
-        power=lambda base, exponent: _power(base, exponent, casadi.sqrt),
-        binary=_ARITHMETIC,
+        power=lambda base, exponent: power(base, exponent, casadi.sqrt),
+        binary=ARITHMETIC,
         functions={
             "sin": casadi.sin,
             "cos": casadi.cos,
@@ -181,7 +175,8 @@ def _even(numbers: Float) -> bool:
     return bool(np.ptp(step) <= 1e-12 * np.abs(numbers).max())
 
 
-def _known(name: str, env: Mapping[str, Any]) -> Any:
+def known(name: str, env: Mapping[str, Any]) -> Any:
+    """Return what a name stands for; ExpressionError where it has no value."""
     if name in env:
         return env[name]
     if name in CONSTANTS:
@@ -189,6 +184,13 @@ def _known(name: str, env: Mapping[str, Any]) -> Any:
     raise ExpressionError(
         f"{name!r} has no value here", where=name, remedy="values are given for: " + ", ".join(sorted(env))
     )
+
+
+def with_memory(word: str, t: Any, x: Any, *parameter: Any) -> Float:
+    """Return what an operator with memory makes of `x`, a signal or a number, on the clock `t` (N,)."""
+    clock = np.asarray(t, dtype=float)
+    signal = np.broadcast_to(x, (*np.shape(x)[:-1], clock.size))
+    return MEMORY[word](clock, signal, *(_constant(word, p) for p in parameter))
 
 
 def _constant(word: str, parameter: Any) -> Float | float:
@@ -203,7 +205,7 @@ def _constant(word: str, parameter: Any) -> Float | float:
     return value if value.ndim else float(value)
 
 
-def _power(base: Any, exponent: float, root: Callable[[Any], Any]) -> Any:
+def power(base: Any, exponent: float, root: Callable[[Any], Any]) -> Any:
     """Power by multiplication: the same digits in every language, and exact signs for negative bases."""
     whole = int(abs(exponent))
     factors = [base] * whole + ([root(base)] if abs(exponent) != whole else [])

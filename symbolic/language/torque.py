@@ -33,6 +33,7 @@ class Torque:
     names: frozenset[str]
 
 
+@lru_cache(maxsize=1024)
 def torques(term: Term) -> tuple[Torque, ...]:
     """Return the torque texts of a term as trees whose words name joints by number (theta1, dtheta2); none where its
     effect changes the mechanism. ExpressionError for a word of a joint that the machine does not have.

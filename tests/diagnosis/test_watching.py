@@ -5,20 +5,25 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from diagnosis.evidence.fitted import fitted_model
 from diagnosis.watching.alarm import SPANS
 from diagnosis.watching.course import onset
 from diagnosis.watching.differences import compare_against
 from diagnosis.watching.estimator import Estimator, Pace
-from diagnosis.watching.front import FrontEnd, Samples
+from diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
+from diagnosis.watching.questions import questions
 from diagnosis.watching.result import Course
+from diagnosis.watching.watched import Watched
 from diagnosis.watching.watcher import Settings, Watcher
-from diagnosis.watching.window import joined_windows, weighted, window
+from diagnosis.watching.window import joined_windows, prepared, weighted, window
 from ground.errors import RecordingError
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
 from measurement.reading.live import Lines, grown
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import random_trajectory
+from optimisation.fitting.identify import identify
+from symbolic.effect import Coefficient, Effect
 from symbolic.mechanics.payload import Payload
 from symbolic.model import Model
 from symbolic.motion import Motion
@@ -286,3 +291,50 @@ def test_one_recording_before_and_one_after_are_enough(usual_run) -> None:  # ty
     change = found.found[0].change[0]
     assert change.low <= 1.5 <= change.high
     assert not compare_against(model, [before], [part("after", tau, 60.0, 90.0)]).differs
+
+
+NOWHERE = Effect(
+    id="nowhere", explains="it has no value", torque="c * log(0 - theta * theta) * 0.1", custom=True,
+    coefficients={"c": Coefficient("N·m")}, joints=("hip",),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("terms", [(), ("stribeck:knee",)])
+def test_columns_that_are_watched_are_those_that_are_asked_about(terms: tuple[str, ...]) -> None:
+    model = Model.standard()
+    for name in terms:
+        model = model.with_effect(name)
+    motion = random_trajectory(np.random.default_rng(5), period=21.0, harmonics=12).at(np.arange(0.0, 21.0, 0.01))
+    tau = true_model(Model.standard(), standard_leg().base, ()).torque(motion)
+    front = FrontEnd(2)
+    made = front.push(np.column_stack([motion.t, motion.q, tau]))
+    assert front.filters is not None
+    one = window("w", made, front.filters.settled, front.filters)
+    now = fitted_model(identify(model, [one], optimisers=()), prepared(model.joints, [one]))
+    block = now.block_of(one)
+    asked = questions(now, [block.columns], 1, (NOWHERE,), always=False)
+    columns = iter(Watched(asked, now).columns(one, block.columns))
+    names = []
+    for candidate in sorted(asked.candidates, key=lambda c: (c.number is not None) + 2 * (c.link is not None)):  # type: ignore[attr-defined]
+        middle = round(0.5 * (len(candidate.nodes[0]) - 1))
+        values = asked.at(candidate, candidate.nodes[0][[middle]], 0, now)
+        for m in range(values.values.shape[3]):
+            wanted = values.full(0)[:, :, m]
+            np.testing.assert_allclose(next(columns), wanted, rtol=0, atol=1e-9 * (1.0 + np.abs(wanted).max()))
+        names.append(candidate.name)
+        if candidate.name == "nowhere:hip":
+            assert not values.values.any()
+    assert next(columns, None) is None
+    assert {"hysteresis:hip", "motor_elasticity:knee", "time_delay:hip", "nowhere:hip", "payload:shank"} <= {*names}
+
+
+def test_spikes_are_what_is_far_from_the_median_of_its_neighbours() -> None:
+    rng = np.random.default_rng(3)
+    tau = rng.standard_normal((300, 2)).round(1)  # equal neighbours too
+    tau[rng.integers(0, 300, 20)] += 9.0
+    made = despiked(tau)
+    for k, row in enumerate(made):
+        near = tau[k : k + 2 * HALF + 1]
+        middle = np.median(near, axis=0)
+        scale = np.median(np.abs(near - middle), axis=0) / 0.6745
+        np.testing.assert_array_equal(row, np.where(np.abs(near[HALF] - middle) > SPIKE * scale, middle, near[HALF]))
