@@ -17,6 +17,7 @@ from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
+from diagnosis.evidence.soft_drive import SoftDrive, soft_drive
 from diagnosis.evidence.stability import splits_of
 from diagnosis.evidence.stretches import searched, searched_stretches
 from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
@@ -28,6 +29,7 @@ from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
 from diagnosis.verdict import (
     Conclusion,
+    behind,
     biased_parameters,
     check_channels,
     conclude,
@@ -123,6 +125,12 @@ def answer_of(
         for one in _accepted(extensions)
         for found in (agreements.get(one.name, Agreement()),)
     )
+    soft = soft_drive(done.found.state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
+    if soft is not None:
+        answer = behind(soft, last.model.joints)
+        return _write_up(
+            done, (Extension(done.base),), (), None, _beside(soft, accepted, possible, rules), answer, began
+        )
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
     return _write_up(done, extensions, accepted, left, possible, answer, began)
 
@@ -249,6 +257,26 @@ def _from_scratch(
     ]
     never = {name: Agreement(0, count, {}, tuple(dict.fromkeys(lost[name]))) for name in accepted if name not in found}
     return agreements | never, tuple(sorted(possible, key=lambda p: -(p.agreement.share or 0.0)))
+
+
+def _beside(
+    soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
+) -> tuple[Possible, ...]:
+    """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
+    reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
+    given_up = [
+        Possible(one.effect, one.joint, one.agreement, one.parameters, _fall(one), reason)
+        for one in accepted
+        if _fall(one) >= rules.least_share
+    ]
+    names = {one.name for one in accepted}
+    both = [*given_up, *(one for one in possible if one.name not in names)]
+    return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
+
+
+def _fall(one: Accepted) -> float:
+    """Return by what share of itself the squared error fell with an accepted effect, the joints' mean."""
+    return float(1.0 - np.mean((one.rms_after / one.rms_before) ** 2))
 
 
 def _numbers_of(fit: Fit, name: str) -> dict[str, Estimate]:

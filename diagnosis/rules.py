@@ -185,6 +185,17 @@ class Rules:
     own_length: float = _rule(
         CHANNELS, 0.5, "part of the squared error left by another thigh length: effects named for a wrong length"
     )
+    soft_asked: float = _rule(
+        CHANNELS, 1.5, "times the noise from which it is asked whether a drive is too soft for its encoder: noise"
+    )
+    soft_left: float = _rule(
+        CHANNELS,
+        0.5,
+        "part of the squared error that one such drive leaves of what all accepted effects leave: effects named for it",
+    )
+    soft_beside: float = _rule(
+        CHANNELS, 0.9, "the same where the drive is among several accepted: the others make up for its approximation"
+    )
     filter_error: float = _rule(
         CHANNELS, 2.0, "times the error of filter and derivatives: that error passes for a flexible drive"
     )

@@ -11,6 +11,7 @@ import numpy as np
 from diagnosis.evidence.channels import Doubt
 from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.swinging import swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
@@ -18,6 +19,7 @@ from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
+from symbolic.joints import Joint
 from symbolic.quantity import Estimate
 from symbolic.term import Term
 
@@ -125,6 +127,26 @@ def doubted(doubt: Doubt) -> Conclusion:
     """Return the conclusion where the channels cannot be what they say."""
     stopped = "no effect is named on top of channels that cannot be what they say"
     return Conclusion("check_channels", doubt.rule, f"Check the channels. {doubt.sentence}", stopped, doubt.remedy)
+
+
+def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
+    """Return the conclusion where a drive is too soft for its encoder to say where the link is."""
+    falls = ", ".join(
+        f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}"
+        for joint, b, a in zip(joints, soft.before, soft.after, strict=True)
+    )
+    return Conclusion(
+        "unexplained",
+        f"a soft drive, its twist found from the measured torque, leaves {100 * soft.share:.0f} % of the squared error "
+        "that all accepted entries together leave",
+        f"The link does not stand where the encoder of the {soft.joint} says: the torques fit a drive of about "
+        f"{1.0 / soft.compliance:.2g} {soft.stiffness} with its encoder at the motor ({falls}). The link swings behind "
+        f"it at about {soft.hertz:.2g} Hz, and no model of the encoder's motion alone predicts that: nothing is "
+        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {soft.unit}.",
+        "what is accepted in place of a soft drive would only take up part of it",
+        f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
+        f"{soft.name} is the angle at the encoder per torque",
+    )
 
 
 def within_filter_error(base: FittedModel) -> Conclusion:

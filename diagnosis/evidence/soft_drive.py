@@ -1,0 +1,227 @@
+"""Is a drive so soft that its encoder, at the motor, does not say where the link is?
+
+The entry `motor_elasticity` predicts the twist from the motion of the encoder, to first order. Near the resonance of
+link and drive that fails: there the motion of the encoder no longer determines that of the link. The measured torque
+still does: what gear, belt or cable pass on is the torque without the friction before it, and the twist is that over
+the stiffness. So the link's motion is found from both, and the rigid body is fitted to it:
+
+    δ = argmin Σ (δ - c τ)² + (δ + c (K δ + D δ' + M δ'') - c τ_0)² ,
+
+with τ the measured torque without friction, τ_0 the rigid-body torque at the encoder's motion, and K, D, M its slopes.
+The first term is noisy above the resonance, the second one says nothing at it. A model made from a measured torque
+predicts nothing, so this is no entry: it only says what the matter is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel, pooled_rms
+from diagnosis.evidence.swinging import swinging
+from diagnosis.rules import RULES, Rules
+from measurement.signals.conditioning import derivatives
+from symbolic.catalogue import find_effect
+from symbolic.columns import slopes_of
+from symbolic.evaluation import carrying
+from symbolic.language.deflection import STATES
+from symbolic.language.torque import is_transform
+from symbolic.motion import Float
+from symbolic.term import Term
+
+ENTRY = "motor_elasticity"
+SOFTEST, STIFFEST, TRIED = 0.3, 6.0, 8
+"""Resonances in Hz between which compliances are tried, and how many of them: above, the entry holds."""
+REACH, CLOSE = 1.6, 0.005
+"""Factor about the best one within which it is refined, and how closely."""
+ROUNDS = 2
+"""Times that the numbers are fitted: friction and inertia enter the twist."""
+NO_BETTER = 0.95
+"""Share of the fitted squared error that the coarse search leaves, beyond which it ends there, for speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class SoftDrive:
+    """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
+
+    Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged; at joints that
+    are `asked` (J,) that was more than noise.
+    """
+
+    joint: str
+    compliance: float
+    unit: str
+    stiffness: str
+    hertz: float
+    before: Float
+    after: Float
+    asked: np.ndarray
+
+    @property
+    def name(self) -> str:
+        """Full name of the entry of the catalogue that comes nearest."""
+        return f"{ENTRY}:{self.joint}"
+
+    @property
+    def share(self) -> float:
+        """Share of the squared error that it leaves, at the joint where it is largest."""
+        return float(np.max((self.after[self.asked] / self.before[self.asked]) ** 2))
+
+
+def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
+    """Return the soft drive that explains far more than everything in `last`, None where there is none.
+
+    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain.
+    """
+    asked = last.judged_rms > rules.soft_asked * noise
+    if not asked.any() or swinging(last) is not None:  # of what swings by itself, a link on a spring takes up much
+        return None
+    found = []
+    added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
+    for fitted in (base, last) if added else (last,):
+        for joint in range(len(last.model.joints)):
+            one = _best(fitted, joint)
+            if one is None:
+                continue
+            one = replace(one, before=last.judged_rms, asked=asked)
+            beside = fitted is base and one.name in added and len(added) > 1
+            if one.share <= (rules.soft_beside if beside else rules.soft_left) and np.all(
+                one.after <= one.before * (1.0 + ~asked)
+            ):
+                found.append(one)
+    return min(found, key=lambda one: one.share, default=None)
+
+
+def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
+    """Return the compliance at `joint` that leaves least of the fitted torque; None where none helps.
+
+    None as well where the model has terms that change its mechanism or its whole torque.
+    """
+    from scipy.optimize import minimize_scalar
+
+    train = fitted.prepared.train
+    if fitted.model.derived or any(is_transform(term) for term in fitted.model.terms):
+        return None
+    if not any(one.driven[joint] and not one.standing[joint] for one in train):
+        return None
+    links = [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
+    inertia = float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
+    if not inertia > 0.0:
+        return None
+    count, scale = len(train), np.maximum(fitted.train_rms, 1e-12)
+
+    def cost(compliance: float, rounds: int = ROUNDS) -> float:
+        left = _left(links[:count], count, compliance, scale, fitted.linear, rounds)
+        return float(np.mean((pooled_rms(left, train) / scale) ** 2))
+
+    tried = ((2.0 * np.pi * hertz) ** -2.0 / inertia for hertz in np.geomspace(SOFTEST, STIFFEST, TRIED).tolist())
+    least, coarse = min((cost(compliance, 1), compliance) for compliance in tried)
+    if least > NO_BETTER:
+        return None
+    logarithm = minimize_scalar(
+        lambda x: cost(float(np.exp(x))),
+        bounds=(np.log(coarse / REACH), np.log(coarse * REACH)),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    compliance = float(np.exp(logarithm.x))
+    judged = slice(count, None) if fitted.verified else slice(0, count)
+    left = _left(links, count, compliance, scale, fitted.linear)[judged]
+    one = fitted.model.joints[joint]
+    return SoftDrive(
+        one.name,
+        compliance,
+        f"{one.unit('q')}/({one.unit('tau')})",
+        f"{one.unit('tau')}/{one.unit('q')}",
+        float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
+        fitted.judged_rms,
+        pooled_rms(left, fitted.prepared.all[judged]),
+        fitted.judged_rms > 0.0,
+    )
+
+
+class _Link:
+    """One recording and the link behind one drive in it, beside the shape values of a fitted model."""
+
+    def __init__(self, fitted: FittedModel, index: int, joint: int) -> None:
+        self.model, self.one, self.joint = fitted.model, fitted.prepared.all[index], joint
+        self.shape, self.motion = fitted.shapes[index], self.one.motion
+        self.inertial = slice(0, len(self.model.inertial))
+        self.friction = slice(self.inertial.stop, self.model.base_count)
+        self.term = Term(find_effect(ENTRY), self.model.joints[joint].name, self.model.joints)
+        reference = fitted.linear if self.model.needs_reference else None
+        self.still = self._smooth(self.model.columns(self.motion, self.shape, reference))
+        self.bare = self.model.base()
+        self.own = self.bare.columns(self.motion)[joint]
+
+    def _smooth(self, columns: Float) -> Float:
+        """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
+        return np.moveaxis(self.one.smooth(np.moveaxis(columns, 0, 1)), 0, 1)
+
+    def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
+        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration."""
+        carried = carrying(self.motion, linear[: self.bare.base_count])
+        found = slopes_of(self.bare, (self.term,), self.motion, carried, np.zeros(0))
+        by_angle, by_speed, by_acceleration = (found[f"tau{self.joint + 1}_by_{s}{self.joint + 1}"] for s in STATES)
+        return by_angle, by_speed, by_acceleration
+
+    def read(self, compliance: float, linear: Float) -> tuple[Float, Float]:
+        """Return the filtered columns (J, K, P) where the link stands behind its twist, and the torque (J, K) that they
+        must explain; `linear` (P,) are the numbers that the twist is found with.
+        """
+        own, carried, rate = self.own, carrying(self.motion, linear), self.one.rate
+        load = self.one.wide_tau[:, self.joint] - own[:, self.friction] @ linear[self.friction]
+        rigid = own[:, self.inertial] @ carried[self.inertial]
+        turned = twist(load, rigid, self.slopes(linear), compliance, rate)[:, None]
+        speed, rise = derivatives(turned, rate)
+        at, only = self.motion, np.eye(self.motion.q.shape[1])[self.joint]
+        link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
+        columns = self.still.copy()
+        columns[:, :, self.inertial] = self._smooth(self.bare.columns(link)[:, :, self.inertial])
+        return columns, self.one.tau.T - columns @ carrying(at, np.zeros(len(linear)))
+
+
+def _left(
+    links: Sequence[_Link], count: int, compliance: float, scale: Float, linear: Float, rounds: int = ROUNDS
+) -> list[Float]:
+    """Return what is left (J, K) of every recording at the numbers that fit the first `count` best."""
+    free = np.array([entry.term != links[0].term.name for entry in links[0].model.parameters])
+    linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
+    for _ in range(rounds):
+        pairs = [link.read(compliance, linear) for link in links]
+        weights = [link.one.use.T / scale[:, None] for link in links[:count]]
+        rows = [(x * w[:, :, None])[:, :, free].reshape(w.size, -1) for (x, _), w in zip(pairs, weights, strict=False)]
+        right = [(y * w).ravel() for (_, y), w in zip(pairs, weights, strict=False)]
+        matrix = np.concatenate(rows)
+        length = np.linalg.norm(matrix, axis=0)
+        length[length == 0.0] = 1.0
+        linear = np.zeros(len(linear))
+        linear[free] = np.linalg.lstsq(matrix / length, np.concatenate(right), rcond=1e-10)[0] / length
+    return [wanted - columns @ linear for columns, wanted in pairs]
+
+
+def twist(load: Float, rigid: Float, slopes: tuple[Float, Float, Float], compliance: float, rate: float) -> Float:
+    """Return the twist (N,) that both the measured `load` (N,) and the link's equation of motion want.
+
+    `rigid` (N,) is the rigid-body torque at the encoder's motion, `slopes` its derivatives (N,) by angle, velocity and
+    acceleration, `compliance` in rad/(N·m), `rate` in Hz.
+    """
+    from scipy.linalg import solveh_banded
+
+    by_angle, by_speed, by_acceleration = (compliance * slope for slope in slopes)
+    below, above = (by_acceleration * rate**2 + side * 0.5 * by_speed * rate for side in (-1.0, 1.0))
+    middle, wanted = 1.0 + by_angle - 2.0 * by_acceleration * rate**2, compliance * rigid
+    for row in (below, middle, above, wanted):  # at both ends only the load is asked
+        row[[0, -1]] = 0.0
+    banded = np.zeros((3, len(load)))
+    banded[2] = 1.0 + middle**2
+    banded[2, :-1] += below[1:] ** 2
+    banded[2, 1:] += above[:-1] ** 2
+    banded[1, 1:] = middle[:-1] * above[:-1] + below[1:] * middle[1:]
+    banded[0, 2:] = below[1:-1] * above[1:-1]
+    right = compliance * load + middle * wanted
+    right[:-1] += below[1:] * wanted[1:]
+    right[1:] += above[:-1] * wanted[:-1]
+    return np.asarray(solveh_banded(banded, right))

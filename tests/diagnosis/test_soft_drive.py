@@ -1,0 +1,109 @@
+"""A drive too soft for its encoder is found from the measured torque, and nothing else is taken for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.discover import discover
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.soft_drive import soft_drive, twist
+from diagnosis.rules import RULES
+from measurement.recording import Recording
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.model import Model
+from symbolic.motion import Float, Motion
+from tests.made_recordings import BETA, motion
+
+MODEL = Model.standard()
+NOISE = np.array([0.02, 0.02])
+
+
+def behind(joint: int, compliance: float, seed: int, seconds: float = 12.0) -> Recording:
+    """Return a recording of links that move as given, with the encoder of `joint` before a drive that gives way."""
+    link = motion(seed, seconds)
+    rigid = np.where(np.arange(8) < 4, BETA, 0.0)
+    turned = np.zeros_like(link.q)
+    turned[:, joint] = compliance * MODEL.torque(link, rigid)[:, joint]
+    speed = np.gradient(turned, link.t, axis=0)
+    seen = Motion(link.t, link.q + turned, link.dq + speed, link.ddq)
+    tau = MODEL.torque(link, rigid) + MODEL.torque(seen, BETA - rigid)
+    rng = np.random.default_rng(seed)
+    return Recording(
+        f"run {seed}", link.t, seen.q + 1e-5 * rng.normal(size=tau.shape), tau + 0.02 * rng.normal(size=tau.shape)
+    )
+
+
+def fitted(model: Model, runs: list[Recording]) -> FittedModel:
+    prepared = prepare(model, runs[:2], runs[2:], cutoff=5.0)
+    return fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+
+
+@pytest.mark.shows("soft_asked")
+@pytest.mark.parametrize(("joint", "compliance"), [("hip", 0.005), ("knee", 0.015)])
+def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(joint, compliance):
+    base = fitted(MODEL, [behind(("hip", "knee").index(joint), compliance, k) for k in range(3)])
+    found = soft_drive(base, base, NOISE)
+    assert found is not None and found.joint == joint
+    assert found.compliance == pytest.approx(compliance, rel=0.25)
+    assert found.share < 0.3 and np.all(found.after < found.before)
+    assert soft_drive(base, base, base.judged_rms) is None  # it is not asked about noise
+
+
+@pytest.mark.shows("soft_left")
+def test_how_much_better_a_soft_drive_must_be():
+    base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
+    assert soft_drive(base, base, NOISE, replace(RULES, soft_left=1e-4)) is None
+
+
+def test_the_entry_of_the_catalogue_cannot_express_it():
+    runs = [behind(0, 0.008, k) for k in range(3)]
+    base, entry = fitted(MODEL, runs), fitted(MODEL.with_effect("motor_elasticity:hip"), runs)
+    found = soft_drive(base, entry, NOISE)
+    assert found is not None and found.name == "motor_elasticity:hip"
+    assert np.all(found.after < 0.6 * entry.judged_rms)
+
+
+def extras(one: Motion, seed: int) -> dict[str, Float]:
+    """Return torques (N, 2) that no elastic drive makes."""
+    rng = np.random.default_rng(seed)
+    stop = np.column_stack([0.0 * one.t, -60.0 * np.maximum(-1.1 - one.q[:, 1], 0.0)])
+    sway = np.outer(np.sin(2.0 * np.pi * 0.9 * one.t + rng.uniform(0.0, 6.0)), [3.0, 1.0])
+    stuck = 2.0 * np.tanh(np.cumsum(rng.normal(size=one.q.shape), axis=0) / 20.0)
+    return {"stop": stop, "sway": sway, "stuck": stuck, "rotor": one.ddq * [0.0, 0.3]}
+
+
+@pytest.mark.parametrize("what", ["stop", "sway", "stuck", "rotor"])
+def test_what_is_no_elastic_drive_is_not_taken_for_one(what):
+    runs = []
+    for k in range(3):
+        path, rng = motion(k), np.random.default_rng(k)
+        tau = MODEL.torque(path, BETA) + extras(path, k)[what] + 0.1 * rng.normal(size=path.q.shape)
+        runs.append(Recording(f"run {k}", path.t, path.q + 1e-5 * rng.normal(size=path.q.shape), tau))
+    base = fitted(MODEL, runs)
+    assert soft_drive(base, base, 0.1 * NOISE) is None
+
+
+def test_the_twist_is_that_of_load_and_link():
+    """Where both agree it is theirs; the load alone decides at the ends."""
+    t = np.arange(0.0, 4.0, 0.005)
+    delta = 0.05 * np.sin(5.0 * t)
+    slopes = (np.full(t.size, 8.0), np.full(t.size, 0.5), np.full(t.size, 1.5))
+    own = 8.0 * delta + 0.5 * 0.25 * np.cos(5.0 * t) - 1.5 * 25.0 * delta
+    load = delta / 0.004
+    np.testing.assert_allclose(twist(load, load + own, slopes, 0.004, 200.0), delta, atol=2e-5)
+    noisy = load + np.random.default_rng(0).normal(size=t.size)
+    found = twist(noisy, load + own, slopes, 0.004, 200.0)
+    assert np.std(np.diff(found, 2)) < 0.02 * np.std(np.diff(0.004 * noisy, 2))
+
+
+@pytest.mark.slow
+def test_nothing_is_accepted_in_place_of_a_soft_drive():
+    runs = [behind(0, 0.005, k) for k in range(3)]
+    found = discover(MODEL, runs[:2], runs[2:])
+    assert found.verdict == "unexplained" and not found.accepted
+    assert "motor_elasticity:hip" in found.sentence and "hip" in found.next_experiment
+    assert all(one.reason for one in found.possible)
