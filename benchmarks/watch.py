@@ -2,6 +2,7 @@
 
     python benchmarks/watch.py --motions 6 --runs 40 --quiet-hours 8
     python benchmarks/watch.py --speed
+    python benchmarks/watch.py --memory-hours 24
 
 The bench is simulated once per motion (20 minutes, half a minute of CPU each); a run takes one of the motions, the
 torque that it takes with the effect from a random moment on, and sensor noise of its own. Quiet runs differ by noise
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import resource
 import sys
 import time
 from collections.abc import Sequence
@@ -385,14 +387,39 @@ def summed_up(lines: list[dict]) -> dict:
     return out
 
 
+def quiet_rows(begin: float, end: float, rate: float) -> np.ndarray:
+    """Return samples (N, 5) of a leg that follows a motion exactly, with noise, from `begin` to before `end` s."""
+    t = np.arange(round(begin * rate), round(end * rate)) / rate
+    path = motion(1).at(t)
+    tau = true_model(Model.standard(), standard_leg().base, ()).torque(path)
+    rng = np.random.default_rng(round(begin))
+    return np.column_stack([t, path.q, tau + 0.5 * rng.standard_normal(tau.shape)])
+
+
+def resident() -> float:
+    """Return the memory of this process in MB (Linux)."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+def memory(hours: float, rate: float) -> dict:
+    """Return the memory after each hour of a quiet stream that is made as it is watched, and how large the state is."""
+    watcher, seen, sizes = Watcher(Model.standard(), Settings()), [], []
+    for k in range(round(60.0 * hours)):
+        watcher.push(quiet_rows(60.0 * k, 60.0 * (k + 1), rate))
+        if k == 4 or k % 60 == 59:
+            seen.append(round(resident(), 1))
+            detector = watcher.reference.detector
+            held = (watcher.recent, watcher.usual, watcher.leaving, detector.quiet, detector.recent)
+            sizes.append([len(one) for one in held])
+            print(json.dumps({"hours": (k + 1) / 60.0, "mb": seen[-1], "held": sizes[-1]}), file=sys.stderr, flush=True)
+    return {"rate": rate, "hours": hours, "mb": seen, "held": sizes[-1], "events": watcher.counts}
+
+
 def speed(rate: float = 1000.0) -> dict:
     """Return how many times faster than real time a quiet stretch is watched, once what is usual is known."""
     seconds = 400.0
-    t = np.arange(0.0, seconds, 1.0 / rate)
-    path = motion(1).at(t)
-    tau = true_model(Model.standard(), standard_leg().base, ()).torque(path)
-    rng = np.random.default_rng(0)
-    rows = np.column_stack([t, path.q, tau + 0.5 * rng.standard_normal(tau.shape)])
+    rows = quiet_rows(0.0, seconds, rate)
     watcher = Watcher(Model.standard(), Settings())
     learnt = int(150.0 * rate)
     watcher.push(rows[:learnt])
@@ -414,9 +441,13 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, default=None, help="folder in which simulated motions are kept")
     parser.add_argument("--to", type=Path, default=None, help="file of results; runs that it holds are not repeated")
     parser.add_argument("--speed", action="store_true")
+    parser.add_argument("--memory-hours", type=float, default=0.0, help="hours of a stream over which memory is told")
+    parser.add_argument("--rate", type=float, default=None, help="Hz of --speed (1000) and --memory-hours (100)")
     args = parser.parse_args()
     if args.speed:
-        print(json.dumps(speed()), flush=True)
+        print(json.dumps(speed(args.rate or 1000.0)), flush=True)
+    if args.memory_hours:
+        print(json.dumps(memory(args.memory_hours, args.rate or 100.0)), flush=True)
     lines = [json.loads(line) for line in args.to.read_text().splitlines()] if args.to and args.to.exists() else []
     done = {(line["seed"], "quiet" in line) for line in lines}
     quiet = round(args.quiet_hours * 3600.0 / STREAM)

@@ -177,6 +177,9 @@ def _load(path: str | Path) -> Table:
     except UnicodeDecodeError as error:
         raise ModelFileError("is not UTF-8 text", where=where, remedy="save it as UTF-8") from error
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        if text.lstrip()[:1] == "{":
+            remedy = "give the model file (TOML); exoid identify --write FILE and exoid add write one with its numbers"
+            raise ModelFileError("is a result in JSON and no model file", where=where, remedy=remedy) from error
         raise ModelFileError(f"is not valid TOML: {error}", where=where, remedy="mend that line") from error
     return Table(values, (), where, text)
 

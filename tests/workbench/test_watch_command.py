@@ -72,3 +72,18 @@ def test_standard_input_that_is_closed_is_refused(
     monkeypatch.setattr(sys, "stdin", None)
     assert main(["watch", "standard", "-"]) == 2
     assert "standard input is closed" in capsys.readouterr().err
+
+
+def test_numbers_of_a_model_file_are_said_not_to_be_used_and_a_result_is_no_model(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run, model, result = tmp_path / "run.csv", tmp_path / "leg.toml", tmp_path / "fit.json"
+    run.write_text(HEADER + rows(0, 300), encoding="utf-8")
+    model.write_text('name = "leg"\n[identified.parameters]\nPhi1 = 1.2\n', encoding="utf-8")
+    result.write_text('{"schema": "exoid.fit/1"}\n', encoding="utf-8")
+    assert main(["watch", str(model), str(run)]) == 0
+    said = capsys.readouterr().out
+    assert "are not used" in said
+    assert "too little to say what is usual" in said
+    assert main(["watch", str(result), str(run)]) == 2
+    assert "exoid identify --write" in " ".join(capsys.readouterr().err.split())

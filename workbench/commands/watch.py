@@ -71,6 +71,11 @@ def run(args: argparse.Namespace) -> int:
     )  # fmt: skip
     watcher = Watcher(model, settings, model.custom)
     report = _Report(args)
+    if given is not None:
+        from symbolic.model_file import read_numbers
+
+        if read_numbers(given) is not None:
+            report.note(f"the numbers in {given} are not used: the first {args.learn:g} s say what is usual")
     try:
         try:
             for samples, skipped in _samples(args, model):
