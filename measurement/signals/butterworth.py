@@ -165,10 +165,12 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     if end > samples:
         x[:, samples - first :] = beyond[:, : end - samples]
         beyond = beyond[:, end - samples :]
-    flat = x.reshape(-1, length)
-    out = flat @ own
+    # Row by row: products of all rows at once are so large that a library shares them among threads, at a loss.
+    parted = x.reshape(many, stretches, length)
+    out = parted @ own
     # What a stretch adds to the states before and behind it; real and imaginary part, sample by sample of a row last.
-    added = (parts @ flat.T).reshape(2, modes, 2, many, stretches)
+    each = parts @ np.swapaxes(parted, 1, 2)
+    added = np.moveaxis(each.reshape(many, 2, modes, 2, stretches), 0, 3)
     states = np.empty((2, modes, many, stretches), dtype=complex)
     for state, inner in ((states[0, :, :, 1:], added[0, ..., :-1]), (states[1, :, :, 1:], added[1, ..., :0:-1])):
         state.real, state.imag = inner[:, 0], inner[:, 1]
@@ -179,7 +181,7 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     _carry(states, forget[:, None, None])
     for side, inner in zip(added, (states[0], states[1, :, :, ::-1]), strict=True):
         side[:, 0], side[:, 1] = inner.real, inner.imag
-    out += added.reshape(4 * modes, -1).T @ onto
+    out += np.swapaxes(each, 1, 2) @ onto
     return out.reshape(many, -1)[:, :count]
 
 
