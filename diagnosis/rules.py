@@ -123,6 +123,12 @@ class Rules:
     )
     close: float = _rule(ALIKE, 0.5, "part of the best gain from which a candidate is compared at all, for speed")
     another: float = _rule(ALIKE, 0.5, "part of its gain kept beside the best: another effect called a look-alike")
+    contained: float = _rule(
+        ALIKE,
+        2e-3,
+        "share of a plain effect's torque that another, at a limit of its shape, may miss and still contain it: an "
+        "offset would be ambiguous beside a drift that began long ago",
+    )
     dominant: float = _rule(
         ALIKE, 2.0, "times the gain of one that too few splits support: a part of it is accepted in its place"
     )

@@ -302,6 +302,10 @@ def _p_value(judges: Sequence[_Judge], columns: Sequence[Columns], share: float)
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 
 
+CONSTANT = 1e-4
+"""Relative variation below which a column is constant: the filter leaves some."""
+
+
 @dataclass(frozen=True, eq=False)
 class Winner:
     """A curve without physics that beat a term: its columns (one node) on every recording, and who judged it."""
@@ -317,8 +321,15 @@ class Winner:
         return _share(self.judges, both, self.ridge) - self.share
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
-        """Whether a term adds less than half of its own gain to the curve."""
-        return self.leaves(term) < self.judges[0].evidence.rules.superseded * _share(self.judges, term)
+        """Whether a term adds less than half of its own gain to the curve.
+
+        A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
+        where recordings have offsets of their own, a constant says nothing.
+        """
+        rules, alone = self.judges[0].evidence.rules, _share(self.judges, term)
+        if all(np.ptp(one.values, axis=2).max() < CONSTANT * np.abs(one.values).max() for one in term):
+            return rules.least_share <= alone < rules.near * self.share
+        return self.leaves(term) < rules.superseded * alone
 
 
 def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:

@@ -111,16 +111,57 @@ def refitted(
         ((s, f) for s, f in tried if lag[s.name] < rules.tied),
         key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
     )
+
+    def no_more(rival: Score, than: Score) -> bool:
+        """Whether a rival can be the plainer `than`, and what else it can be is not worth a number here."""
+        known = rival.name in losses and than.name in losses
+        more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
+        tied = not known or _lag(losses[than.name], losses[rival.name]) < rules.tied
+        little = tied or bool(more < rules.least_share * np.sum(losses[than.name]))
+        return little and contains(context, extension, evidence, rival, than)
+
+    plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
+    score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
     others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
-    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides, and
-    # is the same or explains less, says nothing more. With as many numbers it is a look-alike.
+    # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
+    # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}
     more = {s.name for s in others if s.candidate.numbers > score.candidate.numbers}
-    others = [s for s in others if s.name not in more or not (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied)]
+    others = [
+        s
+        for s in others
+        if not (s.name in more and (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied))
+        and not (_bends(s, score) and no_more(s, score))
+    ]
     never = tuple(s.name for s in others if _same(s, score))
     return replace(found, alike=tuple(s.name for s in others), never=never)
+
+
+def contains(context: SearchContext, extension: Extension, evidence: Evidence, rival: Score, plain: Score) -> bool:
+    """Whether a rival can be all that a plainer candidate is here: at one of its shape values, beside the present
+    model, it makes the torque of that one but for `contained` of what is new in it.
+    """
+    columns = context.library.columns(rival.candidate, extension.fitted)
+    wanted = context.columns_of(plain, extension.fitted)
+    every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
+    uses, count = [evidence.blocks[k].use for k in every], len(evidence.sigma)
+
+    def samples(parts: Sequence[Columns], node: int) -> Float:
+        return np.concatenate([parts[k].full(node, count)[use] for k, use in zip(every, uses, strict=True)])
+
+    known = np.concatenate([evidence.blocks[k].columns[use] for k, use in zip(every, uses, strict=True)])
+    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
+    torque = samples(wanted, 0) @ np.asarray(plain.coefficients)
+    torque = torque - basis @ (basis.T @ torque)
+    for node in range(rival.candidate.nodes.shape[1]):
+        own = samples(columns, node)
+        own = own - basis @ (basis.T @ own)
+        rest = torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]
+        if np.sum(rest**2) <= evidence.rules.contained * np.sum(torque**2):
+            return True
+    return False
 
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
@@ -175,8 +216,10 @@ def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> 
         replace(c, values=c.values - _mean(c.values, block.use[list(c.joints)][None, :, :, None], 2))
         for c, block in zip(columns_at(score.candidate, score.shape, extension.fitted), evidence.blocks, strict=True)
     ]
-    gain = float(level.gain(level.plain(columns)).total[0]) / float(evidence.fold_losses.sum())
-    return gain >= max(rules.least_share, rules.own_place * score.share)
+    loss = float(evidence.fold_losses.sum())
+    gain = float(level.gain(level.plain(columns)).total[0]) / loss
+    left = float(level.fold_losses.sum()) / loss  # most of what offsets leave is enough: a drift makes some of both
+    return gain >= max(rules.least_share, rules.own_place * min(score.share, left))
 
 
 def _centred(block: RecordingEvidence) -> RecordingEvidence:
@@ -200,6 +243,12 @@ def _lag(loss: Float, least: Float) -> float:
 def _plainness(score: Score) -> tuple[int, int]:
     """Return how many numbers a candidate has, and how many of them are shape parameters: the fewer, the plainer."""
     return score.candidate.numbers, len(score.candidate.term.effect.shape)
+
+
+def _bends(rival: Score, plain: Score) -> bool:
+    """Whether a rival has more numbers, or as many of which a shape bends its torque (a tangent is its only number)."""
+    bent = bool(rival.candidate.term.effect.coefficients) and _plainness(rival) > _plainness(plain)
+    return bent or rival.candidate.numbers > plain.candidate.numbers
 
 
 def _same(one: Score, other: Score) -> bool:

@@ -25,6 +25,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> st
         too_short(after.fitted.prepared, rules)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
+        or made_by_the_filter(before, after, rules)
         or small_while_far(before, after, floor, rules)
     )
 
@@ -84,6 +85,23 @@ def undetermined(fitted: FittedModel, name: str) -> str:
         return ""
     text = ", ".join(f"{e.name} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}".rstrip() for e in found)
     return f"{text}: the interval contains zero"
+
+
+def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str:
+    """Return that the term takes no more off the unseen error than filter and derivatives get wrong by themselves.
+
+    What they get wrong looks like a drive that is flexible or late, where a heavy slide moves fast.
+    """
+    wrong = after.fitted.prepared.filter_error
+    taken = np.sqrt(np.maximum(before.fitted.judged_rms**2 - after.fitted.judged_rms**2, 0.0))
+    if np.any(taken > rules.filter_error * wrong):
+        return ""
+    j = int(np.argmax(taken / np.maximum(wrong, 1e-300)))
+    joint = after.fitted.model.joints[j]
+    return (
+        f"takes {taken[j]:.2g} {joint.unit('tau')} off the error of the {joint.name}, where filter and derivatives "
+        f"alone get {wrong[j]:.2g} {joint.unit('tau')} wrong"
+    )
 
 
 def small_while_far(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:

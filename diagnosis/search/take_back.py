@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from diagnosis.evidence.columns import stacked
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.remainder import Remainder, Winner, beaten, remainders, significant, suggest
+from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext, as_fitted
 from diagnosis.search.doubt import too_short
 from diagnosis.search.state import Extension, State
@@ -31,8 +34,16 @@ def left_over(context: SearchContext, extension: Extension) -> Remainder | None:
         return None
     context.tick(0.88, "looking at what is left")
     found = remainders(extension.fitted, context.evidence(extension))
-    best = next((r for r in found if significant(r, context.rules)), None)
+    rules = context.rules
+    best = next((r for r in found if significant(r, rules) and not _of_filter(r, extension, rules)), None)
     return None if best is None else replace(best, suggestions=suggest(best))
+
+
+def _of_filter(left: Remainder, extension: Extension, rules: Rules) -> bool:
+    """Whether a curve explains no more than filter and derivatives get wrong at its joint."""
+    j = extension.fitted.model.joint_names.index(left.joint)
+    explained = np.sqrt(left.share) * extension.fitted.judged_rms[j]
+    return bool(explained <= rules.filter_error * extension.fitted.prepared.filter_error[j])
 
 
 def proxies(context: SearchContext, state: State, left: Remainder | None) -> frozenset[str]:

@@ -18,7 +18,7 @@ from optimisation.fitting.plausibility import mass_matrix
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.preparation.filtering import PreparedRecording, prepare_one
-from optimisation.preparation.noise import noise_floor
+from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -45,6 +45,11 @@ LOOSE_TOLERANCE = Threshold(
     0.25,
     "the same tolerance where the noise is known: friction near standstill, which faster motion shows, would "
     "slow the cut-off",
+)
+FILTER = Threshold(
+    1 / 3,
+    "part of the error at the slowest cut-off that its filter makes, from which the loose tolerance holds too: numbers "
+    "that make up for a slow filter would be preferred to right ones",
 )
 PARTS, PART = 12, 100.0
 """A recording longer than so many stretches of so many s is judged by as many of them."""
@@ -114,6 +119,8 @@ def choose_cutoff(base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: 
     weighed = sorted({0, fastest})
     relative = trials.relative(weighed)
     index = fastest
+    if relative[fastest] > 1.0 + tolerance and trials.filter_decides():
+        tolerance = LOOSE_TOLERANCE
     if not trials.noise(fastest).clean or relative[fastest] > 1.0 + tolerance:
         weighed = list(range(len(tried)))
         relative = trials.relative(weighed)
@@ -182,7 +189,11 @@ class _Trials:
                 square += np.sum(_part(judge, out).residual(_fit(_part(data(k), ~held))) ** 2, axis=1)
             return np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1))
 
-        self._noise, self._error = noise, error
+        def filter_decides() -> bool:
+            wrong = np.sqrt(mean_square(torque_of_filter(base, beta, prepared(0)), prepared(0)))
+            return bool(np.any(wrong > FILTER * error(0)))
+
+        self._noise, self._error, self.filter_decides = noise, error, filter_decides
 
     def noise(self, k: int, of: int | None = None) -> _Noise:
         """Return what noise does at one cut-off, that of the torque taken from another where one is named."""

@@ -10,7 +10,7 @@ from synthetic import search, state_with
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.rules import RULES
-from diagnosis.search.choice import choose
+from diagnosis.search.choice import choose, contains
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.engine import run_search
@@ -197,3 +197,39 @@ def test_a_spring_stands_for_the_backlash_without_a_gap_that_is_the_same():
     found = forward(context, state_with(context))
     assert found.names == ("joint_spring:knee",)
     assert found.last.alike == found.last.never == ()
+
+
+def test_a_drift_and_a_spring_contain_an_offset_and_friction_does_not():
+    names = ["torque_offset:knee", "torque_drift:knee", "joint_spring:knee", "viscous_quadratic:knee"]
+    context = search(OFFSET, names)
+    start = state_with(context).last
+    evidence = context.evidence(start, draws=0)
+    offset, drift, spring, friction = (context.weighed(start, evidence, context.library.find(name)) for name in names)
+    assert contains(context, start, evidence, drift, offset)
+    assert contains(context, start, evidence, spring, offset)
+    assert not contains(context, start, evidence, friction, offset)
+    found = forward(context, state_with(context))
+    assert found.names == ("torque_offset:knee",)
+    assert found.last.alike == ()
+
+
+def test_a_spring_is_named_where_an_offset_does_not_do():
+    context = search({"joint_spring:knee": ([3.0, 0.2], [])}, ["torque_offset:knee", "joint_spring:knee"])
+    assert forward(context, state_with(context)).names == ("joint_spring:knee",)
+
+
+def test_nothing_is_named_that_is_no_larger_than_what_the_filter_gets_wrong(plain):
+    wrong = replace(plain.prepared, filter_error=np.full(2, 5.0))
+    context = replace(plain, prepared=wrong, ranked={}, doubts={}, refits={}, noises={})
+    found = forward(context, state_with(context))
+    assert found.names == ()
+    assert any("filter and derivatives alone get 5" in text for text in context.doubts.values())
+    assert take_back(context, found).left is None
+
+
+def test_an_offset_is_no_proxy_for_a_curve_that_contains_it():
+    hidden = {"torque_offset:hip": ([2.5], []), "torque_ripple:hip": ([0.25, 0.15], [9.0])}
+    context = search(hidden, ["torque_offset:hip"])
+    found = take_back(context, state_with(context, "torque_offset:hip"))
+    assert found.names == ("torque_offset:hip",)
+    assert found.left is not None
