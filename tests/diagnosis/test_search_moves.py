@@ -218,9 +218,9 @@ def test_a_spring_is_named_where_an_offset_does_not_do():
     assert forward(context, state_with(context)).names == ("joint_spring:knee",)
 
 
-def test_nothing_is_named_that_is_no_larger_than_what_the_filter_gets_wrong(plain):
-    wrong = replace(plain.prepared, filter_error=np.full(2, 5.0))
-    context = replace(plain, prepared=wrong, ranked={}, doubts={}, refits={}, noises={})
+def test_nothing_is_named_that_is_no_larger_than_what_the_filter_gets_wrong():
+    fresh = search({**STRIBECK, **OFFSET}, ["stribeck:hip", "torque_offset:knee"])
+    context = replace(fresh, prepared=replace(fresh.prepared, filter_error=np.full(2, 5.0)))
     found = forward(context, state_with(context))
     assert found.names == ()
     assert any("filter and derivatives alone get 5" in text for text in context.doubts.values())
