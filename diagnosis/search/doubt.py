@@ -94,7 +94,7 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     """
     wrong = after.fitted.prepared.filter_error
     taken = np.sqrt(np.maximum(before.fitted.judged_rms**2 - after.fitted.judged_rms**2, 0.0))
-    if np.any(taken > rules.filter_error * wrong):
+    if np.any(taken > rules.filter_error * wrong) or not np.any(wrong > 0.0):
         return ""
     j = int(np.argmax(taken / np.maximum(wrong, 1e-300)))
     joint = after.fitted.model.joints[j]
