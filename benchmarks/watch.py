@@ -2,7 +2,7 @@
 
     python benchmarks/watch.py --motions 6 --runs 40 --quiet-hours 8
     python benchmarks/watch.py --speed
-    python benchmarks/watch.py --memory-hours 24
+    python benchmarks/watch.py --memory-hours 24 [--changes]
 
 The bench is simulated once per motion (20 minutes, half a minute of CPU each); a run takes one of the motions, the
 torque that it takes with the effect from a random moment on, and sensor noise of its own. Quiet runs differ by noise
@@ -387,11 +387,20 @@ def summed_up(lines: list[dict]) -> dict:
     return out
 
 
-def quiet_rows(begin: float, end: float, rate: float) -> np.ndarray:
-    """Return samples (N, 5) of a leg that follows a motion exactly, with noise, from `begin` to before `end` s."""
+CHANGES = 1200.0
+"""Seconds after which friction comes, and goes again, where that is asked for."""
+
+
+def exact_rows(begin: float, end: float, rate: float, changes: bool = False) -> np.ndarray:
+    """Return samples (N, 5) of a leg that follows a motion exactly, with noise, from `begin` to before `end` s.
+
+    With `changes` 0.6 N·m of dry friction come to the knee, and go, so that questions are asked.
+    """
     t = np.arange(round(begin * rate), round(end * rate)) / rate
     path = motion(1).at(t)
     tau = true_model(Model.standard(), standard_leg().base, ()).torque(path)
+    if changes:
+        tau[:, 1] += 0.6 * np.tanh(path.dq[:, 1] / 0.02) * (t // CHANGES % 2)
     rng = np.random.default_rng(round(begin))
     return np.column_stack([t, path.q, tau + 0.5 * rng.standard_normal(tau.shape)])
 
@@ -402,11 +411,11 @@ def resident() -> float:
     return pages * resource.getpagesize() / 1e6
 
 
-def memory(hours: float, rate: float) -> dict:
-    """Return the memory after each hour of a quiet stream that is made as it is watched, and how large the state is."""
+def memory(hours: float, rate: float, changes: bool) -> dict:
+    """Return the memory after each hour of a stream that is made as it is watched, and how large the state is."""
     watcher, seen, sizes = Watcher(Model.standard(), Settings()), [], []
     for k in range(round(60.0 * hours)):
-        watcher.push(quiet_rows(60.0 * k, 60.0 * (k + 1), rate))
+        watcher.push(exact_rows(60.0 * k, 60.0 * (k + 1), rate, changes))
         if k == 4 or k % 60 == 59:
             seen.append(round(resident(), 1))
             detector = watcher.reference.detector
@@ -419,7 +428,7 @@ def memory(hours: float, rate: float) -> dict:
 def speed(rate: float = 1000.0) -> dict:
     """Return how many times faster than real time a quiet stretch is watched, once what is usual is known."""
     seconds = 400.0
-    rows = quiet_rows(0.0, seconds, rate)
+    rows = exact_rows(0.0, seconds, rate)
     watcher = Watcher(Model.standard(), Settings())
     learnt = int(150.0 * rate)
     watcher.push(rows[:learnt])
@@ -442,12 +451,13 @@ def main() -> None:
     parser.add_argument("--to", type=Path, default=None, help="file of results; runs that it holds are not repeated")
     parser.add_argument("--speed", action="store_true")
     parser.add_argument("--memory-hours", type=float, default=0.0, help="hours of a stream over which memory is told")
+    parser.add_argument("--changes", action="store_true", help="with --memory-hours: something changes every 20 min")
     parser.add_argument("--rate", type=float, default=None, help="Hz of --speed (1000) and --memory-hours (100)")
     args = parser.parse_args()
     if args.speed:
         print(json.dumps(speed(args.rate or 1000.0)), flush=True)
     if args.memory_hours:
-        print(json.dumps(memory(args.memory_hours, args.rate or 100.0)), flush=True)
+        print(json.dumps(memory(args.memory_hours, args.rate or 100.0, args.changes)), flush=True)
     lines = [json.loads(line) for line in args.to.read_text().splitlines()] if args.to and args.to.exists() else []
     done = {(line["seed"], "quiet" in line) for line in lines}
     quiet = round(args.quiet_hours * 3600.0 / STREAM)
