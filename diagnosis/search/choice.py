@@ -19,6 +19,9 @@ from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension
 from symbolic.motion import Float
 
+EXACT = 1e-8
+"""Share of a squared torque up to which two are the same but for rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Choice:
@@ -140,8 +143,10 @@ def refitted(
 
 
 def contains(context: SearchContext, extension: Extension, evidence: Evidence, rival: Score, plain: Score) -> bool:
-    """Whether a rival can be all that a plainer candidate is here: at one of its shape values, beside the present
-    model, it makes the torque of that one but for `contained` of what is new in it.
+    """Whether a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
+    one, exactly or, at a limit of its shape, but for `contained` of what is new in it.
+
+    Two effects that merely resemble each other on this motion do not contain each other.
     """
     columns = context.library.columns(rival.candidate, extension.fitted)
     wanted = context.columns_of(plain, extension.fitted)
@@ -155,11 +160,13 @@ def contains(context: SearchContext, extension: Extension, evidence: Evidence, r
     basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
     torque = samples(wanted, 0) @ np.asarray(plain.coefficients)
     torque = torque - basis @ (basis.T @ torque)
-    for node in range(rival.candidate.nodes.shape[1]):
+    nodes = rival.candidate.nodes
+    ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
+    for node, at_limit in enumerate(ends.any(axis=(0, 2))):
         own = samples(columns, node)
         own = own - basis @ (basis.T @ own)
         rest = torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]
-        if np.sum(rest**2) <= evidence.rules.contained * np.sum(torque**2):
+        if np.sum(rest**2) <= (evidence.rules.contained if at_limit else EXACT) * np.sum(torque**2):
             return True
     return False
 
