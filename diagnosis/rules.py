@@ -40,7 +40,6 @@ class Rules:
         2.0,
         "robust deviations beyond which a residual counts linearly: bursts and reversals would outvote all",
     )
-    ridge: float = _rule(EVIDENCE, 1e-9, "relative ridge of a candidate: a column the model already contains runs wild")
     least_scale: float = _rule(
         EVIDENCE, 0.3, "scale of a column for the ridge, of the largest: a column hardly seen would escape the ridge"
     )

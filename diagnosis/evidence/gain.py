@@ -25,6 +25,8 @@ from symbolic.motion import Float
 
 ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
+RIDGE = 1e-9
+"""Relative ridge of a candidate, for columns that depend on each other: far below what a column must have of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,7 +356,7 @@ class Evidence:
     def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
         """Return what a candidate with these Gram blocks gains on units it was not fitted on.
 
-        `ridge` is relative to the candidate's own Gram matrix, by default that of `rules`.
+        `ridge` is relative to the candidate's own Gram matrix, by default next to nothing.
         """
         coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
         falls = self._losses[:, None] - self._judged.loss_beside(grams, coefficients, step)
@@ -418,7 +420,7 @@ class Evidence:
 
     def ridge(self, ridge: float | None = None) -> tuple[float, float]:
         """Return the relative ridge and the least scale it is relative to."""
-        return self.rules.ridge if ridge is None else ridge, self.rules.least_scale
+        return RIDGE if ridge is None else ridge, self.rules.least_scale
 
     def fitted(self, grams: Gram, ridge: float | None = None) -> tuple[Float, Float]:
         """Return a candidate's coefficients (m,) and the step (P,) of the model's own numbers, both fitted to all

@@ -47,13 +47,15 @@ def test_every_piece_is_answered_once_and_to_the_last_digit(many):
 
 def test_what_copies_write_into_shared_memory_is_seen_here():
     table = np.frombuffer(forks.shared(40, 2), dtype=float)
-    room, go_on = os.pipe()
+    begun, own = {HERE: os.pipe(), None: os.pipe()}, []
 
     def work(k):
-        if os.getpid() == HERE:
-            os.read(room, 1)  # until the copy has done something
+        here = HERE if os.getpid() == HERE else None
+        os.write(begun[here][1], b".")
+        own.append(k)
+        if len(own) == 2:  # until the other one has begun too
+            os.read(begun[None if here else HERE][0], 1)
         table[k] = k + 0.5
-        os.write(go_on, b"." * 40)
         return os.getpid()
 
     who = answers(work, 2)

@@ -1,0 +1,163 @@
+"""Thresholds of what is left, and of channels, lie where they are said to: on either side the answer is another one."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from synthetic import search, state_with
+from test_rules_of_evidence import block, candidate, noise
+
+from diagnosis.evidence import channels, remainder, soft_drive
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.remainder import Remainder, Winner, _Judge, beaten, remainders, significant
+from diagnosis.rules import RULES
+
+CURVE, TERM, BOTH, BUMP = "curve", "term", "curve and term", "bump"
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Recordings of which the model knows everything, and the evidence against it."""
+    context = search({}, ["torque_offset:knee"])
+    last = state_with(context).last
+    return last.fitted, context.evidence(last, draws=0)
+
+
+@pytest.mark.shows("knots")
+def test_a_curve_has_a_dozen_functions(bare):
+    splines = remainder._splines(bare[0], "q1", 0, "", bare[1].rules.knots)
+    assert splines.basis.shape[1] == splines.columns[0].values.shape[3] == 12
+
+
+@pytest.mark.shows("curve_ridge")
+def test_a_part_of_a_curve_that_the_model_nearly_contains_is_held_back():
+    """Of a column three hundredths are new to the model: of its coefficient half is left."""
+    own, new = np.sin(0.37 * np.arange(1000)), noise(1)
+    own /= np.linalg.norm(own)
+    new -= own * (own @ new)
+    column = np.sqrt(0.97) * own + np.sqrt(0.03) * new / np.linalg.norm(new)
+    evidence = Evidence([block(column)] * 2, [], seed=0, draws=0, sigma=np.full(1, 1e3))
+    judge = _Judge(evidence, (0, 1))
+    gain = judge.gain([Columns((0,), column[None, None, :, None])] * 2)
+    assert gain.coefficients[0, 0] == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.shows("curve_share", "curve_level")
+@pytest.mark.parametrize(
+    ("share", "p_value", "said"), [(0.025, 0.004, True), (0.015, 0.004, False), (0.025, 0.007, False)]
+)
+def test_a_curve_is_reported_that_explains_enough_and_is_not_chance(share, p_value, said):
+    nothing = np.zeros(0)
+    one = Remainder("knee", "q2", "", share, share, p_value, nothing, nothing, nothing)
+    assert significant(one) is said
+
+
+@pytest.mark.shows("own_handicap")
+@pytest.mark.parametrize(("own", "first"), [(0.55, False), (0.65, True)])
+def test_a_curve_of_its_own_for_each_recording_earns_that_freedom(own, first, bare, monkeypatch):
+    """Half of what is left follows a common curve, a little more one of each recording's own."""
+
+    def weighs(judges, splines, index, of_its_own):
+        share = own if of_its_own else 0.5
+        return {key: [0.0] for key in ("x", "y", "band")} | {"own": of_its_own, "share": share, "unseen": share}
+
+    monkeypatch.setattr(remainder, "_weigh", weighs)
+    assert remainders(*bare, ["knee"], placebos=0)[0].own is first
+
+
+def contest(monkeypatch, shares, lead=0.0, numbers=1):
+    """Who wins at a joint where columns explain these `shares`, the curve's losses in 16 blocks `lead` deviations
+    below those of the term.
+    """
+    losses = {TERM: np.full(16, 9.0), CURVE: 9.0 - lead / 4.0 + np.tile([1.0, -1.0], 8)}
+    moving = SimpleNamespace(values=np.arange(8.0)[None, None, :, None])
+    named = {id(moving): TERM}
+
+    def name(columns):
+        return columns[0] if isinstance(columns[0], str) else named[id(columns[0])]
+
+    monkeypatch.setattr(remainder, "_own_judges", lambda now, evidence: [])
+    monkeypatch.setattr(remainder, "_tried", lambda joints: (("dq1", ""),) if CURVE in shares else ())
+    monkeypatch.setattr(remainder, "_splines", lambda *asked: SimpleNamespace(columns=(CURVE,)))
+    monkeypatch.setattr(remainder, "_share", lambda judges, columns, ridge=None: shares[name(columns)])
+    monkeypatch.setattr(remainder, "_blocks", lambda judges, columns, ridge=None: losses[name(columns)])
+    monkeypatch.setattr(remainder, "_beside", lambda curve, term: BOTH)
+    bump = candidate(numbers=1)
+    monkeypatch.setattr(remainder, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
+    monkeypatch.setattr(remainder, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
+    found = SimpleNamespace(share=shares.get(BUMP), nodes=np.zeros(1, int))
+    monkeypatch.setattr(remainder, "weigh", lambda *asked: found)
+    now = SimpleNamespace(
+        model=SimpleNamespace(joint_names=("hip",), joints=()), prepared=SimpleNamespace(all=[None])
+    )  # fmt: skip
+    return beaten(now, SimpleNamespace(rules=RULES, blocks=[None]), "hip", [moving], numbers)
+
+
+@pytest.mark.shows("beaten", "beaten_share", "superseded")
+@pytest.mark.parametrize(
+    ("more", "lead", "beside", "wins"),
+    [
+        (0.03, 3.5, 0.1, True),
+        (0.015, 3.5, 0.1, False),
+        (0.03, 2.5, 0.1, False),
+        (0.03, 3.5, 0.2, True),
+        (0.03, 3.5, 0.3, False),
+    ],
+)
+def test_a_curve_unmasks_a_term_that_it_clearly_beats_and_that_adds_little_to_it(more, lead, beside, wins, monkeypatch):
+    """The term explains half; the curve `more` than that, and the term `beside` it a part of the loss."""
+    shares = {TERM: 0.5, CURVE: 0.5 + more, BOTH: 0.5 + more + beside}
+    assert (contest(monkeypatch, shares, lead) is not None) is wins
+
+
+@pytest.mark.shows("as_good")
+@pytest.mark.parametrize(
+    ("share", "numbers", "wins"), [(0.49, 2, True), (0.48, 2, False), (0.49, 1, False), (0.3, 2, False)]
+)
+def test_a_bump_of_fewer_numbers_unmasks_a_term_that_gains_no_more(share, numbers, wins, monkeypatch):
+    shares = {TERM: 0.5, BUMP: share, BOTH: share + 0.1}
+    assert (contest(monkeypatch, shares, numbers=numbers) is not None) is wins
+
+
+@pytest.mark.shows("near")
+@pytest.mark.parametrize(("share", "gone"), [(0.3, True), (0.45, False)])
+def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(share, gone, monkeypatch):
+    monkeypatch.setattr(remainder, "_share", lambda judges, columns, ridge=None: share)
+    judge = SimpleNamespace(evidence=SimpleNamespace(rules=RULES))
+    constant = SimpleNamespace(values=np.ones((1, 1, 8, 1)))
+    assert Winner((), (judge,), None, 0.5).supersedes([constant]) is gone
+
+
+# -- channels -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.shows("own_length")
+@pytest.mark.parametrize(("left", "doubted"), [(0.18, True), (0.22, False)])
+def test_another_thigh_length_is_the_answer_where_it_leaves_half_of_what_all_effects_leave(left, doubted, monkeypatch):
+    """All effects together leave 0.4 of the squared error."""
+    length = SimpleNamespace(wrong=True, gain=(1.0 - left, 1.0 - left), value=0.45, sentence="it is wrong")
+    monkeypatch.setattr(channels, "wanted_thigh_length", lambda fit, prepared: length)
+    base = SimpleNamespace(fit=None, prepared=None, train_rms=np.ones(2))
+    last = SimpleNamespace(train_rms=np.full(2, np.sqrt(0.4)))
+    assert (channels._wrong_length(base, last, RULES) is not None) is doubted
+
+
+@pytest.mark.shows("soft_beside")
+@pytest.mark.parametrize(("left", "others", "found"), [(0.85, True, True), (0.95, True, False), (0.85, False, False)])
+def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left, others, found, monkeypatch):
+    """One soft drive alone leaves this part of what all accepted effects leave; it is one of them, or the only one."""
+    names = [f"{soft_drive.ENTRY}:hip", *(["stribeck:hip"] if others else [])]
+    none = SimpleNamespace(terms=[], joints=[None])
+    base = SimpleNamespace(model=none)
+    last = SimpleNamespace(
+        model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]), judged_rms=np.ones(1)
+    )  # fmt: skip
+    best = soft_drive.SoftDrive(
+        "hip", 0.01, "rad/(N·m)", "N·m/rad", 3.0, np.ones(1), np.full(1, np.sqrt(left)), np.ones(1, bool)
+    )
+    monkeypatch.setattr(soft_drive, "swinging", lambda fitted: None)
+    monkeypatch.setattr(soft_drive, "_best", lambda fitted, joint: best if fitted is base else None)
+    assert (soft_drive.soft_drive(base, last, np.full(1, 0.1)) is not None) is found
