@@ -17,12 +17,13 @@ from symbolic.model import TABLE_1, Limits, Model
 
 @pytest.fixture(scope="module")
 def found():
-    return design(seed=3, starts=1)
+    return design(seed=3, starts=0)
 
 
 @pytest.mark.slow
-def test_the_targets_are_met(found):
+def test_the_targets_are_met():
     """At a_th = 0.40 m, T = 10 s, offsets fixed; NFO within 20 × 400, IPOPT best known."""
+    found = design(seed=3, starts=1)
     nfo, ipopt = (next(c for c in found.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))
     assert nfo.evaluations == 20 * 400 and ipopt.value <= 55.6
     # About every second seed of NFO reaches 56.5.
@@ -54,11 +55,13 @@ def test_each_criterion_is_best_at_its_own(criterion, found):
     assert own.value < other.value and own.feasible
 
 
-def test_ipopt_knows_every_criterion():
-    for criterion in ("d_optimal", "worst"):
-        both = design(criterion=criterion, starts=1, generations=20)
-        nfo, ipopt = (next(c for c in both.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))
-        assert ipopt.value < nfo.value and both.feasible
+@pytest.mark.parametrize("harmonics", [2, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("criterion", ["condition", "d_optimal", "worst"])
+def test_ipopt_knows_every_criterion(criterion, harmonics):
+    both = design(criterion=criterion, starts=1, generations=20, harmonics=harmonics)
+    nfo, ipopt = (next(c for c in both.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))
+    assert ipopt.value < nfo.value and both.feasible
+    assert both.to_json()["best_known"] is True
 
 
 def test_the_printed_variant_finds_nothing_to_follow():

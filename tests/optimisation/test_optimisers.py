@@ -15,9 +15,15 @@ from optimisation.optimiser import BOUNDARIES, minimise
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
 
+SLOW = pytest.mark.slow
 RECIPES = [
     pytest.param(kind(boundary=rule), id=f"{name}-{rule}") for name, kind in optimisers().items() for rule in BOUNDARIES
 ]
+INSIDE = [
+    pytest.param(*recipe.values, id=recipe.id, marks=() if recipe.values[0] == type(recipe.values[0])() else SLOW)
+    for recipe in RECIPES
+]
+"""For what happens away from the bounds: other rules at them are slow tests."""
 CENTRE = np.array([0.75, -0.5, 0.25])
 
 
@@ -37,7 +43,7 @@ def test_the_folder_is_the_catalogue():
     assert {"nfo", "pso", "ga", "de", "cma_es"} <= set(optimisers())
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_finds_the_bottom_of_a_bowl(optimiser):
     run = short(problem(), optimiser, generations=200)
     assert run.fitness < 1e-4
@@ -45,7 +51,7 @@ def test_finds_the_bottom_of_a_bowl(optimiser):
     assert np.all(np.diff(run.history) <= 0.0)
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_same_seed_same_run(optimiser):
     first, second, other = (short(problem(), optimiser, seed=s) for s in (7, 7, 8))
     assert np.array_equal(first.history, second.history)
@@ -71,8 +77,8 @@ def test_the_declared_invariances_are_ones_that_are_tested():
 @pytest.mark.parametrize(
     ("optimiser", "change"),
     [
-        pytest.param(recipe.values[0], change, id=f"{recipe.id}-{change}")
-        for recipe in RECIPES
+        pytest.param(recipe.values[0], change, id=f"{recipe.id}-{change}", marks=recipe.marks)
+        for recipe in INSIDE
         for change in sorted(recipe.values[0].invariances)
     ],
 )
@@ -88,7 +94,7 @@ def test_nfo_cares_about_the_scale_of_an_axis():
     assert not np.allclose(back(short(changed, NFO()).x), short(problem(), NFO()).x)
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_one_dimension_is_a_problem_too(optimiser):
     line = Problem(lambda x: (x[:, 0] - 0.3) ** 2, np.full(1, -2.0), np.full(1, 2.0), ("a",), ("1",))
     run = short(line, optimiser)
@@ -141,14 +147,14 @@ def test_spends_exactly_the_budget(optimiser, individuals, generations):
     assert len(run.history) == len(run.counts)
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_survives_a_plateau(optimiser):
     run = short(problem(lambda x: np.zeros(len(x))), optimiser)
     assert run.fitness == 0.0
     assert np.all(np.abs(run.x) <= 2.0)
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_nan_never_wins(optimiser):
     half = short(problem(lambda x: np.where(x[:, 0] > 0.8, np.nan, bowl(x))), optimiser)
     assert half.x[0] <= 0.8
@@ -158,7 +164,7 @@ def test_nan_never_wins(optimiser):
     assert np.isfinite(nothing.x).all()
 
 
-@pytest.mark.parametrize("optimiser", RECIPES)
+@pytest.mark.parametrize("optimiser", INSIDE)
 def test_a_given_start_is_used_and_kept(optimiser):
     start = np.linspace(-1.0, 1.0, 60).reshape(20, 3)
     before = start.copy()
