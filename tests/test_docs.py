@@ -92,6 +92,7 @@ def test_the_loop_of_the_readme_runs(four_runs, capsys):
         assert status == 0, f"{line}: {said.err} {said.out}"
 
 
+@pytest.mark.slow
 def test_the_python_of_the_readme_runs(four_runs):
     (script,) = blocks_of_readme("python")
     done = subprocess.run(

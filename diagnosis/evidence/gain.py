@@ -26,7 +26,7 @@ from symbolic.motion import Float
 ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
 RIDGE = 1e-9
-"""Relative ridge of a candidate, for columns that depend on each other: far below what a column must have of its own."""
+"""Relative ridge of a candidate, for columns that depend on each other: far below what one must have of its own."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from measurement.recording import Recording, to_csv
 
 GOOD = lines()[1:120]
 CALM = settings(
-    max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 CELL = st.one_of(
     st.floats(width=32).map(repr),

@@ -100,6 +100,7 @@ def test_a_run_does_not_depend_on_the_others(fit, found, name):
     assert np.array_equal(alone.gaps, found.outcomes[name][2].gaps)
 
 
+@pytest.mark.slow
 def test_processes_find_what_one_process_finds(fit, found):
     two = rivals(fit, **{**SMALL, "jobs": 2})
     for name, runs in found.outcomes.items():
