@@ -5,11 +5,12 @@ What noise of the angles makes, and what another offset of the torque sensor in 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
@@ -121,7 +122,7 @@ def refitted(
         more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
         tied = not known or _lag(losses[than.name], losses[rival.name]) < rules.tied
         little = tied or bool(more < rules.least_share * np.sum(losses[than.name]))
-        return little and contains(context, extension, evidence, rival, than)
+        return little and contains(context, extension, evidence, rival.candidate, than)
 
     plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
@@ -138,35 +139,89 @@ def refitted(
         if not (s.name in more and (_same(s, score) or behind.get(s.name, 0.0) >= rules.tied))
         and not (_bends(s, score) and no_more(s, score))
     ]
-    never = tuple(s.name for s in others if _same(s, score))
-    return replace(found, alike=tuple(s.name for s in others), never=never)
+    never = [s.name for s in others if _same(s, score)]
+    for candidate in _twins(context, extension, evidence, score, {score.name, *(s.name for s in others)}):
+        twin = context.weighed(extension, evidence, candidate)
+        lost = context.with_term(extension, twin).fitted.block_losses(scale, rules) if candidate.tangent else least
+        if not candidate.tangent or _lag(lost, losses[score.name]) < rules.clear:
+            never.append(twin.name)
+    alike = dict.fromkeys([*(s.name for s in others), *never])
+    return replace(found, alike=tuple(alike), never=tuple(never))
 
 
-def contains(context: SearchContext, extension: Extension, evidence: Evidence, rival: Score, plain: Score) -> bool:
+def _twins(
+    context: SearchContext, extension: Extension, evidence: Evidence, score: Score, known: Collection[str]
+) -> list[Candidate]:
+    """Return the changes of the mechanism besides those `known` that make exactly the torque of `score`, on any motion.
+
+    A joint's wrong zero, weighed by its slope or refitted to the end of its range, may be refused where the mass that
+    it takes off the axis is accepted: what it refuses is its size, and only where that costs something. Of a force at
+    the cuff of a single joint all numbers but one show on no motion.
+    """
+    present = {*known, *(term.name for term in extension.fitted.model.terms)}
+    out = []
+    for candidate in context.library.candidates:
+        if candidate.term.effect.derive is None or candidate.name in present:
+            continue
+        same = contains(context, extension, evidence, candidate, score, EXACT)
+        fewer = candidate.numbers <= score.candidate.numbers
+        if same and (fewer or is_within(context, extension, evidence, candidate, score)):
+            out.append(candidate)
+    return out
+
+
+def _beside(evidence: Evidence) -> Callable[[Sequence[Columns], int], tuple[Float, Float]]:
+    """Return what gives the columns at a node on all fitted samples: as they are, and what is new in them beside the
+    present model.
+    """
+    every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
+    uses, count = [evidence.blocks[k].use for k in every], len(evidence.sigma)
+    known = np.concatenate([evidence.blocks[k].columns[use] for k, use in zip(every, uses, strict=True)])
+    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
+
+    def samples(parts: Sequence[Columns], node: int) -> tuple[Float, Float]:
+        whole = np.concatenate([parts[k].full(node, count)[use] for k, use in zip(every, uses, strict=True)])
+        return whole, whole - basis @ (basis.T @ whole)
+
+    return samples
+
+
+def is_within(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate, plain: Score) -> bool:
+    """Whether a rival with more numbers can be nothing else than `plain` beside the present model, whatever its shape:
+    the other numbers show on no motion of this machine.
+    """
+    samples, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
+    _, own = samples(context.columns_of(plain, extension.fitted), 0)
+    for node in range(rival.nodes.shape[1]):
+        whole, new = samples(columns, node)
+        rest = new - own @ np.linalg.lstsq(own, new, rcond=1e-9)[0]
+        if np.any(np.sum(rest**2, axis=0) > EXACT * np.sum(whole**2, axis=0).max()):
+            return False
+    return True
+
+
+def contains(
+    context: SearchContext,
+    extension: Extension,
+    evidence: Evidence,
+    rival: Candidate,
+    plain: Score,
+    limit: float | None = None,
+) -> bool:
     """Whether a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
-    one, exactly or, at a limit of its shape, but for `contained` of what is new in it.
+    one, exactly or, at a limit of its shape, but for `limit` (default `contained`) of what is new in it.
 
     Two effects that merely resemble each other on this motion do not contain each other.
     """
-    columns = context.library.columns(rival.candidate, extension.fitted)
-    wanted = context.columns_of(plain, extension.fitted)
-    every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
-    uses, count = [evidence.blocks[k].use for k in every], len(evidence.sigma)
-
-    def samples(parts: Sequence[Columns], node: int) -> Float:
-        return np.concatenate([parts[k].full(node, count)[use] for k, use in zip(every, uses, strict=True)])
-
-    known = np.concatenate([evidence.blocks[k].columns[use] for k, use in zip(every, uses, strict=True)])
-    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
-    torque = samples(wanted, 0) @ np.asarray(plain.coefficients)
-    torque = torque - basis @ (basis.T @ torque)
-    nodes = rival.candidate.nodes
+    limit = evidence.rules.contained if limit is None else limit
+    samples, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
+    torque = samples(context.columns_of(plain, extension.fitted), 0)[1] @ np.asarray(plain.coefficients)
+    nodes = rival.nodes
     ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
     for node, at_limit in enumerate(ends.any(axis=(0, 2))):
-        own = samples(columns, node)
-        own = own - basis @ (basis.T @ own)
+        _, own = samples(columns, node)
         rest = torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]
-        if np.sum(rest**2) <= (evidence.rules.contained if at_limit else EXACT) * np.sum(torque**2):
+        if np.sum(rest**2) <= (limit if at_limit else EXACT) * np.sum(torque**2):
             return True
     return False
 

@@ -11,6 +11,7 @@ from diagnosis.search.state import Extension
 from optimisation.fitting.shapes import to_unit
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
+from symbolic.quantity import Estimate
 
 
 def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
@@ -73,7 +74,9 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
 def undetermined(fitted: FittedModel, name: str) -> str:
     """Return that the interval of every coefficient of the term `name` contains zero: the data do not show it.
 
-    Of a term without coefficients it is the interval of its first number, where zero is one of its values.
+    Intervals are those at the shape found, since without the torque there is no shape: of a peak of which only the
+    flank shows neither height nor width is known, and it is there all the same. Of a term without coefficients it is
+    the interval of its first number, where zero is one of its values.
     """
     known = {e.name: e for e in fitted.fit.estimates}
     wanted = [p.name for p in fitted.model.parameters if p.term == name]
@@ -81,10 +84,30 @@ def undetermined(fitted: FittedModel, name: str) -> str:
         first = next((s for s in fitted.model.shapes if s.term == name), None)
         wanted = [first.name] if first is not None and first.shape.min <= 0.0 <= first.shape.max else []
     found = [known[n] for n in wanted]
-    if not found or not all(not np.isfinite([e.low, e.high]).all() or e.low <= 0.0 <= e.high for e in found):
+    if not found or not all(_around_zero(e, _at_its_shape(fitted, name, e.name)) for e in found):
         return ""
     text = ", ".join(f"{e.name} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}".rstrip() for e in found)
     return f"{text}: the interval contains zero"
+
+
+def _around_zero(one: Estimate, narrower: float) -> bool:
+    """Whether an interval contains zero, or is not known, also where it is `narrower` times as wide."""
+    low, high = (one.value + narrower * (end - one.value) for end in (one.low, one.high))
+    return bool(not np.isfinite([low, high]).all() or low <= 0.0 <= high)
+
+
+def _at_its_shape(fitted: FittedModel, name: str, coefficient: str) -> float:
+    """Return the standard error of a coefficient of the term `name` at known shape values, of that at unknown ones."""
+    model, spread = fitted.model, fitted.fit.covariance
+    names = [*(p.name for p in model.parameters), *(s.name for s in model.shapes)]
+    own, count = names.index(coefficient), len(model.parameters)
+    shapes = [count + i for i, s in enumerate(model.shapes) if s.term == name and count + i != own]
+    shapes = [k for k in shapes if 0.0 < spread[k, k] < np.inf]
+    if not shapes or not 0.0 < spread[own, own] < np.inf:
+        return 1.0
+    across = spread[own, shapes]
+    taken = across @ np.linalg.pinv(spread[np.ix_(shapes, shapes)]) @ across / spread[own, own]
+    return float(np.sqrt(np.clip(1.0 - taken, 0.0, 1.0)))
 
 
 def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str:

@@ -217,7 +217,7 @@ def _largest(hidden: Hidden, model: Model, leg: Leg | Machine) -> float:
     if not model.chain:
         return MOST_SHARE / share
     sizes = {p.name.rpartition(".")[2]: p.typical for p in Term(hidden.effect, hidden.joint, model.joints).parameters}
-    most = [SENSIBLE * size / max(abs(hidden.values[key]), 1e-12) for key, size in sizes.items() if size]
+    most = [SENSIBLE * abs(size) / max(abs(hidden.values[key]), 1e-12) for key, size in sizes.items() if size]
     return min([*most, SENSIBLE_SHARE / share])
 
 

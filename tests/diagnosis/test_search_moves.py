@@ -205,9 +205,9 @@ def test_a_drift_and_a_spring_contain_an_offset_and_friction_does_not():
     start = state_with(context).last
     evidence = context.evidence(start, draws=0)
     offset, drift, spring, friction = (context.weighed(start, evidence, context.library.find(name)) for name in names)
-    assert contains(context, start, evidence, drift, offset)
-    assert contains(context, start, evidence, spring, offset)
-    assert not contains(context, start, evidence, friction, offset)
+    assert contains(context, start, evidence, drift.candidate, offset)
+    assert contains(context, start, evidence, spring.candidate, offset)
+    assert not contains(context, start, evidence, friction.candidate, offset)
     found = forward(context, state_with(context))
     assert found.names == ("torque_offset:knee",)
     assert found.last.alike == ()
@@ -233,3 +233,17 @@ def test_an_offset_is_no_proxy_for_a_curve_that_contains_it():
     found = take_back(context, state_with(context, "torque_offset:hip"))
     assert found.names == ("torque_offset:hip",)
     assert found.left is not None
+
+
+@pytest.mark.parametrize("moment", [0.2, 0.29])
+def test_a_wrong_zero_at_the_end_of_its_range_stays_the_look_alike_of_a_mass_off_axis(moment):
+    context = search({"com_offset_shank": ([moment], [])}, ["encoder_offset_knee", "com_offset_shank"])
+    found = forward(context, state_with(context))
+    assert {*found.names, *found.last.alike} == {"com_offset_shank", "encoder_offset_knee"}
+    assert found.last.never == found.last.alike
+
+
+def test_a_mass_too_far_off_axis_for_any_wrong_zero_is_no_look_alike_of_one():
+    context = search({"com_offset_shank": ([0.6], [])}, ["encoder_offset_knee", "com_offset_shank"])
+    found = forward(context, state_with(context))
+    assert (found.names, found.last.alike) == (("com_offset_shank",), ())

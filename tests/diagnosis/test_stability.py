@@ -127,6 +127,20 @@ def test_an_interval_around_zero_is_nothing():
     assert "contains zero" in undetermined(replace(hip.fitted, fit=fit), "torque_offset:hip")
 
 
+@pytest.mark.parametrize(("correlation", "shown"), [(0.0, False), (0.99, True)])
+def test_a_peak_of_which_only_the_flank_shows_is_there_all_the_same(correlation, shown):
+    context = search({"stribeck:hip": ([1.5], [0.15])}, ["stribeck:hip"])
+    after = state_with(context, "stribeck:hip").last.fitted
+    fit, own, shape = after.fit, len(after.linear) - 1, len(after.linear)
+    value, width = fit.estimate("stribeck:hip.c").value, fit.covariance[shape, shape] ** 0.5
+    spread = fit.covariance.copy()
+    spread[own, own] = value**2
+    spread[own, shape] = spread[shape, own] = correlation * value * width
+    wide = replace(fit.estimate("stribeck:hip.c"), low=-value, high=3.0 * value)
+    after = replace(after, fit=replace(fit, estimates=(wide,), covariance=spread))
+    assert (undetermined(after, "stribeck:hip") == "") is shown
+
+
 def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
     context = search(OFFSET, ["torque_offset:knee"])
     after = state_with(context, "torque_offset:knee").last

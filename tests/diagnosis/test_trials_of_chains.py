@@ -5,10 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.fitted import fitted_model
+from diagnosis.rules import RULES
+from diagnosis.search.context import SearchContext
+from diagnosis.search.forward import forward
+from diagnosis.search.state import State
 from diagnosis.trials.cases import Case, cases, hide, singles, subject, visible
 from diagnosis.trials.chains import CHAINS
-from diagnosis.trials.count import counted
+from diagnosis.trials.count import HEADS, counted, describe_miss
+from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import Bench, run_bench
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
@@ -64,13 +70,43 @@ def test_what_is_hidden_in_other_machines_can_be_seen(kind):
 
 def test_machines_with_nothing_hidden_are_counted_apart():
     line = {"kind": "drive", "verdict": "adequate", "accepted": [], "covered_true": [True], "hidden": {}}
-    line |= {"case": "drive/nothing/1", "rms": {"found": [1.0], "true": [1.0]}}
+    line |= {"case": "drive/nothing/1", "rms": {"base": [1.0], "found": [1.0], "true": [1.0]}}
     wrong = {**line, "hidden": {"stribeck:axis": {}}}
     rows = counted([line, wrong])
     assert [row[:3] for row in rows] == [("drive", "1", "0.0 %"), ("drive, nothing hidden", "1", "100.0 %")]
+
+
+def test_what_would_not_have_lowered_the_error_is_a_miss_that_could_not_be_told():
+    line = {"kind": "drive", "verdict": "adequate", "accepted": [], "covered_true": [], "hidden": {"stribeck:axis": {}}}
+    line |= {"case": "drive/stribeck:axis/1", "unexplained": {"significant": False}}
+    lines = [{**line, "rms": {"base": [1.0], "found": [1.0], "true": [true]}} for true in (0.999, 0.9)]
+    column = HEADS.index("could not be told")
+    assert [row[column - 1 : column + 1] for row in counted(lines)] == [("2", "1")]
+    assert [text.endswith("could not be told") for text in map(describe_miss, lines)] == [True, False]
+
+
+def test_sizes_are_drawn_with_the_sign_of_their_typical_value():
+    case = Case.named("drive/cuff_interaction/300")
+    rng = np.random.default_rng(case.number)
+    (hidden,) = hide(case, *subject(case, rng), rng)
+    assert hidden.values["k"] > 0.0 and hidden.values["d"] > 0.0
 
 
 def test_every_kind_of_machine_is_drawn_anew():
     for draw in CHAINS.values():
         one, other = (draw(np.random.default_rng(seed)) for seed in (0, 1))
         assert one.joint_names == other.joint_names and one.motion_limits != other.motion_limits
+
+
+def test_a_cuff_on_one_joint_is_the_look_alike_of_the_mass_off_axis_that_it_is():
+    names = ["encoder_offset:axis", "com_offset:axis", "cuff_interaction", "gravity_tilt"]
+    hidden = [Hidden(DRIVE.find_effect("com_offset"), "axis", {"m_y": 0.08})]
+    runs = [
+        run_bench(DRIVE, effects=hidden, seed=4, index=k, bench=Bench(duration=20.0)).recording for k in range(3)
+    ]
+    prepared = prepare(DRIVE, runs[:2], runs[2:], cutoff=6.0)
+    library = build_library(DRIVE, prepared.all)
+    context = SearchContext(prepared, Library(tuple(map(library.find, names))), rules=replace(RULES, placebos=199))
+    found = forward(context, State((context.fit(DRIVE),)))
+    assert {*found.names, *found.last.alike} == {*names} and len(found.names) == 1
+    assert {*found.last.never} == {*found.last.alike}
