@@ -18,8 +18,10 @@ from symbolic.motion import Float
 
 STRETCH = 64
 """Samples that one matrix product filters."""
-KEPT = 16
+KEPT = 32
 """Kept samples that one matrix product gives."""
+TOGETHER = 25_000
+"""Values that are filtered at once: more do not stay in the cache of a processor."""
 FORGOTTEN = 1e-15
 """What is left of a state that no longer counts."""
 
@@ -155,46 +157,42 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
     continued by their odd reflection.
     """
-    own, parts, onto, forget = _kept(one, step)
+    inside, onto, beside = _kept(one, step)
     many, samples = rows.shape
-    length, stretches, modes = KEPT * step, -(-count // KEPT), one.poles.size
-    end = first + stretches * length
-    beyond = _after(rows, min(samples - 1, reach + max(0, end - samples)))
-    x = np.empty((many, stretches * length))
-    x[:, : samples - first] = rows[:, first:end]
-    if end > samples:
-        x[:, samples - first :] = beyond[:, : end - samples]
-        beyond = beyond[:, end - samples :]
-    # Row by row: products of all rows at once are so large that a library shares them among threads, at a loss.
-    parted = x.reshape(many, stretches, length)
-    out = parted @ own
-    # What a stretch adds to the states before and behind it; real and imaginary part, sample by sample of a row last.
-    each = parts @ np.swapaxes(parted, 1, 2)
-    added = np.moveaxis(each.reshape(many, 2, modes, 2, stretches), 0, 3)
-    states = np.empty((2, modes, many, stretches), dtype=complex)
-    for state, inner in ((states[0, :, :, 1:], added[0, ..., :-1]), (states[1, :, :, 1:], added[1, ..., :0:-1])):
-        state.real, state.imag = inner[:, 0], inner[:, 1]
-    before = np.concatenate([_before(rows, max(0, reach - first)), rows[:, max(0, first - reach) : first]], axis=1)
-    behind = np.concatenate([rows[:, end:], beyond], axis=1)[:, :reach]
-    states[0, :, :, 0] = _outer(one, before[:, ::-1], 1)
-    states[1, :, :, 0] = _outer(one, behind, 0)
-    _carry(states, forget[:, None, None])
-    for side, inner in zip(added, (states[0], states[1, :, :, ::-1]), strict=True):
-        side[:, 0], side[:, 1] = inner.real, inner.imag
-    out += np.swapaxes(each, 1, 2) @ onto
+    length, stretches, states = KEPT * step, -(-count // KEPT), 2 * one.poles.size
+    begin = first - beside * length  # the sample at which a row of `x` begins
+    some = max(1, min(many, TOGETHER // samples))
+    x = np.zeros((some, stretches + 2 * beside, length))
+    around = np.empty((some, stretches, 2 * beside, states))
+    flat, out = x.reshape(some, -1), np.empty((many, stretches, KEPT))
+    end = min(samples, begin + flat.shape[1])
+    before = min(-begin, reach - first)
+    after = min(samples - 1, begin + flat.shape[1] - samples, first + stretches * length + reach - samples)
+    for at in range(0, many, some):
+        part = rows[at : at + some]
+        now = slice(len(part))
+        flat[now, max(0, -begin) : end - begin] = part[:, max(0, begin) : end]
+        if before > 0:
+            flat[now, -begin - before : -begin] = _before(part, before)
+        if after > 0:
+            flat[now, end - begin : end - begin + after] = _after(part, after)
+        # Row by row: products of all rows at once are so large that a library shares them among threads, at a loss.
+        each = x[now] @ inside
+        for k in range(beside):
+            around[now, :, k] = each[:, k : k + stretches, KEPT : KEPT + states]
+            around[now, :, beside + k] = each[:, beside + 1 + k : beside + 1 + k + stretches, KEPT + states :]
+        np.add(
+            each[:, beside : beside + stretches, :KEPT],
+            around[now].reshape(len(part), stretches, -1) @ onto,
+            out=out[at : at + some],
+        )
     return out.reshape(many, -1)[:, :count]
 
 
-def _outer(one: Filter, rows: Float, begin: int) -> Any:
-    """Return the states (P, C) that samples `rows` (C, N), the nearest first, make `begin` samples further on."""
-    weights = one.poles[:, None] ** np.arange(begin, begin + rows.shape[1])
-    return weights.real @ rows.T + 1j * (weights.imag @ rows.T)
-
-
 @lru_cache(maxsize=32)
-def _kept(one: Filter, step: int) -> tuple[Float, Float, Float, Any]:
-    """Return what a stretch makes of its kept samples, (S, K), and of the states beside it, (4P, S), what states make
-    of the kept samples, (4P, K), and what is left of states after a stretch (P,).
+def _kept(one: Filter, step: int) -> tuple[Float, Float, int]:
+    """Return what a stretch makes of its kept samples and of the states behind and before it, (S, K + 4P), what states
+    of the stretches beside it make of its kept samples, (4P B, K), and how many of these count on either side, B.
     """
     length, at = KEPT * step, step * np.arange(KEPT)
     inside = np.arange(length)
@@ -206,8 +204,11 @@ def _kept(one: Filter, step: int) -> tuple[Float, Float, Float, Any]:
     pulse[0] += float(np.real(one.direct * origin))
     own = pulse[np.abs(at[None, :] - inside[:, None])]
     parts = [_parts(one.poles ** lag[:, None]) for lag in (length - inside, inside)]
-    onto = np.concatenate([_onto(factors, one.poles, at), _onto(factors, one.poles, length - at)])
-    return own, np.ascontiguousarray(np.concatenate(parts, axis=1).T), onto, one.poles**length
+    beside = int(np.ceil(np.log(FORGOTTEN) / (length * np.log(np.abs(one.poles).max()))))
+    carried = [factors * one.poles ** (length * k) for k in range(beside)]
+    onto = [_onto(each, one.poles, at) for each in reversed(carried)]
+    onto += [_onto(each, one.poles, length - at) for each in carried]
+    return np.concatenate([own, *parts], axis=1), np.concatenate(onto), beside
 
 
 def _pair(one: Filter, z: Any) -> Any:
