@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -37,17 +36,7 @@ class Columns:
     def within(self, samples: slice) -> Float:
         """Return the same of some samples only."""
         values = self.values[:, :, samples]
-        return np.moveaxis(values, 3, 1).reshape(len(values), values.shape[3], -1)
-
-    @property
-    def largest(self) -> Float:
-        """The largest magnitude (V, K) of each node's columns at each sample."""
-        nodes, count, samples, width = self.values.shape
-        if self.is_absent:
-            return np.zeros((nodes, samples))
-        size = np.abs(self.flat)  # NumPy is slow in reductions over short axes: they are taken apart
-        parts = [size[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
-        return functools.reduce(np.maximum, parts)
+        return values.transpose(0, 3, 1, 2).reshape(len(values), values.shape[3], -1)
 
     def full(self, node: int, joints: int = len(LEG)) -> Float:
         """Return the columns (J, K, m) of one node, zero at those of the `joints` that it does not act on."""

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Library
+from diagnosis.evidence.candidates import Candidate, Library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
@@ -22,16 +22,38 @@ from diagnosis.evidence.score import Score, weigh
 from diagnosis.evidence.stability import Splits
 from ground.engines.forks import allowed_processes, share_out, shared
 
+Progress = Callable[[float, str], None]
+
+
+def silent(fraction: float, text: str) -> None:
+    """Report no progress."""
+
 
 def rank(
     evidence: Evidence,
     library: Library,
     fitted: FittedModel,
-    tick: Callable[[float, str], None] | None = None,
+    tick: Progress = silent,
 ) -> list[Score]:
     """Return all candidates, best first: weighed, the promising ones with placebos and significance."""
     present = {term.name for term in fitted.model.terms}
     todo = [c for c in library.candidates if c.name not in present]
+    scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
+    scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns)
+    promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
+    tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
+    known = {s.name: s for s in tested}
+    return mark_significant([known.get(s.name, s) for s in scores], evidence.rules.false_discovery_rate)
+
+
+def weigh_all(
+    evidence: Evidence,
+    library: Library,
+    fitted: FittedModel,
+    todo: Sequence[Candidate],
+    tick: Progress = silent,
+) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
+    """Return the candidates `todo` weighed, without placebos, and their columns; shared with copies of this process."""
     many = allowed_processes()
     rooms = [library.room(c, fitted.prepared, many) for c in todo]
     found: dict[int, Score] = {}
@@ -42,16 +64,22 @@ def rank(
 
     def heard(k: int, answer: dict[str, Any]) -> None:
         found[k] = Score.of(todo[k], answer)
-        if tick:
-            tick(0.6 * len(found) / len(todo), todo[k].name)
+        tick(len(found) / len(todo), todo[k].name)
 
     share_out(weighed, sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width), heard, many)
     columns = {c.name: library.keep(c, room) for c, room in zip(todo, rooms, strict=True)}
-    scores = sorted((found[k] for k in range(len(todo))), key=lambda s: -s.share)
-    scores = agreed(evidence, scores, columns)
-    promising = [k for k, s in enumerate(scores) if s.eligible][: evidence.rules.placebo_for]
+    return [found[k] for k in range(len(todo))], columns
 
-    parts = [(k, part) for k in promising for part in searches(evidence, scores[k])]
+
+def with_chance(
+    evidence: Evidence,
+    scores: Sequence[Score],
+    columns: Mapping[str, Sequence[Columns]],
+    tick: Progress = silent,
+) -> list[Score]:
+    """Return `scores` with their p-values; shared with copies of this process."""
+    many = allowed_processes()
+    parts = [(k, part) for k, score in enumerate(scores) for part in searches(evidence, score)]
     good = np.frombuffer(shared(evidence.draws * len(parts), many), dtype=bool)
     good = good[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
 
@@ -60,14 +88,11 @@ def rank(
         good[i] = as_good(evidence, scores[k], columns[scores[k].name], part)
 
     def settled(i: int, answer: None) -> None:
-        if tick:
-            tick(0.6 + 0.4 * (i + 1) / len(parts), scores[parts[i][0]].name)
+        tick((i + 1) / len(parts), scores[parts[i][0]].name)
 
     share_out(chance, range(len(parts)), settled, many)
-    for k in promising:
-        own = [good[i] for i, (whose, _) in enumerate(parts) if whose == k]
-        scores[k] = replace(scores[k], p_value=p_value(evidence, own))
-    return mark_significant(scores, evidence.rules.false_discovery_rate)
+    own = [[good[i] for i, (whose, _) in enumerate(parts) if whose == k] for k in range(len(scores))]
+    return [replace(s, p_value=p_value(evidence, found)) for s, found in zip(scores, own, strict=True)]
 
 
 def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Sequence[Columns]]) -> list[Score]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -164,16 +165,21 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
     train = columns[: len(evidence.train)]
-    largest = [c.largest for c in train]
-    peak = np.max([size.max(axis=1) for size in largest], axis=0)
-    live = [np.mean(size > 1e-3 * peak[:, None], axis=1) for size in largest]
+    largest = []
     whole = seen = 0.0
     for c, block in zip(train, evidence.train, strict=True):
+        nodes, count, samples, width = c.values.shape
         if c.is_absent:
+            largest.append(np.zeros((nodes, samples)))
             continue
-        squares = np.square(c.flat).sum(axis=1)
-        whole = whole + squares.sum(axis=1)
-        seen = seen + squares @ block.use[list(c.joints)].ravel()
+        squares = np.square(c.flat)  # NumPy is slow in reductions over short axes: they are taken apart
+        total = functools.reduce(np.add, [squares[:, m] for m in range(width)])
+        whole = whole + total.sum(axis=1)
+        seen = seen + total @ block.use[list(c.joints)].ravel().astype(float)
+        parts = [squares[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
+        largest.append(functools.reduce(np.maximum, parts))
+    peak = np.max([size.max(axis=1) for size in largest], axis=0)
+    live = [np.mean(size > 1e-6 * peak[:, None], axis=1) for size in largest]
     return np.where((peak > 0.0) & (seen >= evidence.rules.least_seen * whole), np.mean(live, axis=0), 0.0)
 
 

@@ -14,8 +14,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import columns_at, refine
 from diagnosis.evidence.model_error import noise_with
-from diagnosis.evidence.placebo import placebo
-from diagnosis.evidence.ranking import agreed, rank
+from diagnosis.evidence.ranking import Progress, agreed, rank, silent, weigh_all, with_chance
 from diagnosis.evidence.repeats import repeats
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
@@ -26,14 +25,9 @@ from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model
 from symbolic.motion import Float
 
-Progress = Callable[[float, str], None]
 Ranked = tuple[Evidence, list[Score]]
 RESOLUTION = 1.2
 """How much finer than the strictest p-value of a ranking its placebos resolve."""
-
-
-def silent(fraction: float, text: str) -> None:
-    """Report no progress."""
 
 
 def unheard(state: State) -> None:
@@ -144,7 +138,11 @@ class SearchContext:
 
     def weighed(self, extension: Extension, evidence: Evidence, candidate: Candidate) -> Score:
         """Weigh a candidate against the model of `extension`, without placebos and splits."""
-        return weigh(evidence, candidate, self.library.columns(candidate, extension.fitted))
+        return self.all_weighed(extension, evidence, [candidate])[0]
+
+    def all_weighed(self, extension: Extension, evidence: Evidence, candidates: Sequence[Candidate]) -> list[Score]:
+        """Weigh several candidates so."""
+        return weigh_all(evidence, self.library, extension.fitted, candidates)[0]
 
     def agreed(self, extension: Extension, evidence: Evidence, scores: Sequence[Score]) -> list[Score]:
         """Return `scores` with what splits of the recordings say about them."""
@@ -182,7 +180,7 @@ class SearchContext:
         evidence = self.evidence(extension)
         candidate = self.library.find(score.name)
         columns = self.library.columns(candidate, extension.fitted)
-        return placebo(evidence, weigh(evidence, candidate, columns), columns)
+        return with_chance(evidence, [weigh(evidence, candidate, columns)], {score.name: columns})[0]
 
     def sure(self, score: Score) -> bool:
         """Whether an accepted term that was tested anew beside the others may stay."""

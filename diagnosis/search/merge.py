@@ -42,6 +42,6 @@ def _one_would_do(context: SearchContext, state: State, pair: Sequence[Score]) -
         | state.unsteady
         | {score.name for score in pair}
     )
-    scores = [context.weighed(without, evidence, c) for c in context.library.candidates if c.name not in taken]
+    scores = context.all_weighed(without, evidence, [c for c in context.library.candidates if c.name not in taken])
     enough = [s for s in scores if s.share >= wanted]
     return any(s.eligible for s in context.agreed(without, evidence, enough))

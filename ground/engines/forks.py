@@ -22,6 +22,8 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
+import numpy as np
+
 from ground.errors import ExoidError
 
 PROCESSES = "EXOID_PROCESSES"
@@ -46,9 +48,8 @@ def allowed_processes() -> int:
 
 
 def shared(count: int, many: int) -> Any:
-    """Return a buffer of `count` doubles that `many` processes see."""
-    size = 8 * max(count, 1)
-    return mmap.mmap(-1, size) if many > 1 else bytearray(size)
+    """Return a buffer of `count` doubles, all zero, that `many` processes see."""
+    return mmap.mmap(-1, 8 * max(count, 1)) if many > 1 else np.zeros(max(count, 1))
 
 
 def share_out(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], None], many: int) -> None:

@@ -123,13 +123,15 @@ class PreparedRecording:
         `axis` of `x` has the rows of `joints`, of all where none are given.
         """
         joints = range(self.tau.shape[1]) if joints is None else joints
-        rows = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
-        return np.ascontiguousarray(np.moveaxis(self.smooth_rows(rows, joints, axis - 1), -1, 0))
+        rows = np.array(x.transpose(*range(1, x.ndim), 0), dtype=float, order="C")
+        smooth = self.smooth_rows(rows, joints, axis - 1)
+        return np.ascontiguousarray(smooth.transpose(x.ndim - 1, *range(x.ndim - 1)))
 
     def smooth_rows(self, x: Float, joints: Sequence[int], axis: int) -> Float:
         """Do the same to `x` (..., N), which is bridged in place, and return (..., K)."""
+        ahead: tuple[slice | int, ...] = (slice(None),) * axis
         for place, joint in enumerate(joints):
-            self._bridges[joint].across(np.moveaxis(x, axis, 0)[place])
+            self._bridges[joint].across(x[(*ahead, place)])
         flat = low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept)
         return flat.reshape(*x.shape[:-1], -1)
 
