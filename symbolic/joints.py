@@ -85,9 +85,17 @@ def check_joints(joints: Sequence[Joint]) -> None:
     names = [joint.name for joint in joints]
     for k, joint in enumerate(joints):
         where = f"joint {k + 1} ({joint.name[:40]})"
-        if not JOINT_NAME.fullmatch(joint.name) or joint.name in TAKEN:
+        if joint.name in TAKEN:
             raise EffectError(
-                f"{joint.name[:40]!r} is not a joint's name", where=where, remedy="use letters, digits and _"
+                f"no joint can be called {joint.name!r}, which has a meaning of its own",
+                where=where,
+                remedy="rename it",
+            )
+        if not JOINT_NAME.fullmatch(joint.name):
+            raise EffectError(
+                f"{joint.name[:40]!r} is not a joint's name",
+                where=where,
+                remedy="use a letter first, then letters (a to z), digits and _, 40 characters at most",
             )
         if joint.name in names[:k]:
             raise EffectError(f"there are two joints called {joint.name!r}", where=where, remedy="rename one")

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from measurement.reading.units import SLIDING, factor, is_scaled
 from symbolic.joints import LEG, Joint
+from symbolic.joints import names as joint_names
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",
@@ -86,6 +87,8 @@ BASE_WORDS: Mapping[str, str] = {
     **{f"{part}{word}": "base_angle" for part in ("base", "backpack", "pelvis", "trunk")
        for word in ("angle", "tilt", "pitch")},
 }  # fmt: skip
+OWN = ("q", "dq", "ddq", "tau", "f")
+"""Quantities that every joint has a column of."""
 _QUANTITY = {word.replace(" ", ""): quantity for quantity, words in WORDS.items() for word in words}
 _SIDE = {word: side for side, words in SIDES.items() for word in words}
 
@@ -114,8 +117,12 @@ class _Part(NamedTuple):
 def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | None:
     """Return what the column `name` of a machine with `joints` can be, None where it cannot be said.
 
-    "tau1_mNm" is ColumnMeaning("tau1", "mNm"); "hip_flexion_r_moment" is ColumnMeaning("tau1", side="right").
+    "tau1_mNm" is ColumnMeaning("tau1", "mNm"); "hip_flexion_r_moment" is ColumnMeaning("tau1", side="right"). A
+    quantity and the name of a joint as the model writes it, "tau_roll", come before any reading of words.
     """
+    quantity, _, own = name.partition("_")
+    if quantity in OWN and own in joint_names(joints):
+        return ColumnMeaning(f"{quantity}{joint_names(joints).index(own) + 1}", rank=-1)
     for sign, word in GREEK.items():
         name = name.replace(sign, word)
     if base := _of_base(name):

@@ -105,6 +105,18 @@ def test_names_of_joints_are_no_fillers_nor_sides():
     assert recognise("q5", LEGS) is None
 
 
+@pytest.mark.parametrize(
+    "names",
+    [("A", "a"), ("theta", "tau"), ("q_hip", "hip"), ("q2", "q1"), ("knee_left", "left_knee"), ("roll", "double")],
+)
+def test_a_column_called_as_the_model_writes_its_joint_is_that(names):
+    first, second = (Joint(name, length=0.3) for name in names)
+    for number, name in enumerate(names, 1):
+        for quantity in ("q", "dq", "ddq", "tau", "f"):
+            meant = recognise(f"{quantity}_{name}", (first, second))
+            assert meant is not None and meant.name == f"{quantity}{number}", (quantity, name)
+
+
 def test_written_and_read_again(tmp_path):
     q, tau = signals(3)
     run = Recording("three", T, q, tau, joints=LEG3).with_passive("ankle")

@@ -98,7 +98,7 @@ def test_who_hangs_from_whom():
         ((Joint("a", length=-1.0),), "length is -1.0"),
         ((Joint("a", length=float("nan")),), "length is nan"),
         ((Joint("a", length=0.3, parent="b"), Joint("b")), "no joint 'b' before it"),
-        ((Joint("both"),), "is not a joint's name"),
+        ((Joint("both"),), "no joint can be called .both., which has a meaning"),
         ((Joint("a b"),), "is not a joint's name"),
     ],
 )
