@@ -117,12 +117,12 @@ def following_columns(model: Model, motion: Motion, nodes: Float, reference: Flo
     for term in terms:
         keys = tuple(term.effect.coefficients)
         own = nodes[:, [names.index(f"{term.name}.{key}") for key in term.effect.shape]]
-        tried = {**words, **{key: own[:, [i]] for i, key in enumerate(term.effect.shape)}}
+        tried, kept = {**words, **{key: own[:, [i]] for i, key in enumerate(term.effect.shape)}}, dict[Any, Any]()
         for torque in torques(term):
             for m, key in enumerate(keys):
                 if key in torque.names:
                     part = part_of(torque, key, keys)
-                    out[:, torque.joint, first + m] = torque_values(part, tried, motion, len(nodes))
+                    out[:, torque.joint, first + m] = torque_values(part, tried, motion, len(nodes), kept)
         first += len(keys)
     return out
 
@@ -168,10 +168,10 @@ def moving_torque(
     joints = tuple(sorted({text.joint for text in texts}))
 
     def moved(values: Float) -> Float:
-        tried = {**words, entry.name.removeprefix(f"{term.name}."): values[:, None]}
+        tried, kept = {**words, entry.name.removeprefix(f"{term.name}."): values[:, None]}, dict[Any, Any]()
         out = np.zeros((len(values), len(joints), len(motion)))
         for text in texts:
-            out[:, joints.index(text.joint)] += torque_values(text, tried, motion, count=len(values))
+            out[:, joints.index(text.joint)] += torque_values(text, tried, motion, len(values), kept)
         return out
 
     return transformed_torque(model, columns, still, shape, motion, term).T, joints, moved
@@ -366,10 +366,10 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
 
 def _add(term: Term, env: dict[str, Float | float], motion: Motion, out: Float, place: dict[str, int]) -> None:
     """Write the columns of an ordinary text into `out`."""
-    keys = tuple(term.effect.coefficients)
+    keys, kept = tuple(term.effect.coefficients), dict[Any, Any]()
     for torque in torques(term):
         for key in keys:
             if key in torque.names:
                 out[torque.joint, :, place[f"{term.name}.{key}"]] = torque_values(
-                    part_of(torque, key, keys), env, motion
+                    part_of(torque, key, keys), env, motion, kept=kept
                 )

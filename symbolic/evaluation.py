@@ -7,12 +7,13 @@ Needs no equations: the base columns that tau_rigid, tau_model and transforms ac
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from symbolic.language.lower import to_numpy
 from symbolic.language.torque import Torque, is_transform, torques
+from symbolic.language.tree import Call
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -116,12 +117,19 @@ def transformed_torque(
     return np.asarray(out)
 
 
-def torque_values(torque: Torque, env: dict[str, Float | float], motion: Motion, count: int | None = None) -> Float:
+def torque_values(
+    torque: Torque,
+    env: dict[str, Float | float],
+    motion: Motion,
+    count: int | None = None,
+    kept: dict[Call, Any] | None = None,
+) -> Float:
     """Return the torque (N,) at its joint for the words in `env`.
 
-    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N).
+    With `count` the shape values in `env` are columns (V, 1) of as many nodes, and the result is (V, N). `kept` is as
+    of `to_numpy`.
     """
-    values = to_numpy(torque.node, env, signs(motion))
+    values = to_numpy(torque.node, env, signs(motion), kept)
     whole = (len(motion),) if count is None else (count, len(motion))
     return np.broadcast_to(np.asarray(values, dtype=float), whole)
 

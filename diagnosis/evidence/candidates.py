@@ -12,6 +12,7 @@ import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -246,12 +247,12 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
         words |= fed_back((term,), one, fitted)
 
     def at(nodes: Float) -> Float:
-        out = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion)))
+        out, kept = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion))), dict[Any, Any]()
         for torque in torques(term):
             place = candidate.joints.index(torque.joint)
             for m, key in enumerate(keys):
                 if key in torque.names:
-                    out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion)
+                    out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion, kept)
         out[np.isnan(out).any(axis=(1, 2, 3))] = 0.0  # zero, so that such a node is never chosen
         return out
 
@@ -259,12 +260,17 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
 
 
 def _at_nodes(
-    torque: Torque, words: dict[str, Float | float], keys: tuple[str, ...], nodes: Float, motion: Motion
+    torque: Torque,
+    words: dict[str, Float | float],
+    keys: tuple[str, ...],
+    nodes: Float,
+    motion: Motion,
+    kept: dict[Any, Any],
 ) -> Float:
-    """Return a torque (V, N) at every node; NaN where it is not finite."""
+    """Return a torque (V, N) at every node, NaN where it is not finite; `kept` as of `to_numpy`, of the same nodes."""
     shaped = {key: nodes[:, [i]] for i, key in enumerate(keys)}
     try:
-        return torque_values(torque, {**words, **shaped}, motion, count=len(nodes))
+        return torque_values(torque, {**words, **shaped}, motion, len(nodes), kept)
     except ExpressionError:  # at some node: find out which
         return np.stack([_at_node(torque, words, keys, node, motion) for node in nodes])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,17 +42,21 @@ NUMPY: Mapping[str, Callable[..., Any]] = {
 }
 
 
-def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE) -> Float:
+def to_numpy(
+    node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE, kept: dict[Call, Any] | None = None
+) -> Float:
     """Return the values (N,) of the torque, or a scalar where nothing in it varies.
 
     `env` maps names to signals (N,) or numbers, with the time stamps `t` (N,) in s for operators with
     memory; where shapes are columns (V, 1), one number for each of V trials, so are the values: (V, N).
-    `signs` maps a velocity's name to its sign signal (N,). ExpressionError where a name has no value or
-    the torque is not a finite number.
+    `signs` maps a velocity's name to its sign signal (N,). `kept` are the values of calls in texts evaluated with the
+    same `env` and `signs` before; more are added. ExpressionError where a name has no value or the torque is not a
+    finite number.
     """
+    known_calls = {} if kept is None else kept
 
-    def wave(call: Call) -> Float | None:
-        """Return sin(n x) or cos(n x) for evenly spaced trial values n; None for anything else."""
+    def wave(call: Call) -> dict[str, Float] | None:
+        """Return sin(n x) and cos(n x) for evenly spaced trial values n; None for anything else."""
         argument = call.arguments[0]
         if call.function not in ("sin", "cos") or not isinstance(argument, Binary) or argument.operator != "*":
             return None
@@ -59,7 +64,17 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
         if numbers.ndim != 2 or len(numbers) < FEW or not _even(numbers[:, 0]):
             return None
         signal = np.asarray(lower(argument.right, table))
-        return waves(call.function, numbers[:, 0], signal) if signal.ndim == 1 else None
+        return waves(numbers[:, 0], signal) if signal.ndim == 1 else None
+
+    def called(call: Call) -> Any:
+        """Return what a call is worth, which texts ask for again and again."""
+        if call not in known_calls:
+            if found := wave(call):
+                known_calls.update({replace(call, function=word): values for word, values in found.items()})
+            else:
+                given = (lower(argument, table) for argument in call.arguments)
+                known_calls[call] = table.functions[call.function](*given)
+        return known_calls[call]
 
     table = Spelling(
         number=np.float64,
@@ -72,7 +87,7 @@ def to_numpy(node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE
             **{word: lambda *given, word=word: with_memory(word, known("t", env), *given) for word in MEMORY},
         },
         signs=signs,
-        shortcut=wave,
+        shortcut=called,
     )
     # What overflows or leaves its domain is found in the result, and reported with its place.
     with np.errstate(all="ignore"):
@@ -144,12 +159,12 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
     return lower(node, table)
 
 
-def waves(function: str, numbers: Float, x: Float) -> Float:
-    """Return sin (or cos) of n x, (V, N), for evenly spaced `numbers` n (V,)."""
-    out = np.empty((len(numbers), len(x)))
-    for values, turn in zip(out, turns(numbers, x), strict=True):
-        values[:] = turn.imag if function == "sin" else turn.real
-    return out
+def waves(numbers: Float, x: Float) -> dict[str, Float]:
+    """Return sin and cos of n x, (V, N), for evenly spaced `numbers` n (V,)."""
+    sines, cosines = np.empty((len(numbers), len(x))), np.empty((len(numbers), len(x)))
+    for sine, cosine, turn in zip(sines, cosines, turns(numbers, x), strict=True):
+        sine[:], cosine[:] = turn.imag, turn.real
+    return {"sin": sines, "cos": cosines}
 
 
 def turns(numbers: Float, x: Float) -> Iterator[Any]:
