@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from diagnosis.watching import course, estimator, front
+from diagnosis.evidence.gain import RecordingEvidence
+from diagnosis.rules import RULES
+from diagnosis.separation.result import Separation
+from diagnosis.watching import course, differences, estimator, front, watcher
+from diagnosis.watching.alarm import Detector, Deviation
 from diagnosis.watching.course import onset
+from diagnosis.watching.differences import BeforeAfter
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
-from diagnosis.watching.result import Course
+from diagnosis.watching.result import Course, Differences
+from diagnosis.watching.scores import Scores, placebos
+from diagnosis.watching.watcher import Settings, Watcher, _Pending
 from diagnosis.watching.window import window
 
 SEEDS = range(60)
@@ -126,3 +135,121 @@ def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     good = np.repeat((np.arange(len(made)) % every == 0)[:, None], 2, axis=1).astype(float)
     use = window("w", replace(made, good=good), one.filters.settled, one.filters).use
     assert bool(use.all()) is used and bool(use.any()) is used
+
+
+@pytest.mark.shows("alarm.LEAST_POWER")
+@pytest.mark.parametrize(("power", "looked_at"), [(0.015, False), (0.03, True)])
+def test_rest_is_not_taken_for_change(power: float, looked_at: bool) -> None:
+    """A block that shows next to nothing of a column wants something wild of it."""
+    usual = [Scores(np.ones(1), np.ones(1)) for _ in range(20)]
+    detector = Detector(np.full(1, 1e-3), 5.0, deque(usual))
+    assert detector.take(Scores(np.full(1, 9.0 * power), np.full(1, power))).alarms is looked_at
+
+
+@pytest.mark.shows("scores.SHIFT")
+def test_no_placebo_of_a_block_is_nearly_the_column() -> None:
+    class Draws:
+        def integers(self, low: int, high: int, size: int) -> np.ndarray:
+            self.range = low, high
+            return np.full(size, low)
+
+    draws, use = Draws(), np.ones((1, 100), bool)
+    block = RecordingEvidence(np.ones((1, 100, 1)), np.ones((1, 100)), use, use.T, 10.0, np.zeros(100))
+    placebos(np.ones((1, 1, 100)), np.ones((1, 100)), block, np.ones(1), 3, draws)
+    assert draws.range == (10, 90)
+
+
+@pytest.mark.shows("estimator.LEAST_BLOCKS")
+@pytest.mark.parametrize(("blocks", "known"), [(3, False), (4, True)])
+def test_the_scatter_of_three_blocks_is_no_interval(blocks: int, known: bool) -> None:
+    one = estimated(np.random.default_rng(0))
+    one.blocks = blocks
+    assert bool(np.isfinite(one.estimates()[0].high)) is known
+
+
+@pytest.mark.shows("differences.OLD_ERROR")
+@pytest.mark.parametrize(("share", "said"), [(0.035, ()), (0.07, ("stribeck:hip",))])
+def test_an_error_that_was_there_all_along_is_said_where_it_matters(share, said, monkeypatch) -> None:
+    asked = SimpleNamespace(always=True, label="stribeck:hip")
+    old = SimpleNamespace(eligible=True, share=share, candidate=asked)
+    monkeypatch.setattr(differences, "_asked", lambda score: score.candidate)
+    one = SimpleNamespace(
+        rules=RULES, old=(), _changes=lambda evidence, taken: [], _old=lambda evidence, changes: [old]
+    )
+    BeforeAfter._next(one, None, (), set())
+    assert one.old == said
+
+
+@pytest.mark.shows("differences.SCATTER")
+@pytest.mark.parametrize(("scatter", "change"), [(0.2, True), (0.4, False)])
+def test_what_differs_between_recordings_made_before_is_no_change(scatter, change, monkeypatch) -> None:
+    """Four recordings before scatter by this part of what differs in the one after; all show as much of it."""
+    weights = [np.ones((1, 1))] * 5
+    system = SimpleNamespace(
+        weights=weights, solve=lambda: np.ones(1), left=lambda k, step: np.full((1, 1), scatter * (-1.0) ** k)
+    )
+    monkeypatch.setattr(differences, "_System", lambda evidence, columns: system)
+    one = SimpleNamespace(before=4, _unmasked=lambda found: [np.ones((1, 1, 1))] * 5)
+    found = SimpleNamespace(columns=[np.ones((1, 1, 1))])
+    assert bool(BeforeAfter._exceeds_scatter(one, None, found)) is change
+
+
+def told(after: float, named: float = 1.0, **more) -> Differences:
+    """What a watch is told of one joint whose error is so many times the usual one, and with a name so many times."""
+    return SimpleNamespace(rms_after=(after,), rms_named=(named,), found=(), old=(), **more)
+
+
+def watching(answer: Differences) -> SimpleNamespace:
+    """A watch in which something lasts, about which it is told `answer`."""
+    detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None)
+    one = SimpleNamespace(
+        reference=SimpleNamespace(rms=np.ones(1), detector=detector), settings=Settings(), recent=[], pending=None,
+        _ask=lambda last: answer, _remember=lambda window: None,
+    )  # fmt: skip
+    one._grown = lambda rms: Watcher._grown(one, rms)
+    one._explained = lambda found: Watcher._explained(one, found)
+    return one
+
+
+@pytest.mark.shows("watcher.GROWN", "watcher.REST")
+@pytest.mark.parametrize(
+    ("after", "left", "explained"),
+    [(3.0, 1.4, True), (2.0, 1.6, False), (6.0, 1.6, True), (5.0, 1.6, True), (4.0, 1.65, False)],
+)
+def test_a_name_explains_what_has_grown(after: float, left: float, explained: bool) -> None:
+    assert Watcher._explained(watching(None), told(after, left)) is explained
+
+
+@pytest.mark.shows("watcher.NOTICED")
+@pytest.mark.parametrize(("after", "goes_on"), [(1.05, False), (1.15, True)])
+def test_an_error_that_hardly_grew_is_not_followed(after: float, goes_on: bool) -> None:
+    one = watching(told(after))
+    one.pending = _Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
+    assert not Watcher._alarm(one, one.pending)
+    assert (one.pending is not None) is goes_on
+
+
+@pytest.mark.shows("watcher.LEAST_SHARE")
+def test_a_name_explains_a_fiftieth_of_the_error(monkeypatch) -> None:
+    asked = []
+    for name, answer in {"joined_windows": [], "prepared": SimpleNamespace(train=[]), "fitted_model": None}.items():
+        monkeypatch.setattr(watcher, name, lambda *given, answer=answer: answer)
+    monkeypatch.setattr(watcher, "replace", lambda one, **changes: asked.append(changes) or one)
+    monkeypatch.setattr(watcher, "BeforeAfter", lambda *given: SimpleNamespace(run=lambda began: None))
+    now = SimpleNamespace(shape=np.zeros(0), fit=None)
+    one = SimpleNamespace(
+        reference=SimpleNamespace(now=now), recent=[], usual=[], settings=Settings(), rules=RULES, extra=(),
+        model=SimpleNamespace(joints=()),
+    )  # fmt: skip
+    Watcher._ask(one, [SimpleNamespace(t=np.zeros(1))])
+    assert asked[-1]["least_share"] == 0.02
+
+
+@pytest.mark.shows("result.ENOUGH")
+@pytest.mark.parametrize(("apart", "separable"), [(2.5, False), (3.5, True)])
+def test_one_run_chooses_between_rivals_that_are_far_enough_apart(apart: float, separable: bool) -> None:
+    pair = {("a", "b"): apart}
+    one = Separation(None, (), (), None, pair, None, 0.0, pair, None, 10.0, 5.0, (), 0)
+    assert one.separable is separable
+    assert (one.needed <= one.duration) is separable
+    assert ("it would take" in one.sentence) is not separable

@@ -8,14 +8,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from diagnosis import extend
 from ground.errors import RecordingError
 from measurement.recording import Recording
+from measurement.signals.conditioning import EvenSignals
 from optimisation.fitting.by_recording import _row
 from optimisation.fitting.neighbours import Neighbours
 from optimisation.fitting.thigh_length import ThighLength
+from optimisation.preparation import cutoff
 from optimisation.preparation.cutoff import _Noise
+from optimisation.preparation.filtering import STICK, _at_rest, _bears_load, prepare_one
 from optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
 from symbolic.model import Model
+from symbolic.motion import Motion
 
 
 def swinging(seconds=10.0, knee=1.0):
@@ -93,3 +98,126 @@ def test_a_base_that_turns_is_told_where_the_model_has_none(turn, said):
     run = swinging()
     base = np.column_stack([0.5 * turn * np.sin(run.t), np.zeros((len(run.t), 2))])
     assert len(_check_base(Model.standard(), [replace(run, base=base)])) == said
+
+
+class Cutoffs:
+    """What trials of cut-offs say: all clean, this share of noise at the fastest, and how much worse it predicts."""
+
+    def __init__(self, share: float, worse: float, filter_decides: bool = False):
+        self.tried, self.share, self.worse = cutoff.CUTOFFS, share, worse
+        self.filter_decides = lambda: filter_decides
+
+    def __call__(self, *given):
+        return self
+
+    def noise(self, k, of=None):
+        return _Noise(self.share if k + 1 == len(self.tried) else 0.0, 0.0)
+
+    def relative(self, weighed):
+        return {k: self.worse if k + 1 == len(self.tried) else 1.0 for k in weighed}
+
+
+@pytest.mark.shows("cutoff.TOLERANCE", "cutoff.NOISE_SEEN", "cutoff.LOOSE_TOLERANCE")
+@pytest.mark.parametrize(
+    ("share", "worse", "decides", "chosen"),
+    [
+        (0.0, 1.02, False, 12.0),
+        (0.0, 1.045, False, 10.0),
+        (0.7e-4, 1.1, False, 10.0),
+        (1.5e-4, 1.1, False, 12.0),
+        (1e-3, 1.2, False, 12.0),
+        (1e-3, 1.3, False, 10.0),
+        (0.0, 1.2, True, 12.0),
+    ],
+)
+def test_the_fastest_cut_off_is_chosen_that_predicts_as_well_as_any(share, worse, decides, chosen, monkeypatch):
+    monkeypatch.setattr(cutoff, "_Trials", Cutoffs(share, worse, decides))
+    found = cutoff.choose_cutoff(Model.standard(), [("run", SimpleNamespace(rate=100.0))], np.zeros(8), "butterworth")
+    assert found.cutoff == chosen
+
+
+@pytest.mark.shows("cutoff.FILTER")
+@pytest.mark.parametrize(("wrong", "decides"), [(0.25, False), (0.4, True)])
+def test_the_filter_decides_where_it_makes_a_third_of_the_error(wrong, decides, monkeypatch):
+    """The error at the slowest cut-off is 1 N·m."""
+    data = SimpleNamespace(groups=np.zeros(9), use=np.ones((1, 9)), residual=lambda x: np.ones((1, 9)))
+    said = {"mean_square": np.array([wrong**2]), "assemble": data, "_folds": [np.ones(9, bool)], "_part": data}
+    said |= dict.fromkeys(("_largest_masses", "prepare_one", "torque_of_filter", "_fit"))
+    for name, answer in said.items():
+        monkeypatch.setattr(cutoff, name, lambda *given, answer=answer: answer)
+    trials = cutoff._Trials(SimpleNamespace(joints=(None,)), [("run", None)], np.zeros(8), "", (3.0,))
+    assert trials.filter_decides() is decides
+
+
+def signals(*angles: np.ndarray, tau: np.ndarray | None = None) -> EvenSignals:
+    """Angles at 100 Hz, and their torques (N, J)."""
+    q = np.column_stack(angles)
+    none = np.zeros(q.shape[1], bool)
+    torque = q.copy() if tau is None else tau
+    return EvenSignals(np.arange(len(q)) / 100.0, q, torque, np.zeros(len(q), bool), 100.0, none)
+
+
+T = np.arange(0.0, 30.0, 0.01)
+SWING = 0.5 * np.sin(2.0 * T)
+
+
+@pytest.mark.shows("filtering.STICK")
+@pytest.mark.parametrize(("speed", "used"), [(0.022, False), (0.042, True)])
+def test_a_joint_that_creeps_may_stick_and_is_not_fitted(speed, used):
+    one = prepare_one(Model.standard(), "run", signals(SWING, speed * T), 5.0, None)
+    assert bool(one.use[:, 1].any()) is used
+
+
+@pytest.mark.shows("filtering.STICK_REACH")
+def test_samples_near_standstill_are_left_out_as_far_as_the_filter_smears_it():
+    """Half a period of 10 Hz on either side of each standstill: angles are filtered at twice the cut-off of 5 Hz."""
+    one = prepare_one(Model.standard(), "run", signals(SWING, SWING), 5.0, None)
+    slow = np.abs(one.motion.dq[:, 0]) < STICK
+    inside = slice(100, -100)
+    begins = np.sum(np.diff(slow[inside].astype(int)) == 1)
+    assert one.stuck[inside, 0].sum() - slow[inside].sum() == pytest.approx(2 * 5 * begins, abs=6)
+
+
+@pytest.mark.shows("filtering.OUTLIER")
+@pytest.mark.parametrize(("size", "most", "least"), [(0.0, 0.003, 0.0), (6.0, 0.02, 0.008)])
+def test_spikes_are_replaced_and_noise_is_not(size, most, least):
+    """Noise of one robust deviation, with spikes of six in every hundredth sample."""
+    tau = np.random.default_rng(0).standard_normal((T.size, 2))
+    tau[50::100] = size * np.sign(tau[50::100]) if size else tau[50::100]
+    beta = np.full(8, 1e-9)
+    one = prepare_one(Model.standard(), "run", signals(SWING, SWING[::-1], tau=tau), 5.0, beta)
+    assert np.all((least <= one.outliers) & (one.outliers <= most))
+
+
+@pytest.mark.shows("filtering.LOADED")
+@pytest.mark.parametrize(("wave", "bears"), [(0.6, False), (1.3, True)])
+def test_a_joint_that_stands_shows_its_load_where_its_torque_varies_more_than_noise(wave, bears):
+    noise = np.random.default_rng(1).standard_normal(T.size)
+    tau = np.column_stack([noise + wave * np.sqrt(2.0) * np.sin(2.0 * np.pi * 0.3 * T)])
+    assert _bears_load(tau, 100.0, 5.0).tolist() == [bears]
+
+
+@pytest.mark.shows("filtering.RESTS")
+@pytest.mark.parametrize(("share", "rests"), [(0.4, False), (0.6, True)])
+def test_a_joint_that_sticks_for_much_of_the_time_has_no_direction_there(share, rests):
+    stuck = np.repeat((np.arange(1000) < 1000 * share)[:, None], 2, axis=1)
+    still = np.zeros((1000, 2))
+    motion = Motion(np.arange(1000) / 100.0, still, still, still, np.ones((1000, 2)))
+    assert bool((_at_rest(motion, stuck).sign[:300] == 0.0).all()) is rests
+
+
+@pytest.mark.shows("extend.WORTH")
+@pytest.mark.parametrize(("fall", "helped"), [(0.0015, False), (0.003, True)])
+def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monkeypatch):
+    term = SimpleNamespace(name="stribeck:hip")
+    model = SimpleNamespace(with_effect=lambda effect, joint: SimpleNamespace(terms=[term]))
+    said = {
+        "compiled": SimpleNamespace(backend="vm"), "identify": SimpleNamespace(estimates=[]), "_fall": fall,
+        "_waterfall": SimpleNamespace(steps=[]), "_admissible": "", "sentence_of": "It", "biased_parameters": (),
+        "prepare": SimpleNamespace(train=[]),
+    }  # fmt: skip
+    for name, answer in said.items():
+        monkeypatch.setattr(extend, name, lambda *given, answer=answer, **more: answer)
+    found = extend.add(model, "stribeck", "hip", [])
+    assert found.helped is helped
+    assert ("does not lower" in found.sentence) is not helped
