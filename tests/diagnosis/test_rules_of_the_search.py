@@ -57,6 +57,7 @@ def chosen(losses, monkeypatch):
     for name in ("outlives_noise", "outlives_offsets"):
         monkeypatch.setattr(choice, name, lambda *asked: True)
     monkeypatch.setattr(choice, "contains", lambda *asked: False)
+    monkeypatch.setattr(choice, "_twins", lambda *asked: [])
     rivals = [score(name, 0.5, numbers, folds=np.full(3, hash_of(name))) for name, (numbers, _) in losses.items()]
     extension = SimpleNamespace(fitted=SimpleNamespace(scale=np.ones(1)))
     return refitted(context, extension, None, rivals, ())
@@ -106,7 +107,7 @@ def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(mis
         library=SimpleNamespace(columns=lambda one, fitted: columns), columns_of=lambda one, fitted: at(own)
     )
     evidence = Evidence([block(noise(5))], [], seed=0, draws=0)
-    assert contains(context, SimpleNamespace(fitted=None), evidence, rival, plain) is inside
+    assert contains(context, SimpleNamespace(fitted=None), evidence, rival.candidate, plain) is inside
 
 
 @pytest.mark.shows("noise_made")
@@ -154,7 +155,7 @@ def test_one_effect_takes_the_place_of_two_where_it_gains_as_much(share, would, 
         evidence=lambda extension, draws: evidence,
         columns_of=lambda one, fitted: [],
         library=SimpleNamespace(candidates=[candidate(name="one")]),
-        weighed=lambda extension, evidence, one: score(one.name, share * 0.5, eligible=True),
+        all_weighed=lambda extension, evidence, several: [score(c.name, 0.5 * share, eligible=True) for c in several],
         agreed=lambda extension, evidence, scores: scores,
     )
     monkeypatch.setattr(merge, "as_fitted", lambda one, extension: one)
