@@ -15,7 +15,7 @@ from statistics import NormalDist
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight, weighted_fit
 from diagnosis.rules import Rules
 from ground.plain import AsJson
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
@@ -140,13 +140,8 @@ class _Pooled:
     def __init__(self, blocks: list[RecordingEvidence], sigma: Float, prior: Float, rules: Rules) -> None:
         self.blocks, self.rules = blocks, rules
         self.weights = [robust_weight(b, sigma, rules) / sigma[:, None] ** 2 for b in self.blocks]
-        both = list(zip(self.blocks, self.weights, strict=True))
-        gram = np.sum([np.einsum("jkp,jk,jkq->pq", b.columns, w, b.columns, optimize=True) for b, w in both], axis=0)
-        slope = np.sum([np.einsum("jkp,jk,jk->p", b.columns, w, b.residual, optimize=True) for b, w in both], axis=0)
-        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        normal = (gram + np.diag(prior)) / np.outer(scale, scale)
-        self.inverse = np.linalg.pinv(normal, rcond=1e-11, hermitian=True) / np.outer(scale, scale)
-        step = self.inverse @ slope
+        columns, residuals = [b.columns for b in blocks], [b.residual for b in blocks]
+        self.inverse, step = weighted_fit(columns, self.weights, residuals, prior)
         self.left = [b.residual - b.columns @ step for b in self.blocks]
 
     def answer(self, number: int, question: _Question) -> tuple[float, float, float, Float] | None:

@@ -16,7 +16,7 @@ from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from diagnosis.rules import RULES, Rules
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.local_shape import shapes_for
-from optimisation.linear.loss import huber
+from optimisation.linear.loss import huber, huber_terms
 from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model
@@ -106,8 +106,7 @@ class FittedModel:
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
             size = np.where(one.use.T, np.abs(residual), 0.0) / scale[:, None]
-            inner = np.minimum(size, rules.robust)
-            loss = np.sum(inner * (2.0 * size - inner), axis=0)
+            loss = np.sum(huber_terms(size, rules.robust), axis=0)
             starts = np.arange(0, loss.size, max(1, int(rules.block_seconds * one.kept_rate)))
             out.append(np.add.reduceat(loss, starts))
         return np.concatenate(out)

@@ -503,3 +503,16 @@ def inverse_of(grams: Float) -> Float:
     scale = np.where(length > NOTHING, length, np.inf)
     norm = scale[..., :, None] * scale[..., None, :]
     return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)
+
+
+def weighted_fit(
+    columns: Sequence[Float], weights: Sequence[Float], residuals: Sequence[Float], prior: Float
+) -> tuple[Float, Float]:
+    """Return the inverse (P, P) of the Gram matrix of recordings with columns (J, K, P) and weights (J, K), and the step
+    (P,) fitted to their residuals (J, K); `prior` (P,) is the precision with which each number is held.
+    """
+    weighted = [x * w[:, :, None] for x, w in zip(columns, weights, strict=True)]
+    gram = sum(np.tensordot(y, x, ((0, 1), (0, 1))) for y, x in zip(weighted, columns, strict=True))
+    slope = sum(np.tensordot(y, r, ((0, 1), (0, 1))) for y, r in zip(weighted, residuals, strict=True))
+    inverse = inverse_of(gram + np.diag(prior))
+    return inverse, np.asarray(inverse @ slope)

@@ -19,7 +19,7 @@ import numpy as np
 from diagnosis.discover import own_effects
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight, weighted_fit
 from diagnosis.evidence.look_alikes import look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
@@ -414,12 +414,7 @@ class _System:
         return step
 
     def _solved(self) -> Float:
-        both = list(zip(self.columns, self.weights, self.blocks, strict=True))
-        gram = sum(np.einsum("jkp,jk,jkq->pq", x, w, x, optimize=True) for x, w, _ in both) + np.diag(self.prior)
-        slope = sum(np.einsum("jkp,jk,jk->p", x, w, b.residual, optimize=True) for x, w, b in both)
-        scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-        inverse = np.linalg.pinv(gram / np.outer(scale, scale), rcond=1e-11, hermitian=True)
-        return np.asarray(inverse @ (slope / scale) / scale)
+        return weighted_fit(self.columns, self.weights, [b.residual for b in self.blocks], self.prior)[1]
 
     def left(self, index: int, step: Float) -> Float:
         """Return the residual (J, K) of one recording after `step`, N·m."""

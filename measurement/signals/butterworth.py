@@ -127,13 +127,6 @@ def band_pass_filter(order: int, low: float, high: float) -> Filter:
     return _made(np.repeat([1.0, -1.0], order), poles, gain)
 
 
-@lru_cache(maxsize=64)
-def lag_filter(samples: float) -> Filter:
-    """Return a filter of first order, (1 - p) z / (z - p), with a time constant of so many samples."""
-    pole = np.exp(-1.0 / samples + 0.0j)
-    return Filter(np.array([pole]), np.array([(1.0 - pole) * pole]), float(np.real(1.0 - pole)))
-
-
 def both_ways(one: Filter, x: Float, pad: int) -> Float:
     """Return `x` (N, ...) filtered forwards and backwards, continued by `pad` samples of its odd reflection."""
     rows = np.ascontiguousarray(x.reshape(len(x), -1).T, dtype=float)

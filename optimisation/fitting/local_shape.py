@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ground.minimum import minimum
-from optimisation.linear.loss import huber
+from optimisation.linear.loss import huber, huber_terms
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -88,8 +88,7 @@ def _own_losses(
     def losses(values: Float) -> Float:
         moved = one.smooth(np.transpose(moving(values), (2, 1, 0)), joints)  # (K, A, V)
         size = np.abs(rest[own].T[:, :, None] - np.where(use, moved, 0.0))
-        inner = np.minimum(size, limit)
-        return np.asarray(known + np.sum(inner * (2.0 * size - inner), axis=(0, 1)))
+        return np.asarray(known + np.sum(huber_terms(size, limit), axis=(0, 1)))
 
     return losses
 

@@ -29,9 +29,13 @@ def sse(residual: Float) -> float:
 
 def huber(residual: Float, delta: Float) -> float:
     """Return the Huber loss of `residual` (J, N) in N·m with thresholds `delta` (J,); (N·m)²."""
-    size = np.abs(residual)
-    inner = np.minimum(size, np.asarray(delta, dtype=float)[:, None])
-    return float(np.sum(inner * (2.0 * size - inner)))
+    return float(np.sum(huber_terms(np.abs(residual), np.asarray(delta, dtype=float)[:, None])))
+
+
+def huber_terms(size: Float, delta: Float | float) -> Float:
+    """Return the term of each residual of these sizes; `delta` has a shape that goes with theirs."""
+    inner = np.minimum(size, delta)
+    return np.asarray(inner * (2.0 * size - inner))
 
 
 def delta_rule(residual: Float, share: float = OUTLIER_SHARE, use: Bool | None = None) -> Float:

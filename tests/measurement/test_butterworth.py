@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from measurement.signals.butterworth import band_pass_filter, both_ways, lag_filter, low_pass_filter
+from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
 from measurement.signals.conditioning import low_pass, low_pass_at, welch
 
 RNG = np.random.default_rng(4)
@@ -26,13 +26,6 @@ def test_a_band_pass_is_that_of_scipy(band):
     x = RNG.standard_normal((700, 4))
     wanted = signal.sosfiltfilt(signal.butter(2, band, "bandpass", output="sos"), x, axis=0, padlen=0)
     np.testing.assert_allclose(both_ways(band_pass_filter(2, *band), x, 0), wanted, atol=1e-12)
-
-
-def test_a_lag_settles_at_the_first_value():
-    x = RNG.standard_normal((500, 2)) + 3.0
-    pole = np.exp(-1.0 / 12.0)
-    wanted, _ = signal.lfilter([1.0 - pole], [1.0, -pole], x, axis=0, zi=pole * x[:1])
-    np.testing.assert_allclose(lag_filter(12.0).run(x.T).T, wanted, atol=1e-13)
 
 
 CASES = [(5.0, 50, 3, 3000), (12.0, 0, 1, 700), (3.0, 9, 11, 900)]
