@@ -508,7 +508,7 @@ def inverse_of(grams: Float) -> Float:
 def weighted_fit(
     columns: Sequence[Float], weights: Sequence[Float], residuals: Sequence[Float], prior: Float
 ) -> tuple[Float, Float]:
-    """Return the inverse (P, P) of the Gram matrix of recordings with columns (J, K, P) and weights (J, K), and the step
+    """Return the inverse (P, P) of the Gram matrix of recordings with columns (J, K, P), weights (J, K), and the step
     (P,) fitted to their residuals (J, K); `prior` (P,) is the precision with which each number is held.
     """
     weighted = [x * w[:, :, None] for x, w in zip(columns, weights, strict=True)]
