@@ -176,6 +176,11 @@ class Rules:
         CHANNELS, 0.2, "part of the squared error left at another timing: a late torque passes for friction"
     )
     late_delay: float = _rule(CHANNELS, 0.08, "delay in s up to which it is an effect: wrong channels called an effect")
+    by_angle: float = _rule(
+        CHANNELS,
+        1e-3,
+        "share of the torques' variance that the angles alone leave: effects named where a hand moves the machine",
+    )
     angle_noise: float = _rule(
         CHANNELS, 0.15, "share of noise in the accelerations: inertias pulled to zero are reported with small intervals"
     )

@@ -1,8 +1,9 @@
 """Can the channels be what they say? If not, nothing is accepted: an effect named on top of them is nonsense.
 
 Asked before the search: whether the encoders' noise leaves accelerations worth the name, and whether the torque would
-fit far better if it were read earlier, or as what a slow filter made of it. Asked of the best model that the search
-finds: whether it leaves more of the torque than a third, and whether the held-out recordings are of the same machine.
+fit far better if it were read earlier, or as what a slow filter made of it, and whether anything but the angles made
+it. Asked of the best model that the search finds: whether it leaves more of the torque than a third, and whether the
+held-out recordings are of the same machine.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from measurement.finding import Finding
 from measurement.signals.conditioning import median_outliers
 from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import wanted_thigh_length
-from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
+from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS, PreparedRecording
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 
@@ -42,7 +43,7 @@ class Doubt:
 
 def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Return what makes a search pointless, judged with the model that is there; None where nothing does."""
-    return _noisy_angles(base, rules) or _late_torque(base, rules)
+    return _noisy_angles(base, rules) or _late_torque(base, rules) or _follows_the_angles(base, rules)
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
@@ -142,6 +143,48 @@ def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         f"leaves {100 * after:.0f} % of the squared error it leaves now.",
         mend,
     )
+
+
+def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether every torque is a function of the angles alone, and inertia and friction explain less than half of
+    what these leave: a machine that is moved by hand while its drives carry its weight.
+    """
+    train = base.prepared.train
+    still = [_at_rest(base, one) for one in train]
+    left = []
+    for joint in range(len(base.model.joints)):
+        seen = [one.use[:, joint] & one.driven[joint] for one in train]
+        columns, tau, residual = (
+            np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
+            for parts in (
+                [columns[:, joint] for columns in still],
+                [one.tau[:, joint] for one in train],
+                [each[joint] for each in base.residuals[: len(train)]],
+            )
+        )
+        if tau.size and tau.var() > 0.0:
+            rest = np.var(tau - columns @ np.linalg.lstsq(columns, tau, rcond=None)[0])
+            if rest > rules.by_angle * tau.var() or np.mean(residual**2) < 0.5 * rest:
+                return None
+            left.append(rest / tau.var())
+    if not left:
+        return None
+    return Doubt(
+        f"the angles alone explain all but {100 * max(left):.2g} % of the torques' variance, and inertia and friction "
+        "less than half of that",
+        "The torque follows from the angles alone, whichever way and however fast the joints move: neither inertia nor "
+        "friction is in it. So it is when a machine is moved by hand while its drives carry its weight, or when the "
+        "column is a command computed from the angles. What is left of it is no effect of the machine.",
+        "record motion that the drives make, and log the torque that they produce",
+    )
+
+
+def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
+    """Return what a recording's postures alone make: columns (K, J, P) without velocity and acceleration, and a one."""
+    zero = np.zeros(one.motion.q.shape)
+    held = replace(one.motion, dq=zero, ddq=zero, sign=zero)
+    columns = np.moveaxis(base.model.base().columns(held), 1, 0)
+    return one.smooth(np.concatenate([columns, np.ones((*columns.shape[:2], 1))], axis=2))
 
 
 def _shifted(tau: Float, samples: float) -> Float:

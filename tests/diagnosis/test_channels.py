@@ -21,6 +21,7 @@ from measurement.signals.conditioning import low_pass
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
+from symbolic.motion import Motion
 from tests.made_recordings import BETA, motion, recording
 
 MODEL = Model.standard()
@@ -209,3 +210,29 @@ def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folde
         assert doubts_before(fitted) is None and doubts_after(fitted, fitted) is None
         error = model_error(fitted)
         assert error is not None and error.times > 5.0
+
+
+@pytest.mark.shows("by_angle")
+def test_a_leg_that_is_moved_by_hand_while_its_drives_carry_it_shows_nothing_but_its_weight(good):
+    rng = np.random.default_rng(5)
+
+    def carried(one: Recording) -> Recording:
+        zero = np.zeros(one.q.shape)
+        weight = MODEL.torque(Motion(one.t, one.q, zero, zero), np.array([0.0, 0.0, 0.35, -0.6, 0.0, 0.0, 0.0, 0.0]))
+        return with_torque(one, weight + 0.002 * rng.standard_normal(weight.shape))
+
+    hand = base([carried(one) for one in good])
+    found = doubts_before(hand)
+    assert found is not None and "follows from the angles alone" in found.sentence
+    assert doubts_before(hand, replace(RULES, by_angle=1e-9)) is None
+
+
+def test_slow_motion_without_friction_is_not_taken_for_motion_by_hand(good):
+    slow = [replace(one, t=4.0 * one.t) for one in good]
+
+    def driven(one: Recording) -> Recording:
+        dq, ddq = (np.gradient(one.q, one.t, axis=0), np.gradient(np.gradient(one.q, one.t, axis=0), one.t, axis=0))
+        numbers = np.array([0.05, 0.02, 0.35, -0.6, 0.0, 0.0, 0.0, 0.0])
+        return with_torque(one, MODEL.torque(Motion(one.t, one.q, dq, ddq), numbers))
+
+    assert doubts_before(base([driven(one) for one in slow])) is None
