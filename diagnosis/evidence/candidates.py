@@ -114,18 +114,18 @@ class Library:
         Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
         computed anew where it is compared (`look_alikes.refine`).
         """
-        room = self.room(candidate, fitted.prepared, 1)
+        room = self.room(candidate, fitted.prepared)
         self.fill(candidate, fitted, room)
         return self.keep(candidate, room)
 
-    def room(self, candidate: Candidate, prepared: Prepared, many: int) -> tuple[Columns, ...]:
-        """Return the columns that are kept of `candidate`, or room for them which `many` processes see."""
+    def room(self, candidate: Candidate, prepared: Prepared) -> tuple[Columns, ...]:
+        """Return the columns that are kept of `candidate`, or room for them which copies of this process see."""
         if candidate.name in self._kept:
             return self._kept[candidate.name]
         own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
         shapes = [(*own, len(one.kept)) for one in prepared.all]
         sizes = [int(np.prod(shape)) for shape in shapes]
-        values = np.frombuffer(shared(sum(sizes), many), dtype=float)
+        values = np.frombuffer(shared(sum(sizes)), dtype=float)
         parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
         return tuple(
             Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))

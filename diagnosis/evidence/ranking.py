@@ -55,7 +55,7 @@ def weigh_all(
 ) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
     """Return the candidates `todo` weighed, without placebos, and their columns; shared with copies of this process."""
     many = allowed_processes()
-    rooms = [library.room(c, fitted.prepared, many) for c in todo]
+    rooms = [library.room(c, fitted.prepared) for c in todo]
     found: dict[int, Score] = {}
 
     def weighed(k: int) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def with_chance(
     """Return `scores` with their p-values; shared with copies of this process."""
     many = allowed_processes()
     parts = [(k, part) for k, score in enumerate(scores) for part in searches(evidence, score)]
-    good = np.frombuffer(shared(evidence.draws * len(parts), many), dtype=bool)
+    good = np.frombuffer(shared(evidence.draws * len(parts)), dtype=bool)
     good = good[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
 
     def chance(i: int) -> None:

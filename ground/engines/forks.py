@@ -22,8 +22,6 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-import numpy as np
-
 from ground.errors import ExoidError
 
 PROCESSES = "EXOID_PROCESSES"
@@ -47,9 +45,9 @@ def allowed_processes() -> int:
     return int(given) if given else min(MOST, len(os.sched_getaffinity(0)))
 
 
-def shared(count: int, many: int) -> Any:
-    """Return a buffer of `count` doubles, all zero, that `many` processes see."""
-    return mmap.mmap(-1, 8 * max(count, 1)) if many > 1 else np.zeros(max(count, 1))
+def shared(count: int) -> Any:
+    """Return a buffer of `count` doubles, all zero, that copies of this process see too; memory comes as it fills."""
+    return mmap.mmap(-1, 8 * max(count, 1))
 
 
 def share_out(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], None], many: int) -> None:

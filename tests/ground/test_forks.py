@@ -46,7 +46,7 @@ def test_every_piece_is_answered_once_and_to_the_last_digit(many):
 
 
 def test_what_copies_write_into_shared_memory_is_seen_here():
-    table = np.frombuffer(forks.shared(40, 2), dtype=float)
+    table = np.frombuffer(forks.shared(40), dtype=float)
     begun, own = {HERE: os.pipe(), None: os.pipe()}, []
 
     def work(k):
