@@ -99,10 +99,13 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Library:
-    """The candidates for a question, and their columns; those that no parameter can change are kept."""
+    """The candidates for a question, and their columns; those that no parameter can change are kept, the others for as
+    long as the same model is asked about.
+    """
 
     candidates: tuple[Candidate, ...]
     _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
+    _beside: WeakKeyDictionary[FittedModel, dict[str, tuple[Columns, ...]]] = field(default_factory=WeakKeyDictionary)
 
     def find(self, name: str) -> Candidate:
         """Return the candidate called `name` with all its nodes."""
@@ -114,9 +117,11 @@ class Library:
         Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
         computed anew where it is compared (`look_alikes.refine`).
         """
+        if candidate.name in (beside := self._beside.get(fitted, {})):
+            return beside[candidate.name]
         room = self.room(candidate, fitted.prepared)
         self.fill(candidate, fitted, room)
-        return self.keep(candidate, room)
+        return self.keep(candidate, fitted, room)
 
     def room(self, candidate: Candidate, prepared: Prepared) -> tuple[Columns, ...]:
         """Return the columns that are kept of `candidate`, or room for them which copies of this process see."""
@@ -138,11 +143,17 @@ class Library:
             for nodes, one, columns in zip(candidate.nodes, fitted.prepared.all, room, strict=True):
                 _fill(candidate, nodes, one, fitted, columns)
 
-    def keep(self, candidate: Candidate, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
-        """Keep the columns of `candidate`, if no parameter can change them; and return them."""
+    def keep(self, candidate: Candidate, fitted: FittedModel, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
+        """Keep the columns of `candidate` beside `fitted`, beside any model if no parameter can change them; and return
+        them.
+        """
         fine = candidate.nodes.shape[1] > FINE
         if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
             self._kept[candidate.name] = columns
+            return columns
+        if fitted not in self._beside:
+            self._beside.clear()
+        self._beside.setdefault(fitted, {})[candidate.name] = columns
         return columns
 
 

@@ -67,7 +67,7 @@ def weigh_all(
         tick(len(found) / len(todo), todo[k].name)
 
     share_out(weighed, sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width), heard, many)
-    columns = {c.name: library.keep(c, room) for c, room in zip(todo, rooms, strict=True)}
+    columns = {c.name: library.keep(c, fitted, room) for c, room in zip(todo, rooms, strict=True)}
     return [found[k] for k in range(len(todo))], columns
 
 
