@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.evidence.channels import channel_findings
+from diagnosis.evidence.curves import variables
 from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.remainder import Remainder, remainders, variables
+from diagnosis.evidence.remainder import Remainder, remainders
 from diagnosis.plots import against, over_time
 from diagnosis.where import Where, samples_of, where_it_sits
 from ground.frames import pandas

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from diagnosis.evidence.curves import signal_of, variables
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.remainder import Remainder, signal_of, variables
+from diagnosis.evidence.remainder import Remainder
 from ground.plain import AsJson
 from ground.thresholds import Threshold
 from symbolic.motion import Float

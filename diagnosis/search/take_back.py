@@ -11,7 +11,9 @@ import numpy as np
 
 from diagnosis.evidence.columns import stacked
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.remainder import Remainder, Winner, beaten, remainders, significant, suggest
+from diagnosis.evidence.remainder import Remainder, remainders, significant
+from diagnosis.evidence.suggestions import suggest
+from diagnosis.evidence.unmasking import Winner, beaten
 from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext, as_fitted
 from diagnosis.search.doubt import too_short

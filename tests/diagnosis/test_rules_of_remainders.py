@@ -9,10 +9,12 @@ import pytest
 from synthetic import search, state_with
 from test_rules_of_evidence import block, candidate, noise
 
-from diagnosis.evidence import channels, remainder, soft_drive
+from diagnosis.evidence import channels, remainder, soft_drive, unmasking
 from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.curves import splines_along
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.remainder import Remainder, Winner, _Judge, beaten, remainders, significant
+from diagnosis.evidence.remainder import Judge, Remainder, remainders, significant
+from diagnosis.evidence.unmasking import Winner, beaten
 from diagnosis.rules import RULES
 
 CURVE, TERM, BOTH, BUMP = "curve", "term", "curve and term", "bump"
@@ -28,7 +30,7 @@ def bare():
 
 @pytest.mark.shows("knots")
 def test_a_curve_has_a_dozen_functions(bare):
-    splines = remainder._splines(bare[0], "q1", 0, "", bare[1].rules.knots)
+    splines = splines_along(bare[0], "q1", 0, "", bare[1].rules.knots)
     assert splines.basis.shape[1] == splines.columns[0].values.shape[3] == 12
 
 
@@ -40,7 +42,7 @@ def test_a_part_of_a_curve_that_the_model_nearly_contains_is_held_back():
     new -= own * (own @ new)
     column = np.sqrt(0.97) * own + np.sqrt(0.03) * new / np.linalg.norm(new)
     evidence = Evidence([block(column)] * 2, [], seed=0, draws=0, sigma=np.full(1, 1e3))
-    judge = _Judge(evidence, (0, 1))
+    judge = Judge(evidence, (0, 1))
     gain = judge.gain([Columns((0,), column[None, None, :, None])] * 2)
     assert gain.coefficients[0, 0] == pytest.approx(0.5, abs=0.05)
 
@@ -79,17 +81,17 @@ def contest(monkeypatch, shares, lead=0.0, numbers=1):
     def name(columns):
         return columns[0] if isinstance(columns[0], str) else named[id(columns[0])]
 
-    monkeypatch.setattr(remainder, "_own_judges", lambda now, evidence: [])
-    monkeypatch.setattr(remainder, "_tried", lambda joints: (("dq1", ""),) if CURVE in shares else ())
-    monkeypatch.setattr(remainder, "_splines", lambda *asked: SimpleNamespace(columns=(CURVE,)))
-    monkeypatch.setattr(remainder, "_share", lambda judges, columns, ridge=None: shares[name(columns)])
-    monkeypatch.setattr(remainder, "_blocks", lambda judges, columns, ridge=None: losses[name(columns)])
-    monkeypatch.setattr(remainder, "_beside", lambda curve, term: BOTH)
+    monkeypatch.setattr(unmasking, "own_judges", lambda now, evidence: [])
+    monkeypatch.setattr(unmasking, "tried_curves", lambda joints: (("dq1", ""),) if CURVE in shares else ())
+    monkeypatch.setattr(unmasking, "splines_along", lambda *asked: SimpleNamespace(columns=(CURVE,)))
+    monkeypatch.setattr(unmasking, "_share", lambda judges, columns, ridge=None: shares[name(columns)])
+    monkeypatch.setattr(unmasking, "_blocks", lambda judges, columns, ridge=None: losses[name(columns)])
+    monkeypatch.setattr(unmasking, "_beside", lambda curve, term: BOTH)
     bump = candidate(numbers=1)
-    monkeypatch.setattr(remainder, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
-    monkeypatch.setattr(remainder, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
+    monkeypatch.setattr(unmasking, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
+    monkeypatch.setattr(unmasking, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
     found = SimpleNamespace(share=shares.get(BUMP), nodes=np.zeros(1, int))
-    monkeypatch.setattr(remainder, "weigh", lambda *asked: found)
+    monkeypatch.setattr(unmasking, "weigh", lambda *asked: found)
     now = SimpleNamespace(
         model=SimpleNamespace(joint_names=("hip",), joints=()), prepared=SimpleNamespace(all=[None])
     )  # fmt: skip
@@ -125,7 +127,7 @@ def test_a_bump_of_fewer_numbers_unmasks_a_term_that_gains_no_more(share, number
 @pytest.mark.shows("near")
 @pytest.mark.parametrize(("share", "gone"), [(0.3, True), (0.45, False)])
 def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(share, gone, monkeypatch):
-    monkeypatch.setattr(remainder, "_share", lambda judges, columns, ridge=None: share)
+    monkeypatch.setattr(unmasking, "_share", lambda judges, columns, ridge=None: share)
     judge = SimpleNamespace(evidence=SimpleNamespace(rules=RULES))
     constant = SimpleNamespace(values=np.ones((1, 1, 8, 1)))
     assert Winner((), (judge,), None, 0.5).supersedes([constant]) is gone

@@ -55,7 +55,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
 
 def words(variable: str, joints: Sequence[str]) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from diagnosis.evidence.remainder import variables
+    from diagnosis.evidence.curves import variables
     from symbolic.joints import Joint
 
     known = variables(tuple(Joint(name) for name in joints))

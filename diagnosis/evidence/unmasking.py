@@ -1,0 +1,159 @@
+"""Is an accepted term only the nearest thing in the catalogue? A curve without physics, or a single bump, that clearly
+beats it, judged alike, unmasks it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, candidate_columns
+from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.look_alikes import block_losses
+from diagnosis.evidence.remainder import Judge, own_judges
+from diagnosis.evidence.score import weigh
+from ground.engines.forks import allowed_processes, first_passing
+from symbolic.effect import Coefficient, Effect, Shape
+from symbolic.joints import UNITS
+from symbolic.motion import Float
+from symbolic.term import Term
+
+BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
+"""Quantiles of a path at which bumps are tried."""
+CONSTANT = 1e-4
+"""Relative variation below which a column is constant: the filter leaves some."""
+
+
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """A curve without physics that beat a term: its columns (one node) on every recording, and who judged it."""
+
+    columns: tuple[Columns, ...]
+    judges: tuple[Judge, ...]
+    ridge: float | None
+    share: float
+
+    def leaves(self, term: Sequence[Columns]) -> float:
+        """Return the share of the loss that a term (one node) still explains beside the curve."""
+        both = [_beside(c, t) for c, t in zip(self.columns, term, strict=True)]
+        return _share(self.judges, both, self.ridge) - self.share
+
+    def supersedes(self, term: Sequence[Columns]) -> bool:
+        """Whether a term adds less than half of its own gain to the curve.
+
+        A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
+        where recordings have offsets of their own, a constant says nothing.
+        """
+        rules, alone = self.judges[0].evidence.rules, _share(self.judges, term)
+        if all(np.ptp(one.values, axis=2).max() < CONSTANT * np.abs(one.values).max() for one in term):
+            return rules.least_share <= alone < rules.near * self.share
+        return self.leaves(term) < rules.superseded * alone
+
+
+def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
+    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, judged alike.
+
+    Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
+    fewer numbers than the `numbers` of the term gains as much as; and that adds little to that curve: it was a
+    stand-in. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    `evidence` are of the model without the term.
+    """
+    rules = evidence.rules
+    common = (Judge(evidence, tuple(range(len(evidence.blocks)))),)
+    contests: list[Callable[[], Winner | None]] = []
+    for judges, own in ((common, False), (tuple(own_judges(now, evidence)), True)):
+        mine, losses = _share(judges, term), _blocks(judges, term)
+
+        def by_curve(
+            variable: str, factor: str, judges: Sequence[Judge] = judges, mine: float = mine, losses: Float = losses
+        ) -> Winner | None:
+            splines = splines_along(now, variable, now.model.joint_names.index(joint), factor, rules.knots)
+            if splines is None:
+                return None
+            share = _share(judges, splines.columns, rules.curve_ridge)
+            curve = Winner(splines.columns, tuple(judges), rules.curve_ridge, share)
+            if curve.share <= mine + rules.beaten_share:
+                return None
+            lead = losses - _blocks(judges, splines.columns, rules.curve_ridge)
+            clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
+            return curve if clear and curve.supersedes(term) else None
+
+        tried = (pair for pair in tried_curves(now.model.joints) if not own or may_move(*pair))
+        contests += [partial(by_curve, variable, factor) for variable, factor in tried]
+    alone = _share(common, term)
+
+    def by_bump(candidate: Candidate) -> Winner | None:
+        columns = [
+            candidate_columns(candidate, nodes, one, now)
+            for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
+        ]
+        score = weigh(evidence, candidate, columns)
+        best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
+        bump = Winner(best, common, None, score.share)
+        as_good = score.share >= rules.as_good * alone and candidate.numbers < numbers
+        return bump if as_good and bump.supersedes(term) else None
+
+    contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint)]
+    won = first_passing(lambda k: contests[k]() is not None, len(contests), allowed_processes())
+    return None if won is None else contests[won]()
+
+
+def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
+    """Return single bumps in the angles and in the joint's own velocity, as candidates at `joint`."""
+    own, known = now.model.joint_names.index(joint) + 1, variables(now.model.joints)
+    others = [k for k in range(1, len(now.model.joints) + 1) if k != own]
+    out = []
+    for word, variable in (*((f"theta{k}", f"q{k}") for k in (own, *others)), (f"dtheta{own}", f"dq{own}")):
+        paths = [signal_of(p, now, variable, own - 1) for p in now.prepared.all]
+        low, high = np.quantile(np.concatenate(paths), (0.02, 0.98))
+        if not high - low > 1e-9:
+            continue
+        effect = Effect(
+            f"bump_in_{variable}",
+            "a single bump, no physics",
+            f"c * exp(-(({word} - m)/w)**2)",
+            None,
+            (joint,),
+            {"c": Coefficient(UNITS["tau"][not now.model.joints[own - 1].turns])},
+            {
+                "m": Shape(known[variable][1], low, high, per_recording=variable.startswith("q")),
+                "w": Shape(known[variable][1], 0.05 * (high - low), 0.3 * (high - low), spacing="log"),
+            },
+            custom=True,
+        )
+        widths = np.geomspace(0.05, 0.3, 5) * (high - low)
+        pooled = [np.quantile(np.concatenate(paths), BUMP_LEVELS)] * len(paths)
+        each_own = [np.quantile(path, BUMP_LEVELS) for path in paths]
+        tried = [each_own, pooled] if variable.startswith("q") else [pooled]
+        nodes = np.concatenate(
+            [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
+        )
+        out.append(Candidate(Term(effect, joint, now.model.joints), nodes, False))
+    return out
+
+
+def _blocks(judges: Sequence[Judge], columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    """Return the losses of columns (one node) in blocks of time, on all that the judges hold out."""
+    trained = [(j.evidence, j.columns(columns)) for j in judges if j.trained]
+    return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
+
+
+def _beside(curve: Columns, term: Columns) -> Columns:
+    """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
+    size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
+    joints = 1 + max(*curve.joints, *term.joints)
+    both = np.concatenate([curve.full(0, joints), size * term.full(0, joints)], axis=2)
+    return Columns(tuple(range(len(both))), both[None])
+
+
+def _share(judges: Sequence[Judge], columns: Sequence[Columns], ridge: float | None = None) -> float:
+    """Return the share of the loss on held-out units that columns (one node) explain."""
+    trained = [j for j in judges if j.trained]
+    fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
+    return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
