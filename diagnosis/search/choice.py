@@ -20,6 +20,8 @@ from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension
 from symbolic.motion import Float
 
+ROUNDED = 9
+"""Digits to which the shares of two candidates differ by more than rounding."""
 EXACT = 1e-8
 """Share of a squared torque up to which two are the same but for rounding."""
 
@@ -84,7 +86,8 @@ def shortlist(
 ) -> tuple[list[Score], Collection[str]]:
     """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best."""
     refined = [context.refined(evidence, extension, s) for s in scores]
-    refined.sort(key=lambda pair: -pair[0].share)
+    # Which of two with the same torque comes first must not hang on rounding.
+    refined.sort(key=lambda pair: (-round(pair[0].share, ROUNDED), *_plainness(pair[0])))
     alike = look_alikes(evidence, refined[0], refined[1:])
     least = context.rules.near * refined[0][0].share
     return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
