@@ -15,7 +15,8 @@ from statistics import NormalDist
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight, weighted_fit
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.gram import weighted_fit
 from diagnosis.rules import Rules
 from ground.plain import AsJson
 from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer

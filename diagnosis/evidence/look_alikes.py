@@ -15,7 +15,8 @@ import numpy as np
 from diagnosis.evidence.candidates import Candidate, candidate_columns
 from diagnosis.evidence.columns import Columns, stacked
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, Gram
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.gram import Gram
 from diagnosis.evidence.score import Score, weigh
 from optimisation.fitting.shapes import from_unit, to_unit
 from symbolic.motion import Float

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, Gram
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.gram import Gram
 from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 
 AT_ONCE = 12

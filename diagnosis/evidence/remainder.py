@@ -16,7 +16,8 @@ import numpy as np
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.curves import Splines, may_move, splines_along, tried_curves, variables
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, Gain
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.gram import Gain
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
 from ground.engines.forks import allowed_processes, share_out

@@ -12,7 +12,8 @@ import numpy as np
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, Gain, Gram
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.gram import Gain, Gram
 from diagnosis.rules import Rules
 from symbolic.effect import Coefficient, Shape
 from symbolic.motion import Float

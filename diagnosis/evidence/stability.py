@@ -18,7 +18,8 @@ import numpy as np
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, Fits, inverse_of
+from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.gram import Fits, inverse_of
 from diagnosis.evidence.score import Score, admissible
 from diagnosis.rules import Rules
 from symbolic.motion import Float

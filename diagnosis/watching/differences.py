@@ -19,7 +19,8 @@ import numpy as np
 from diagnosis.discover import own_effects
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight, weighted_fit
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.gram import weighted_fit
 from diagnosis.evidence.look_alikes import look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant

@@ -1,0 +1,150 @@
+"""Fits and losses from Gram blocks alone, sums over the samples of a recording, without touching a sample."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Gram:
+    """g (U, P, m, D), h (U, m, m, D), a (U, m, D) of a candidate in every unit; D are nodes, or a node and its
+    placebos, and come last: sums along them are what takes the time.
+    """
+
+    g: Float
+    h: Float
+    a: Float
+
+    def of(self, units: Float) -> Gram:
+        """Return the sums over units, (S, ...) for rows `units` (S, U) that are one where a unit counts."""
+        sums = ((units @ each.reshape(len(each), -1), each) for each in (self.g, self.h, self.a))
+        return Gram(*(total.reshape(len(units), *each.shape[1:]) for total, each in sums))
+
+    def entries(self, *which: Any) -> Gram:
+        """Return those of some entries of D, one index for each axis that it has."""
+        return Gram(self.g[..., *which], self.h[..., *which], self.a[..., *which])
+
+
+@dataclass(frozen=True, eq=False)
+class Fits:
+    """The present model fitted S times: to the `units` (S, U) that are one, with G⁻¹ (S, P, P), the prior included, and
+    the step (S, P) of its own numbers.
+    """
+
+    units: Float
+    inverse: Float
+    step: Float
+
+    def candidate(self, grams: Gram, ridge: tuple[float, float]) -> tuple[Float, Float, Float]:
+        """Return candidate coefficients (S, m, D), the step (S, P, D) refitted with them, and the gain (S, D) on what
+        is fitted.
+        """
+        fitted = grams.of(self.units)
+        g, h = fitted.g, fitted.h
+        flat = g.reshape(*g.shape[:2], -1)
+        lean = (self.inverse @ flat).reshape(g.shape)  # (S, P, m, D)
+        schur = h - np.einsum("spmd,spnd->smnd", lean, g)
+        scale = np.sqrt(np.maximum(np.einsum("smmd->smd", h), 1e-300))
+        # A column that the fitted units hardly show must not escape the ridge by being small.
+        scale = np.maximum(scale, ridge[1] * scale.max(axis=1, keepdims=True))
+        right = fitted.a - (self.step[:, None] @ flat).reshape(fitted.a.shape)
+        normal = schur / (scale[:, :, None] * scale[:, None]) + ridge[0] * np.eye(len(h[0]))[:, :, None]
+        coefficients = _solved(normal, right / scale) / scale
+        step = self.step[:, :, None] - np.einsum("spmd,smd->spd", lean, coefficients)
+        return coefficients, step, np.einsum("smd,smd->sd", coefficients, right)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What was not fitted, each of S times: the `units` (S, U) that are one, with G (S, P, P), b (S, P) and c (S,)."""
+
+    units: Float
+    gram: Float
+    slope: Float
+    constant: Float
+
+    def loss(self, step: Float) -> Float:
+        """Return the loss (S, D) after steps (S, P, D) of the model's own numbers."""
+        linear, square = np.einsum("sp,spd->sd", self.slope, step), np.einsum("spd,spd->sd", self.gram @ step, step)
+        return np.asarray(self.constant[:, None] - 2.0 * linear + square)
+
+    def loss_beside(self, grams: Gram, coefficients: Float, step: Float) -> Float:
+        """Return the loss (S, D) with a candidate of these coefficients (S, m, D) beside it."""
+        held = grams.of(self.units)
+        lean = np.einsum("spmd,spd->smd", held.g, step) - held.a
+        own = np.einsum("smnd,snd->smd", held.h, coefficients)
+        return self.loss(step) + np.einsum("smd,smd->sd", coefficients, 2.0 * lean + own)
+
+
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """What a candidate gains: first entry of axis D is the candidate, the others are placebos.
+
+    `folds` (F, D): fall of the weighted loss on each held-out unit; `unseen` (D,) the same on the verification
+    recordings (zeros where there are none); `coefficients` (D, m) fitted on all training units.
+    """
+
+    folds: Float
+    unseen: Float
+    coefficients: Float
+
+    @property
+    def total(self) -> Float:
+        """Sum over the held-out training units (D,)."""
+        return self.folds.sum(axis=0)
+
+    def entry(self, index: int) -> Gain:
+        """Return one entry alone."""
+        some = slice(index, index + 1)
+        return Gain(self.folds[:, some], self.unseen[some], self.coefficients[some])
+
+
+def _solved(matrices: Float, right: Float) -> Float:
+    """Return x (S, m, D) of `matrices` (S, m, m, D) x = `right` (S, m, D), small ones without LAPACK's overhead."""
+    if len(matrices[0]) == 1:
+        return np.asarray(right / matrices[:, 0])
+    if len(matrices[0]) == 2:
+        (a, b, d), (x, y) = (matrices[:, 0, 0], matrices[:, 0, 1], matrices[:, 1, 1]), np.swapaxes(right, 0, 1)
+        return np.stack([d * x - b * y, a * y - b * x], axis=1) / (a * d - b * b)[:, None]
+    last = np.moveaxis(right, -1, 1)[..., None]
+    return np.asarray(np.moveaxis(np.linalg.solve(np.moveaxis(matrices, -1, 1), last)[..., 0], 1, -1))
+
+
+def largest_eigenvalue(matrices: Float) -> Float:
+    """Return the largest eigenvalue (D,) of symmetric matrices (m, m, D)."""
+    if len(matrices) == 1:
+        return np.asarray(matrices[0, 0])
+    return np.asarray(np.linalg.eigvalsh(np.moveaxis(matrices, -1, 0))[:, -1])
+
+
+NOTHING = 1e-9
+"""Length of a column, in deviations of the residual per unit, that is rounding: a sway across a stage moves nothing."""
+
+
+def inverse_of(grams: Float) -> Float:
+    """Return the inverses of Gram matrices (..., P, P), pseudo where columns depend on each other, 0 where they are no
+    longer than `NOTHING`; scaled first.
+    """
+    length = np.sqrt(np.maximum(np.einsum("...pp->...p", grams), 0.0))
+    scale = np.where(length > NOTHING, length, np.inf)
+    norm = scale[..., :, None] * scale[..., None, :]
+    return np.asarray(np.linalg.pinv(grams / norm, rcond=1e-11, hermitian=True) / norm)
+
+
+def weighted_fit(
+    columns: Sequence[Float], weights: Sequence[Float], residuals: Sequence[Float], prior: Float
+) -> tuple[Float, Float]:
+    """Return the inverse (P, P) of the Gram matrix of recordings with columns (J, K, P), weights (J, K), and the step
+    (P,) fitted to their residuals (J, K); `prior` (P,) is the precision with which each number is held.
+    """
+    weighted = [x * w[:, :, None] for x, w in zip(columns, weights, strict=True)]
+    gram = sum(np.tensordot(y, x, ((0, 1), (0, 1))) for y, x in zip(weighted, columns, strict=True))
+    slope = sum(np.tensordot(y, r, ((0, 1), (0, 1))) for y, r in zip(weighted, residuals, strict=True))
+    inverse = inverse_of(gram + np.diag(prior))
+    return inverse, np.asarray(inverse @ slope)
