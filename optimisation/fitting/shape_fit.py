@@ -62,12 +62,16 @@ def solve_shape(
         return solution(data, delta, possible)
 
     known = reference  # of the shape before: few rounds lead from there to the next fixed point
+    last: dict[bytes, Settled] = {}  # a descent asks for the shapes it has just tried
 
     def solved(shape: Float) -> Settled:
         nonlocal known
-        found = settle(assembly, shape, solve, known)
-        known = found.linear if found.converged else reference
-        return found
+        if (key := shape.tobytes()) not in last:
+            found = settle(assembly, shape, solve, known)
+            known = found.linear if found.converged else reference
+            last.clear()
+            last[key] = found
+        return last[key]
 
     def loss(shape: Float) -> float:
         try:

@@ -20,6 +20,8 @@ from symbolic.motion import Float
 
 FORGOTTEN = 1e-30
 """What is left of a state that no longer counts."""
+SAME_TIME = 1e-9
+"""Share of a sampling step that two times may differ by and be the same but for rounding."""
 
 
 def play(t: Float, x: Float, h: Float | float) -> Float:
@@ -93,9 +95,11 @@ def slow(t: Float, x: Float, f: Float | float) -> Float:
     width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * f) / step
     reach = min(int(np.ceil(4.0 * width)), len(t) - 1)
     weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
-    y = np.interp(even, t, x)
+    uneven = bool(np.abs(even - t).max() > SAME_TIME * step)
+    y = np.interp(even, t, x) if uneven else x
     y = np.concatenate([2.0 * y[0] - y[reach:0:-1], y, 2.0 * y[-1] - y[-2 : -reach - 2 : -1]])
-    return np.interp(t, even, np.convolve(y, weight / weight.sum(), mode="valid"))
+    smooth = np.convolve(y, weight / weight.sum(), mode="valid")
+    return np.interp(t, even, smooth) if uneven else smooth
 
 
 MEMORY: Mapping[str, Callable[..., Float]] = {"play": play, "dahl": dahl, "delay": delay, "slow": slow, "ddt": ddt}
