@@ -43,7 +43,12 @@ class Doubt:
 
 def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
     """Return what makes a search pointless, judged with the model that is there; None where nothing does."""
-    return _noisy_angles(base, rules) or _late_torque(base, rules) or _follows_the_angles(base, rules)
+    return (
+        _noisy_angles(base, rules)
+        or _driven_by_friction(base)
+        or _late_torque(base, rules)
+        or _follows_the_angles(base, rules)
+    )
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:
@@ -142,6 +147,27 @@ def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         f"{whose} not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
         f"leaves {100 * after:.0f} % of the squared error it leaves now.",
         mend,
+    )
+
+
+def _driven_by_friction(base: FittedModel) -> Doubt | None:
+    """Return which joints' friction, dry and viscous alike, drives them: their torque or angle has the wrong sign."""
+    rigid, found = len(base.model.base().inertial), []
+    for k, joint in enumerate(base.model.joints):
+        dry, viscous = base.fit.estimates[rigid + 2 * k : rigid + 2 * k + 2]
+        if dry.high < 0.0 and viscous.value < 0.0 and any(one.driven[k] for one in base.prepared.train):
+            found.append((k, joint))
+    if not found:
+        return None
+    names = " and ".join(joint.name for _, joint in found)
+    units = {"N·m": "Nm"}
+    options = ",".join(f"tau{k + 1}=-{units.get(joint.unit('tau'), joint.unit('tau'))}" for k, joint in found)
+    angles = ",".join(f"q{k + 1}=-{joint.unit('q')}" for k, joint in found)
+    return Doubt(
+        f"dry and viscous friction of the {names} are negative, and the interval of the dry one excludes 0",
+        f"Friction would have to drive the {names}, where friction can only brake: torque and angle are not counted in "
+        "the same direction.",
+        f"find out which has the other sign: --units {options} if the torque has, --units {angles} if the angle has",
     )
 
 

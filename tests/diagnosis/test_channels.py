@@ -15,11 +15,13 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import model_error
 from diagnosis.evidence.repeats import repeats
 from diagnosis.rules import RULES
+from measurement.bench.simulation import Bench, run_bench
 from measurement.reading.read import read_recording
 from measurement.recording import Recording
 from measurement.signals.conditioning import low_pass
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
+from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Motion
 from tests.made_recordings import BETA, motion, recording
@@ -236,3 +238,17 @@ def test_slow_motion_without_friction_is_not_taken_for_motion_by_hand(good):
         return with_torque(one, MODEL.torque(Motion(one.t, one.q, dq, ddq), numbers))
 
     assert doubts_before(base([driven(one) for one in slow])) is None
+
+
+@pytest.mark.parametrize(("joint", "kind"), [("axis", "revolute"), ("stage", "prismatic")])
+def test_a_torque_counted_the_other_way_is_said_on_any_machine(joint, kind):
+    machine = Model("bench", gravity=9.81 if kind == "revolute" else 0.0, chain=(Joint(joint, kind),))
+    runs = [run_bench(machine, seed=6, index=k, bench=Bench(duration=12.0)).recording for k in range(2)]
+    for sign in (1.0, -1.0):
+        prepared = prepare(machine, [replace(one, tau=sign * one.tau) for one in runs], cutoff=6.0)
+        found = doubts_before(fitted_model(identify(machine, prepared.train, optimisers=()), prepared))
+        if sign > 0.0:
+            assert found is None
+        else:
+            assert found is not None and f"drive the {joint}" in found.sentence
+            assert ("tau1=-Nm" if kind == "revolute" else "tau1=-N ") in found.remedy
