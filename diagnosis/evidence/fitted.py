@@ -16,6 +16,7 @@ from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from diagnosis.rules import RULES, Rules
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.local_shape import shapes_for
+from optimisation.fitting.shapes import slope_by_shape
 from optimisation.linear.loss import huber, huber_terms
 from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared
@@ -197,8 +198,4 @@ def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, in
     entry = model.shapes[index].shape
     if entry.choices:
         return np.zeros((len(model.joints), len(one.motion)))
-    step = SLOPE_STEP * (entry.max - entry.min)
-    up, down = shape.copy(), shape.copy()
-    up[index], down[index] = min(shape[index] + step, entry.max), max(shape[index] - step, entry.min)
-    rise = model.torque(one.motion, linear, up) - model.torque(one.motion, linear, down)
-    return np.asarray(rise.T / (up[index] - down[index]))
+    return slope_by_shape(lambda at: model.torque(one.motion, linear, at), shape, index, entry, SLOPE_STEP).T

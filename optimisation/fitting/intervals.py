@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from optimisation.fitting.assemble import Assembly, FittableModel, Settled
+from optimisation.fitting.shapes import slope_by_shape
 from optimisation.linear.physical import Physics
 from optimisation.linear.uncertainty import Covariance, covariance
 from symbolic.motion import Float
@@ -23,16 +24,12 @@ def spread_of(assembly: Assembly, found: Settled, shape: Float, delta: Float) ->
 
     slopes = []
     for index, entry in enumerate(model.shapes):
-        step = 1e-4 * (entry.shape.max - entry.shape.min)
-        up, down = shape.copy(), shape.copy()
-        up[..., index] = np.minimum(shape[..., index] + step, entry.shape.max)
-        down[..., index] = np.maximum(shape[..., index] - step, entry.shape.min)
         # A value each recording has to itself is not one number with one interval.
         flat = bool(entry.shape.choices) or entry.shape.per_recording
         slopes.append(
             np.zeros_like(found.data.tau)
             if flat
-            else (predicted(linear, up) - predicted(linear, down)) / np.mean(up[..., index] - down[..., index])
+            else slope_by_shape(lambda at: predicted(linear, at), shape, index, entry.shape, 1e-4)
         )
     total = columns
     if model.needs_reference:

@@ -68,7 +68,6 @@ class ShapeSearch:
         return np.asarray(self.reached <= self.value + SAME * max(abs(self.value), np.finfo(float).tiny))
 
 
-
 def to_unit(shape: Shape, value: float) -> float:
     """Return where `value` lies between the bounds of `shape`, 0 to 1, in its declared spacing."""
     if shape.spacing == "log":
@@ -82,6 +81,17 @@ def from_unit(shape: Shape, unit: float) -> float:
     if shape.spacing == "log":
         return float(min(max(shape.min * (shape.max / shape.min) ** u, shape.min), shape.max))
     return float(shape.min + u * (shape.max - shape.min))
+
+
+def slope_by_shape(values: Callable[[Float], Float], at: Float, index: int, shape: Shape, share: float) -> Float:
+    """Return the derivative of `values` by shape value `index` of `at` (S,) or (R, S), in all recordings at once: by
+    central differences of a `share` of its range, inside its bounds.
+    """
+    step = share * (shape.max - shape.min)
+    up, down = at.copy(), at.copy()
+    up[..., index] = np.minimum(at[..., index] + step, shape.max)
+    down[..., index] = np.maximum(at[..., index] - step, shape.min)
+    return np.asarray((values(up) - values(down)) / np.mean(up[..., index] - down[..., index]))
 
 
 def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
