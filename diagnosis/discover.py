@@ -17,7 +17,7 @@ from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
-from diagnosis.evidence.soft_drive import SoftDrive, soft_drive
+from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, soft_drive
 from diagnosis.evidence.stability import splits_of
 from diagnosis.evidence.stretches import searched, searched_stretches
 from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
@@ -125,7 +125,10 @@ def answer_of(
         for one in _accepted(extensions)
         for found in (agreements.get(one.name, Agreement()),)
     )
-    soft = soft_drive(done.found.state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules)
+    soft = done.soft
+    if soft is None:
+        begun = done.found.state.extensions[0].fitted
+        soft = soft_drive(begun, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
         answer = behind(soft, last.model.joints)
         return _write_up(
@@ -157,7 +160,8 @@ def diagnose(
 class _Searched:
     """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
 
-    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed.
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed, `soft`
+    the drive that explains so much that none was made.
     """
 
     prepared: Prepared
@@ -165,6 +169,7 @@ class _Searched:
     context: SearchContext
     found: Found
     answer: Conclusion | None = None
+    soft: SoftDrive | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +206,10 @@ class Question:
         if answer is not None:
             return _Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
         start = Extension(base) if part is prepared else context.fit(self.model)
+        soft = plainly_soft(start.fitted, context.noise(start), self.rules)
+        if soft is not None:
+            found = Found(State((start,)), tuple(context.rank(start, 1)[1]))
+            return _Searched(prepared, base, context, found, soft=soft)
         return _Searched(prepared, base, context, run_search(context, start))
 
 

@@ -66,6 +66,12 @@ class Rules:
     nearest: float = _rule(
         ACCEPTANCE, 0.05, "share from which an entry that was not accepted is named as the nearest: chance"
     )
+    leading: float = _rule(
+        ACCEPTANCE,
+        0.5,
+        "part of what is more than noise that a torque before its motion must explain: what swings behind a soft drive "
+        "is called early",
+    )
     at_bound: float = _rule(
         ACCEPTANCE,
         1e-3,
@@ -205,6 +211,12 @@ class Rules:
     )
     soft_beside: float = _rule(
         CHANNELS, 0.9, "the same where the drive is among several accepted: the others make up for its approximation"
+    )
+    soft_plain: float = _rule(
+        CHANNELS,
+        0.2,
+        "part of the squared error that such a drive leaves of what its entry leaves, at which nothing else is looked "
+        "for: minutes of search for what is not accepted",
     )
     filter_error: float = _rule(
         CHANNELS, 2.0, "times the error of filter and derivatives: that error passes for a flexible drive"

@@ -15,7 +15,7 @@ from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.swinging import swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
-from diagnosis.search.doubt import too_short
+from diagnosis.search.doubt import EARLY, too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
@@ -70,6 +70,9 @@ def conclude(
             error.advice if swing is None else swing.advice,
             error,
         )
+    early = next((one for one in possible if one.reason.startswith(EARLY)), None)
+    if not accepted and left is None and early is not None:
+        return _early(early, first, where, stopped)
     short = too_short(last.prepared, rules)
     if not accepted and left is None:
         return Conclusion(
@@ -121,6 +124,20 @@ def conclude(
             error,
         )
     return Conclusion("missing", rule, text, stopped, advice, error)
+
+
+def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:
+    """Return the conclusion where the only thing that helps is a torque that comes before its motion."""
+    return Conclusion(
+        "unexplained",
+        f"{early.name} lowers the error {where} more than its placebos do, but {early.reason}",
+        f"Something is missing that the catalogue does not describe; the error is {_times(first):.2g} times the noise "
+        f"floor. Nearest is {early.name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
+        stopped,
+        "a link that swings behind a drive that gives way looks so: measure its angle behind the drive, or clamp the "
+        "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
+        "knock against the leg",
+    )
 
 
 def doubted(doubt: Doubt) -> Conclusion:

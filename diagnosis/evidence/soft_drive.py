@@ -19,10 +19,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, pooled_rms
+from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
 from measurement.signals.conditioning import derivatives
+from optimisation.fitting.identify import identify
 from symbolic.catalogue import find_effect
 from symbolic.columns import slopes_of
 from symbolic.evaluation import carrying
@@ -92,6 +93,20 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             ):
                 found.append(one)
     return min(found, key=lambda one: one.share, default=None)
+
+
+def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
+    """Return the soft drive that leaves next to nothing of what its entry leaves, None where there is none.
+
+    What it explains, no search would: nothing need be looked for.
+    """
+    one = soft_drive(base, base, noise, rules)
+    if one is None:
+        return None
+    model = base.model.with_effect(find_effect(ENTRY), one.joint)
+    entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).judged_rms
+    plain = bool(np.all(one.after[one.asked] ** 2 <= rules.soft_plain * entry[one.asked] ** 2))
+    return one if plain else None
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:

@@ -17,6 +17,7 @@ from diagnosis.evidence.gain import Evidence, RecordingEvidence
 from diagnosis.evidence.look_alikes import columns_at, gains_beside, look_alikes
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.search.context import SearchContext
+from diagnosis.search.doubt import on_bound
 from diagnosis.search.state import Extension
 from symbolic.motion import Float
 
@@ -104,6 +105,7 @@ def refitted(
     """
     rules, scale = context.rules, extension.fitted.scale
     tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
+    elsewhere = {score.name for score, found in tried if on_bound(found.fitted, score.name, rules)}
     tried = [
         (score, found)
         for score, found in tried
@@ -131,7 +133,8 @@ def refitted(
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
-    others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in {*lag, *alike}]
+    wanted = {*lag, *alike} - elsewhere  # what fits only beyond what it can be is not what is missing
+    others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in wanted]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
     behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}

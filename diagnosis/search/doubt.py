@@ -13,6 +13,9 @@ from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
+DELAY, EARLY = "time_delay", "the torque would come"
+"""The entry that has torque come at another moment, and how the doubt begins that it comes before its motion."""
+
 
 def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
     """Return why the term that `after` adds must not be accepted, in words; "" where nothing speaks against it.
@@ -28,6 +31,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> st
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or small_while_far(before, after, floor, rules)
+        or torque_before_motion(before, after, floor, rules)
     )
 
 
@@ -143,4 +147,26 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     return (
         f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise: "
         "something larger is missing, and small terms may only take up part of it"
+    )
+
+
+def torque_before_motion(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
+    """Return that the term has torque come before its motion, yet leaves much of what is more than noise, `floor` (J,).
+
+    Loggers, buses and filters make torque late; early it hardly is, but what swings behind its drive looks so.
+    """
+    if after.added is None or after.added.candidate.term.effect.id != DELAY:
+        return ""
+    term = after.added.candidate.term
+    own = [k for k, entry in enumerate(after.fitted.model.shapes) if entry.term == term.name]
+    early = -float(np.median(after.fitted.fit.shapes[:, own]))
+    at = list(term.reaches)
+    whole, left = (
+        float(np.sum(np.maximum(one.fitted.judged_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
+    )
+    if early <= 0.0 or left <= (1.0 - rules.leading) * whole:
+        return ""
+    return (
+        f"{EARLY} {early:.2g} s before the motion it belongs to, which hardly happens, and that explains "
+        f"{100 * max(0.0, 1.0 - left / whole):.0f} % of what is more than noise"
     )

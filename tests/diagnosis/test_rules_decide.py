@@ -16,9 +16,9 @@ from diagnosis.evidence.score import _harmless, admissible
 from diagnosis.evidence.stability import Splits
 from diagnosis.results import Possible
 from diagnosis.rules import RULES
-from diagnosis.search.doubt import on_bound, small_while_far
+from diagnosis.search.doubt import DELAY, EARLY, on_bound, small_while_far, torque_before_motion
 from diagnosis.search.possible import possible_of
-from diagnosis.verdict import _nearest
+from diagnosis.verdict import _nearest, conclude
 from symbolic.effect import Coefficient, Shape
 
 
@@ -69,6 +69,36 @@ def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, d
     before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
     after.added = SimpleNamespace(share=share, unseen=None)
     assert bool(small_while_far(before, after, np.ones(2), RULES)) is doubted
+
+
+@pytest.mark.shows("leading")
+@pytest.mark.parametrize(
+    ("delay", "left", "doubted"), [(-0.02, 2.0, False), (-0.02, 2.6, True), (0.02, 2.6, False), (-0.02, 0.8, False)]
+)
+def test_torque_before_its_motion_must_explain_most(delay, left, doubted):
+    """Of 3 N·m with a noise of 1 N·m; the other joint does not count."""
+    term = SimpleNamespace(effect=SimpleNamespace(id=DELAY), name="time_delay:hip", reaches=(0,))
+    model = SimpleNamespace(shapes=[SimpleNamespace(term="time_delay:hip")])
+
+    def at(error):
+        return SimpleNamespace(judged_rms=np.array([error, 9.0]), model=model, fit=SimpleNamespace(shapes=delays))
+
+    delays = np.array([[delay], [delay], [0.05]])
+    before, after = SimpleNamespace(fitted=at(3.0)), SimpleNamespace(fitted=at(left))
+    after.added = SimpleNamespace(candidate=SimpleNamespace(term=term))
+    assert bool(torque_before_motion(before, after, np.ones(2), RULES)) is doubted
+    after.added.candidate.term = SimpleNamespace(effect=SimpleNamespace(id="stribeck"))
+    assert torque_before_motion(before, after, np.ones(2), RULES) == ""
+
+
+def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
+    context = search({}, ["torque_offset:knee"])
+    last = state_with(context).last.fitted
+    early = Possible(DELAY, "hip", Agreement(4, 4), {}, 0.04, f"{EARLY} 0.03 s before the motion it belongs to")
+    found = conclude((), None, last, last, True, 4, possible=(early,))
+    assert found.verdict == "unexplained" and "drive" in found.next_experiment
+    assert "time_delay:hip, 4 %" in found.sentence
+    assert conclude((), None, last, last, True, 4, possible=(replace(early, reason="too few"),)).verdict == "adequate"
 
 
 @pytest.mark.shows("at_bound")

@@ -10,6 +10,7 @@ from synthetic import search, state_with
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.rules import RULES
+from diagnosis.search import choice
 from diagnosis.search.choice import choose, contains
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
@@ -211,6 +212,14 @@ def test_a_drift_and_a_spring_contain_an_offset_and_friction_does_not():
     found = forward(context, state_with(context))
     assert found.names == ("torque_offset:knee",)
     assert found.last.alike == ()
+
+
+def test_what_fits_only_on_its_bound_is_no_look_alike(monkeypatch):
+    context = search({"joint_spring:hip": ([3.0, 0.2], [])}, ["joint_spring:hip", "hardening_spring:hip"], noise=0.4)
+    found = forward(context, state_with(context))
+    assert found.names == ("joint_spring:hip",) and found.last.alike == ("hardening_spring:hip",)
+    monkeypatch.setattr(choice, "on_bound", lambda fitted, name, rules: "at its limit" * (name == found.last.alike[0]))
+    assert forward(context, state_with(context)).last.alike == ()
 
 
 def test_a_spring_is_named_where_an_offset_does_not_do():

@@ -9,7 +9,7 @@ import pytest
 
 from diagnosis.discover import discover
 from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.soft_drive import soft_drive, twist
+from diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
 from diagnosis.rules import RULES
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
@@ -65,6 +65,15 @@ def test_the_entry_of_the_catalogue_cannot_express_it():
     found = soft_drive(base, entry, NOISE)
     assert found is not None and found.name == "motor_elasticity:hip"
     assert np.all(found.after < 0.6 * entry.judged_rms)
+
+
+@pytest.mark.shows("soft_plain")
+def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
+    base = fitted(MODEL, [behind(0, 0.008, k) for k in range(3)])
+    found = plainly_soft(base, NOISE)
+    assert found is not None and found.joint == "hip"
+    assert plainly_soft(base, NOISE, replace(RULES, soft_plain=1e-4)) is None
+    assert plainly_soft(base, base.judged_rms) is None
 
 
 def extras(one: Motion, seed: int) -> dict[str, Float]:
