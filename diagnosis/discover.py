@@ -12,7 +12,7 @@ import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import build_library
-from diagnosis.evidence.channels import doubts_after, doubts_before
+from diagnosis.evidence.channels import Filtered, doubts_after, doubts_before, filtered
 from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
@@ -23,7 +23,7 @@ from diagnosis.evidence.stretches import searched, searched_stretches
 from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import Progress, SearchContext, silent
-from diagnosis.search.doubt import too_short
+from diagnosis.search.doubt import DELAY, too_short
 from diagnosis.search.engine import Found, run_search
 from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
@@ -134,8 +134,28 @@ def answer_of(
         return _write_up(
             done, (Extension(done.base),), (), None, _beside(soft, accepted, possible, rules), answer, began
         )
+    behind_filter = _filtered(done.context, state, rules)
+    if behind_filter is not None and behind_filter.doubt is not None:
+        return _write_up(done, (Extension(done.base),), (), None, (), doubted(behind_filter.doubt), began)
+    if behind_filter is not None:
+        accepted = tuple(
+            replace(a, look_alikes=(*a.look_alikes, behind_filter.name)) if a.effect == DELAY else a for a in accepted
+        )
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
     return _write_up(done, extensions, accepted, left, possible, answer, began)
+
+
+def _filtered(context: SearchContext, state: State, rules: Rules) -> Filtered | None:
+    """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
+    last = state.last.fitted
+    shapes = [entry.term for entry in last.model.shapes]
+    delays = [score for score in state.accepted if score.candidate.term.effect.id == DELAY]
+    values = [last.fit.shapes[:, shapes.index(score.name)] for score in delays]
+    late = [score for score, own in zip(delays, values, strict=True) if np.ptp(own) < np.median(own)]
+    if not late:  # a torque that is early, or late by something else in every recording, is behind no filter
+        return None
+    joints = sorted({joint for score in late for joint in score.candidate.joints})
+    return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
 def diagnose(

@@ -187,6 +187,15 @@ class Rules:
         1e-3,
         "share of the torques' variance that the angles alone leave: effects named where a hand moves the machine",
     )
+    filtered: float = _rule(
+        CHANNELS,
+        0.9,
+        "part of what delays leave that a filter on the torque leaves, from which it is the filter: filters are called "
+        "delays",
+    )
+    as_late: float = _rule(
+        CHANNELS, 1.2, "the same up to which either may be the case: a filter is ruled out by next to nothing"
+    )
     angle_noise: float = _rule(
         CHANNELS, 0.15, "share of noise in the accelerations: inertias pulled to zero are reported with small intervals"
     )

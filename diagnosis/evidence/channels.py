@@ -24,12 +24,16 @@ from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS, PreparedRecording
 from optimisation.preparation.prepare import Prepared
+from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s."""
 LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
+
+FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
+"""Delays and time constants in s that are tried where a delay was found."""
 
 
 @dataclass(frozen=True)
@@ -129,9 +133,14 @@ def _late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
         found = next((one for one in alone if one is not None), None)
     if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
         return None
+    return _wrong_timing(base, found, int(joints.sum()))
+
+
+def _wrong_timing(base: FittedModel, found: _Reading, joints: int) -> Doubt:
+    """Return the doubt that another reading of the torque makes; `joints` of them have one."""
     kind, value, after, which = found.kind, found.value, found.share, found.which
     named = [joint for joint, x in zip(base.model.joint_names, which, strict=True) if x]
-    whose = "The torque does" if which.sum() == joints.sum() else f"The torque of the {named[0]} does"
+    whose = "The torque does" if which.sum() == joints else f"The torque of the {named[0]} does"
     what = (
         f"comes {abs(value):.2g} s {'after' if value > 0 else 'before'} the motion it belongs to"
         if kind == "delay"
@@ -223,6 +232,52 @@ def _without_lag(tau: Float, samples: float) -> Float:
     """Return what a filter of first order with a time constant of so many samples has made `tau` (N, J) of."""
     pole = np.exp(-1.0 / samples)
     return np.concatenate([tau[:1], (tau[1:] - pole * tau[:-1]) / (1.0 - pole)])
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """A torque behind a filter of first order with `hertz`, which explains what a delay does; `doubt` where it explains
+    clearly more.
+    """
+
+    hertz: float
+    doubt: Doubt | None
+
+    @property
+    def name(self) -> str:
+        """What it is, in words."""
+        return f"a filter of first order on the torque ({self.hertz:.2g} Hz)"
+
+
+def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) -> Filtered | None:
+    """Return the filter that explains as much as the delays of the torques of the joints `late`, or more.
+
+    `without` is the model that has all but these delays. None where the delays explain clearly more.
+    """
+    if any(is_transform(term) for term in without.model.terms):
+        return None
+    readings = _Readings(without)
+    now = readings.now
+    seen = now > 0.0
+    own = np.isin(np.arange(len(now)), late)
+
+    def least(kind: str) -> _Reading:
+        change = CHANGES[kind][0]
+
+        def at(value: float, which: np.ndarray) -> _Reading:
+            return _Reading(kind, value, float(np.mean(readings.left(change, value, which)[seen] / now[seen])), which)
+
+        whose = (seen, own) if (seen & ~own).any() else (own,)
+        best = min((at(value, which) for value in FAST for which in whose), key=lambda one: one.share)
+        finer = [best, *(at(factor * best.value, best.which) for factor in (0.85, 1.18))]
+        return min(finer, key=lambda one: one.share)
+
+    delay, lag = least("delay"), least("lag")
+    if lag.share > rules.as_late * delay.share or 1.0 - lag.share < rules.close * (1.0 - delay.share):
+        return None
+    sure = lag.share <= rules.filtered * min(delay.share, 1.0)
+    doubt = _wrong_timing(without, lag, int(seen.sum())) if sure else None
+    return Filtered(1.0 / (2.0 * np.pi * lag.value), doubt)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from diagnosis.compare import compare
 from diagnosis.discover import discover
-from diagnosis.evidence.channels import Doubt, channel_findings, doubts_after, doubts_before, left_share
+from diagnosis.evidence.channels import Doubt, channel_findings, doubts_after, doubts_before, filtered, left_share
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import model_error
 from diagnosis.evidence.repeats import repeats
@@ -117,6 +117,31 @@ def test_torque_behind_a_slow_filter(good, hertz):
     found = doubt([slow(one) for one in good])
     assert found is not None and "filter of first order" in found.sentence
     assert float(found.sentence.split(" Hz")[0].rsplit(" ", 1)[1]) == pytest.approx(hertz, rel=0.15)
+
+
+def smooth(change):
+    """Recordings of a leg without friction, their torque as `change` logs it."""
+    for k in range(3):
+        path, rng = motion(k), np.random.default_rng(k)
+        tau = MODEL.torque(path, np.where(np.arange(8) < 4, BETA, 0.0)) + 0.05 * rng.normal(size=path.q.shape)
+        yield Recording(f"run {k}", path.t, path.q + 1e-5 * rng.normal(size=tau.shape), change(path.t, tau))
+
+
+def delayed(seconds):
+    return lambda t, tau: np.column_stack([np.interp(t - seconds, t, column) for column in tau.T])
+
+
+@pytest.mark.shows("filtered", "as_late")
+def test_a_fast_filter_on_the_torque_may_be_what_a_delay_stands_for():
+    pole = np.exp(-2.0 * np.pi * 8.0 / 100.0)
+    fast = base([*smooth(lambda _, tau: lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])[0])])
+    found = filtered(fast, [0], replace(RULES, filtered=0.5))
+    assert found is not None and found.doubt is None and found.hertz == pytest.approx(8.0, rel=0.2)
+    assert found.name.startswith("a filter of first order on the torque (")
+    sure = filtered(fast, [0], replace(RULES, filtered=1.2))
+    assert sure is not None and sure.doubt is not None and "filter of first order" in sure.doubt.sentence
+    assert filtered(fast, [0], replace(RULES, as_late=0.5)) is None
+    assert filtered(base([*smooth(delayed(0.03))]), [0, 1]) is None
 
 
 def test_one_late_channel_is_told_from_a_late_logger(good):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from copy import copy
 from dataclasses import replace
 from types import SimpleNamespace
@@ -10,15 +11,16 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
+import diagnosis.discover  # noqa: F401
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.score import _harmless, admissible
 from diagnosis.evidence.stability import Splits
-from diagnosis.results import Possible
+from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES
 from diagnosis.search.doubt import DELAY, EARLY, on_bound, small_while_far, torque_before_motion
 from diagnosis.search.possible import possible_of
-from diagnosis.verdict import _nearest, conclude
+from diagnosis.verdict import _deciding, _nearest, conclude
 from symbolic.effect import Coefficient, Shape
 
 
@@ -89,6 +91,26 @@ def test_torque_before_its_motion_must_explain_most(delay, left, doubted):
     assert bool(torque_before_motion(before, after, np.ones(2), RULES)) is doubted
     after.added.candidate.term = SimpleNamespace(effect=SimpleNamespace(id="stribeck"))
     assert torque_before_motion(before, after, np.ones(2), RULES) == ""
+
+
+@pytest.mark.parametrize("delay", [0.02, -0.02])
+def test_a_filter_is_asked_about_where_a_torque_is_late(monkeypatch, delay):
+    asked, module = [], sys.modules["diagnosis.discover"]
+    monkeypatch.setattr(module, "filtered", lambda without, joints, rules: asked.append((without, joints)))
+    context = search({"time_delay:knee": ([], [delay])}, ["time_delay:knee", "time_delay:hip"])
+    state = state_with(context, "time_delay:knee")
+    module._filtered(context, state, RULES)
+    if delay < 0.0:
+        assert asked == []
+    else:
+        ((without, joints),) = asked
+        assert joints == [1] and without.model.shapes == ()
+
+
+def test_no_experiment_separates_what_is_no_entry():
+    one = Accepted("time_delay", "hip", {}, ("a filter of first order on the torque (8 Hz)",), (), 0.001, 1.0, 0.5, "")
+    assert "--separate" not in _deciding([one])
+    assert "--separate time_delay:hip,stribeck:hip finds" in _deciding([replace(one, look_alikes=("stribeck:hip",))])
 
 
 def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
