@@ -194,7 +194,7 @@ class Rules:
         "delays",
     )
     as_late: float = _rule(
-        CHANNELS, 1.2, "the same up to which either may be the case: a filter is ruled out by next to nothing"
+        CHANNELS, 1.25, "the same up to which either may be the case: a filter is ruled out by next to nothing"
     )
     angle_noise: float = _rule(
         CHANNELS, 0.15, "share of noise in the accelerations: inertias pulled to zero are reported with small intervals"
