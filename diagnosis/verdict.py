@@ -152,17 +152,21 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
         f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}"
         for joint, b, a in zip(joints, soft.before, soft.after, strict=True)
     )
+    whose, unsure = f"the encoder of the {soft.joint}", ""
+    if not soft.sure:
+        whose = "an encoder"
+        unsure = f" Which drive it is, is not sure: where only that of the {soft.joint} gave way, less would be left."
     return Conclusion(
         "unexplained",
         f"a soft drive, its twist found from the measured torque, leaves {100 * soft.share:.0f} % of the squared error "
         "that all accepted entries together leave",
-        f"The link does not stand where the encoder of the {soft.joint} says: the torques fit a drive of about "
+        f"The link does not stand where {whose} says: the torques fit a drive of the {soft.joint} of about "
         f"{1.0 / soft.compliance:.2g} {soft.stiffness} with its encoder at the motor ({falls}). The link swings behind "
         f"it at about {soft.hertz:.2g} Hz, and no model of the encoder's motion alone predicts that: nothing is "
-        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {soft.unit}.",
+        f"accepted. Nearest in the catalogue: {soft.name}, c about {soft.compliance:.2g} {soft.unit}.{unsure}",
         "what is accepted in place of a soft drive would only take up part of it",
         f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
-        f"{soft.name} is the angle at the encoder per torque",
+        f"{soft.name} is the angle at the encoder per torque" + ("" if soft.sure else "; then the other drives"),
     )
 
 

@@ -48,7 +48,7 @@ class SoftDrive:
     """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
 
     Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged; at joints that
-    are `asked` (J,) that was more than noise.
+    are `asked` (J,) that was more than noise. `sure` is the joint where the other joints' errors fall as well.
     """
 
     joint: str
@@ -59,6 +59,7 @@ class SoftDrive:
     before: Float
     after: Float
     asked: np.ndarray
+    sure: bool = True
 
     @property
     def name(self) -> str:
@@ -86,10 +87,13 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             one = _best(fitted, joint)
             if one is None:
                 continue
-            one = replace(one, before=last.judged_rms, asked=asked)
+            before = last.judged_rms
+            falls = (one.after**2 <= rules.soft_left * before**2) | (before <= noise)
+            others = np.arange(len(before)) != joint
+            one = replace(one, before=before, asked=asked, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
             if one.share <= (rules.soft_beside if beside else rules.soft_left) and np.all(
-                one.after <= one.before * (1.0 + ~asked)
+                one.after <= np.maximum(before, rules.soft_asked * noise * ~asked)
             ):
                 found.append(one)
     return min(found, key=lambda one: one.share, default=None)

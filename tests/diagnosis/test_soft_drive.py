@@ -11,6 +11,7 @@ from diagnosis.discover import discover
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
 from diagnosis.rules import RULES
+from diagnosis.verdict import behind as behind_drive
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
@@ -49,7 +50,7 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
     found = soft_drive(base, base, NOISE)
     assert found is not None and found.joint == joint
     assert found.compliance == pytest.approx(compliance, rel=0.25)
-    assert found.share < 0.3 and np.all(found.after < found.before)
+    assert found.sure and found.share < 0.3 and np.all(found.after < found.before)
     assert soft_drive(base, base, base.judged_rms) is None  # it is not asked about noise
 
 
@@ -107,6 +108,14 @@ def test_the_twist_is_that_of_load_and_link():
     noisy = load + np.random.default_rng(0).normal(size=t.size)
     found = twist(noisy, load + own, slopes, 0.004, 200.0)
     assert np.std(np.diff(found, 2)) < 0.02 * np.std(np.diff(0.004 * noisy, 2))
+
+
+def test_which_drive_gives_way_is_not_sure_where_the_other_joints_show_nothing_of_it():
+    base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
+    sure = soft_drive(base, base, NOISE)
+    assert "not sure" not in behind_drive(sure, MODEL.joints).sentence
+    unsure = behind_drive(replace(sure, sure=False), MODEL.joints)
+    assert "not sure" in unsure.sentence and unsure.next_experiment.endswith("then the other drives")
 
 
 @pytest.mark.slow
