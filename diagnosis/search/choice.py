@@ -115,9 +115,9 @@ def refitted(
         return None
     losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
     least = min(losses.values(), key=np.sum)
-    lag = {name: _lag(loss, least) for name, loss in losses.items()}
+    behind_best = {name: lag(loss, least) for name, loss in losses.items()}
     score, found = min(
-        ((s, f) for s, f in tried if lag[s.name] < rules.tied),
+        ((s, f) for s, f in tried if behind_best[s.name] < rules.tied),
         key=lambda p: (*_plainness(p[0]), p[0].candidate.tangent),
     )
 
@@ -125,7 +125,7 @@ def refitted(
         """Whether a rival can be the plainer `than`, and what else it can be is not worth a number here."""
         known = rival.name in losses and than.name in losses
         more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
-        tied = not known or _lag(losses[than.name], losses[rival.name]) < rules.tied
+        tied = not known or lag(losses[than.name], losses[rival.name]) < rules.tied
         little = tied or bool(more < rules.least_share * np.sum(losses[than.name]))
         return little and contains(context, extension, evidence, rival.candidate, than)
 
@@ -133,11 +133,11 @@ def refitted(
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
-    wanted = {*lag, *alike} - elsewhere  # what fits only beyond what it can be is not what is missing
-    others = [s for s in rivals if s is not score and lag.get(s.name, 0.0) < rules.clear and s.name in wanted]
+    wanted = {*behind_best, *alike} - elsewhere  # what fits only beyond what it can be is not what is missing
+    others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
-    behind = {name: _lag(loss, losses[score.name]) for name, loss in losses.items()}
+    behind = {name: lag(loss, losses[score.name]) for name, loss in losses.items()}
     more = {s.name for s in others if s.candidate.numbers > score.candidate.numbers}
     others = [
         s
@@ -301,7 +301,7 @@ def _mean(x: Float, use: np.ndarray, axis: int) -> Float:
     return np.sum(x * use, axis=axis, keepdims=True) / np.maximum(use.sum(axis=axis, keepdims=True), 1)
 
 
-def _lag(loss: Float, least: Float) -> float:
+def lag(loss: Float, least: Float) -> float:
     """Return by how many standard errors a model's loss in blocks of time is above the least one's; 0 for itself."""
     difference = loss - least
     spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))

@@ -1,9 +1,9 @@
 """The search for what a model is missing: moves, applied until nothing changes.
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
-the place of two, `exchange` compares each with its rivals, `drop_unsteady`
-drops terms that only some splits of the recordings support, `take_back` takes back proxies. A new move is a file with
-one function, and a place in `run`.
+the place of two, `exchange` compares each with its rivals, `drop_unsteady` drops terms that only some splits of the
+recordings support, `take_back` takes back proxies, and `beside_rivals`, at the end, drops what helps beside one of two
+look-alikes only. A new move is a file with one function, and a place in `run`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from diagnosis.evidence.score import Score
+from diagnosis.search.beside_rivals import beside_rivals
 from diagnosis.search.context import SearchContext
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
@@ -44,8 +45,14 @@ def run_search(context: SearchContext, start: Extension) -> Found:
         others = until_no_proxy(context, replace(begun, banned=state.banned | {score.name}))
         as_well = context.unseen_gain(state.last, others.last) > -rules.least_share
         if others.numbers <= state.numbers and as_well:
-            return Found(others, first)
-    return Found(state, first)
+            return Found(_beside_all(context, others), first)
+    return Found(_beside_all(context, state), first)
+
+
+def _beside_all(context: SearchContext, state: State) -> State:
+    """Return the state without terms that help beside one of two look-alikes only, and what is left then."""
+    shorter = beside_rivals(context, state)
+    return state if shorter.names == state.names else replace(shorter, left=left_over(context, shorter.last))
 
 
 def until_no_proxy(context: SearchContext, state: State) -> State:
