@@ -12,7 +12,7 @@ import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import build_library
-from diagnosis.evidence.channels import Filtered, doubts_after, doubts_before, filtered
+from diagnosis.evidence.channels import FilterOnTorque, doubts_after, doubts_before, filtered
 from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder
@@ -145,7 +145,7 @@ def answer_of(
     return _write_up(done, extensions, accepted, left, possible, answer, began)
 
 
-def _filtered(context: SearchContext, state: State, rules: Rules) -> Filtered | None:
+def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:
     """Return the filter on the torque that may be what the accepted delays stand for; None where none may."""
     last = state.last.fitted
     shapes = [entry.term for entry in last.model.shapes]

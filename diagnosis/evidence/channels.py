@@ -235,7 +235,7 @@ def _without_lag(tau: Float, samples: float) -> Float:
 
 
 @dataclass(frozen=True)
-class Filtered:
+class FilterOnTorque:
     """A torque behind a filter of first order with `hertz`, which explains what a delay does; `doubt` where it explains
     clearly more.
     """
@@ -249,7 +249,7 @@ class Filtered:
         return f"a filter of first order on the torque ({self.hertz:.2g} Hz)"
 
 
-def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) -> Filtered | None:
+def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) -> FilterOnTorque | None:
     """Return the filter that explains as much as the delays of the torques of the joints `late`, or more.
 
     `without` is the model that has all but these delays. None where the delays explain clearly more.
@@ -277,7 +277,7 @@ def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) ->
         return None
     sure = lag.share <= rules.filtered * min(delay.share, 1.0)
     doubt = _wrong_timing(without, lag, int(seen.sum())) if sure else None
-    return Filtered(1.0 / (2.0 * np.pi * lag.value), doubt)
+    return FilterOnTorque(1.0 / (2.0 * np.pi * lag.value), doubt)
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,7 +110,7 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).judged_rms
     plain = bool(np.all(one.after[one.asked] ** 2 <= rules.soft_plain * entry[one.asked] ** 2))
-    return one if plain else None
+    return one if plain and one.sure else None
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:

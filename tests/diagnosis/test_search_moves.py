@@ -11,6 +11,7 @@ from synthetic import search, state_with
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.rules import RULES
 from diagnosis.search import choice
+from diagnosis.search.beside_rivals import beside_rivals
 from diagnosis.search.choice import choose, contains
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_unsteady import drop_unsteady
@@ -220,6 +221,18 @@ def test_what_fits_only_on_its_bound_is_no_look_alike(monkeypatch):
     assert found.names == ("joint_spring:hip",) and found.last.alike == ("hardening_spring:hip",)
     monkeypatch.setattr(choice, "on_bound", lambda fitted, name, rules: "at its limit" * (name == found.last.alike[0]))
     assert forward(context, state_with(context)).last.alike == ()
+
+
+def test_what_helps_beside_one_of_two_look_alikes_only_is_not_accepted():
+    """A hardening spring, taken for a plain one, which an end stop then mends."""
+    names = ["joint_spring:hip", "hardening_spring:hip", "end_stop:hip", "torque_offset:knee"]
+    context = search({"hardening_spring:hip": ([6.0], [0.3]), "torque_offset:knee": ([0.5], [])}, names, noise=0.3)
+    state = state_with(context, "joint_spring:hip", "end_stop:hip", "torque_offset:knee")
+    start, spring, *others = state.extensions
+    assert beside_rivals(context, state) is state  # nothing else may be in its place
+    found = beside_rivals(context, state.grown(start, replace(spring, alike=("hardening_spring:hip",)), *others))
+    assert set(found.names) == {"joint_spring:hip", "torque_offset:knee"}
+    assert "but not beside hardening_spring:hip" in "".join(context.doubts.values())
 
 
 def test_a_spring_is_named_where_an_offset_does_not_do():
