@@ -149,7 +149,7 @@ def refitted(
     for candidate in _twins(context, extension, evidence, score, {score.name, *(s.name for s in others)}):
         twin = context.weighed(extension, evidence, candidate)
         lost = context.with_term(extension, twin).fitted.block_losses(scale, rules) if candidate.tangent else least
-        if not candidate.tangent or _lag(lost, losses[score.name]) < rules.clear:
+        if not candidate.tangent or lag(lost, losses[score.name]) < rules.clear:
             never.append(twin.name)
     alike = dict.fromkeys([*(s.name for s in others), *never])
     return replace(found, alike=tuple(alike), never=tuple(never))
