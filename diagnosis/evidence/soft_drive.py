@@ -88,12 +88,12 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             if one is None:
                 continue
             before = last.judged_rms
-            falls = (one.after**2 <= rules.soft_left * before**2) | (before <= noise)
+            falls = (one.after**2 <= rules.soft_left * base.judged_rms**2) | (base.judged_rms <= noise)
             others = np.arange(len(before)) != joint
             one = replace(one, before=before, asked=asked, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
             if one.share <= (rules.soft_beside if beside else rules.soft_left) and np.all(
-                one.after <= np.maximum(before, rules.soft_asked * noise * ~asked)
+                one.after <= one.before * (1.0 + ~asked)
             ):
                 found.append(one)
     return min(found, key=lambda one: one.share, default=None)
