@@ -105,7 +105,9 @@ def refitted(
     """
     rules, scale = context.rules, extension.fitted.scale
     tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
-    elsewhere = {score.name for score, found in tried if on_bound(found.fitted, score.name, rules)}
+    # What fits only with its shape on a bound is something else; a number that is a size alone may be merely large.
+    shaped = [(score, found) for score, found in tried if not score.candidate.tangent]
+    elsewhere = {score.name for score, found in shaped if on_bound(found.fitted, score.name, rules)}
     tried = [
         (score, found)
         for score, found in tried
@@ -133,7 +135,7 @@ def refitted(
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
-    wanted = {*behind_best, *alike} - elsewhere  # what fits only beyond what it can be is not what is missing
+    wanted = {*behind_best, *alike} - elsewhere
     others = [s for s in rivals if s is not score and behind_best.get(s.name, 0.0) < rules.clear and s.name in wanted]
     # A backlash without a gap is a spring, and a drift that began long ago an offset: what needs a number besides and
     # explains no more is no rival. Nor is what is the same with more numbers; with as many it is a look-alike.
