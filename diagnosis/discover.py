@@ -228,8 +228,8 @@ class Question:
         start = Extension(base) if part is prepared else context.fit(self.model)
         soft = plainly_soft(start.fitted, context.noise(start), self.rules)
         if soft is not None:
-            found = Found(State((start,)), tuple(context.rank(start, 1)[1]))
-            return _Searched(prepared, base, context, found, soft=soft)
+            nothing = Found(State((start,)), tuple(context.rank(start, 1)[1]))
+            return _Searched(prepared, base, context, nothing, soft=soft)
         return _Searched(prepared, base, context, run_search(context, start))
 
 
