@@ -445,10 +445,15 @@ def moving_with(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[list[str
     names = {one.name: k for k, one in enumerate(joints)}
     by_child = {one.child: one for one in robot.joints.values()}
     found: list[list[str]] = [[] for _ in joints]
+    owners: dict[str, int | None] = {}
     for link in by_child:
-        above: RobotJoint | None = by_child[link]
-        while above is not None and above.name not in names:
-            above = by_child.get(above.parent)
-        if above is not None:
-            found[names[above.name]].append(link)
+        way = [link]  # every link is asked once: a cable of thousands of links hangs from the last joint
+        while way[-1] not in owners and way[-1] in by_child and by_child[way[-1]].name not in names:
+            way.append(by_child[way[-1]].parent)
+        top = way[-1]
+        own = names.get(by_child[top].name) if top in by_child else None
+        owner = owners.get(top, own)
+        owners.update(dict.fromkeys(way, owner))
+        if owner is not None:
+            found[owner].append(link)
     return found

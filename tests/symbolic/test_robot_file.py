@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from symbolic import read_model
-from symbolic.robot_file import RobotFileError, planar_machine, read_robot
+from symbolic.robot_file import RobotFileError, moving_with, planar_machine, read_robot
 from workbench.command import main
 
 LEG = """<?xml version="1.0"?>
@@ -83,6 +83,18 @@ def test_a_zero_that_is_elsewhere_is_told_with_the_angle_to_add(tmp_path):
     text = text.replace('xyz="0 0.02 -0.42" rpy', f'xyz="{0.42 * np.sin(0.3)} 0.02 {-0.42 * np.cos(0.3)}" rpy')
     with pytest.raises(RobotFileError, match=r"add 0\.3 rad to the recorded angle"):
         planar_machine(robot(tmp_path, text), ["hip", "knee"])
+
+
+def test_every_link_moves_with_the_last_joint_above_it(tmp_path):
+    cable = "".join(
+        f'<link name="c{k}"/><joint name="f{k}" type="fixed"><parent link="{f"c{k + 1}" if k < 999 else "foot"}"/>'
+        f'<child link="c{k}"/></joint>'
+        for k in range(1000)
+    )
+    walker = robot(tmp_path, LEG.replace("</robot>", cable + "</robot>"))
+    thigh, shank, foot = moving_with(walker, [walker.joints[name] for name in ("hip", "knee", "ankle")])
+    assert (thigh, {*shank}) == (["thigh"], {"shank", "cover"})
+    assert {*foot} == {"foot", *(f"c{k}" for k in range(1000))}
 
 
 def test_entities_are_not_expanded(tmp_path):
