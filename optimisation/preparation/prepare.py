@@ -16,6 +16,7 @@ import numpy as np
 from ground.errors import NotEnoughDataError, RecordingError
 from ground.html import bullets, lines, table
 from ground.thresholds import Threshold
+from measurement.auditing.checks.scale import check_scales
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.overlap import held_apart
@@ -41,7 +42,7 @@ UNDRIVEN = Threshold(
 class Prepared:
     """All recordings of one question, prepared alike: `train` to fit, `verify` never fitted.
 
-    `misread` are those of the `findings` that say in which convention the recordings seem to be (`--convention`).
+    `misread` are those of the `findings` that say in which convention (`--convention`) or unit the recordings are.
     `noise_floor` (J,) N·m is what no model can get below: noise of the torque, of the angles, and `filter_error` (J,),
     what filter and derivatives get wrong. `acceleration_noise` is the share of noise in the accelerations.
     """
@@ -123,7 +124,7 @@ def prepare(
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
-    misread = (*check_conventions(recordings), *check_conventions(verify))
+    misread = (*check_conventions(recordings), *check_conventions(verify)) or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))

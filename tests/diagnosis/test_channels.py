@@ -191,6 +191,16 @@ def test_nothing_is_accepted_and_the_verdict_says_what_to_check(good):
     assert told["verdict"] == "check_channels" and "logger" in told["next_experiment"]
 
 
+@pytest.mark.parametrize("gear", [[50.0, 1.0], [1.0, 30.0]])
+def test_a_torque_on_the_motors_side_of_a_gear_is_told_with_the_ratio(good, gear):
+    fitted = [with_torque(one, one.tau / gear) for one in good]
+    found = discover(MODEL, fitted, cutoff=5.0)
+    assert found.verdict == "check_channels" and not found.accepted
+    (doubt,) = prepare(MODEL, fitted, cutoff=5.0).misread
+    assert doubt.check == "scale" and doubt.value == pytest.approx(gear[1] / gear[0], rel=0.15)
+    assert doubt.remedy in found.next_experiment
+
+
 def test_noise_free_recordings_with_nothing_hidden_are_adequate():
     clean = [recording(k, noise=0.0, angle_noise=0.0) for k in range(3)]
     found = discover(MODEL, clean[:2], clean[2:])

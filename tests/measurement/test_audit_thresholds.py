@@ -166,6 +166,20 @@ def test_a_factor_is_named_where_it_fits_well_and_far_better(factor, waves, said
     assert severity("scale", tau=with_waves(torques() * [1.0, factor], waves)) == said
 
 
+@pytest.mark.shows("scale.PLAIN")
+@pytest.mark.parametrize(("factor", "said"), [(4.0, ""), (6.0, "warning"), (60.0, "warning")])
+def test_a_knee_torque_that_only_the_hip_misses_is_called_too_small_by_a_plain_factor(factor, said):
+    assert severity("scale", tau=torques() / [1.0, factor]) == said
+
+
+@pytest.mark.shows("scale.SHOWN")
+@pytest.mark.parametrize(("weight", "said"), [(30.0, "warning"), (60.0, "")])
+def test_a_plain_factor_shows_at_the_hip_unless_its_thigh_outweighs_all(weight, said):
+    tau = torques() / [1.0, 30.0] + np.column_stack([weight * np.sin(leg()["q1"]), np.zeros(1500)])
+    tau[:, 1] += 0.2 * tau[:, 1].std() * np.sin(9.0 * leg()["t"])
+    assert severity("scale", tau=tau) == said
+
+
 @pytest.mark.shows("motion.NOTHING")
 @pytest.mark.parametrize(("share", "said"), [(0.07, "info"), (0.1, "")])
 def test_a_torque_that_reads_next_to_nothing_is_noted(share, said):

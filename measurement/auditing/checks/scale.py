@@ -6,6 +6,8 @@ one of them is multiplied, its factor is wrong. The size of both is free for a l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ground.thresholds import Threshold
@@ -14,55 +16,83 @@ from measurement.auditing.rough import Smooth, smooth, unexplained
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.joints import is_leg
+from symbolic.motion import Float
 
 TRIED = np.logspace(-3, 3, 37)
 DOUBT = Threshold(0.02, "share of the torques' power left, from which a factor is looked for: friction left out")
 GOOD = Threshold(0.12, "share of power that the factor leaves at most: one that fits nothing would be named")
 TIMES = Threshold(4.0, "times less than without it: two scales that fit alike")
+PLAIN = Threshold(5.0, "factor, or one over it, that no effect of a drive is: a wrong gain would be called a gear")
+SHOWN = Threshold(0.005, "share of a joint's power that a plain factor explains at least: rounding beside a good fit")
 WEAK = Threshold(0.02, "N·m, standard deviation of the larger torque: a small rig would be taken for kN·m or currents")
 
 
 def check(recording: Recording) -> list[Finding]:
     """Warn of torques that fit together only when one of them is multiplied, and of torques too small for any leg."""
-    motion = smooth(recording) if is_leg(recording.joints) else None
-    if motion is None or not np.all(motion.tau.std(axis=0) > 0) or not np.any(motion.q.std(axis=0) > 0.02):
-        return []
+    motions = _motions([recording])
     found = []
-    size = float(motion.tau.std(axis=0).max())
-    if size < WEAK:
-        found.append(
-            _finding(
-                recording, f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents", size, WEAK,
-                "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50",
-            )
-        )  # fmt: skip
-    now = float(unexplained(motion).sum())
-    if now < DOUBT:
-        return found
-    left = [_left(motion, factor) for factor in TRIED]
+    for motion in motions:
+        size = float(motion.tau.std(axis=0).max())
+        if size < WEAK:
+            found.append(
+                _finding(
+                    place(recording), f"the torques vary by {size:.2g} N·m only: they look like kN·m or currents", size,
+                    WEAK, "say so with --units tau=kNm, or give torque constant and gear: --units tau=Nm/A*0.1*50",
+                )
+            )  # fmt: skip
+    return [*found, *_factor(motions, place(recording))]
+
+
+def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
+    """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
+    found = _factor(_motions(recordings), f"{len(recordings)} recordings together")
+    return tuple(one for one in found if one.value is not None and _is_plain(one.value))
+
+
+def _motions(recordings: Sequence[Recording]) -> list[Smooth]:
+    """Return the smoothed recordings in which a leg moves and both its joints carry torque."""
+    motions = [smooth(one) for one in recordings if is_leg(one.joints)]
+    return [m for m in motions if m is not None and np.all(m.tau.std(axis=0) > 0) and np.any(m.q.std(axis=0) > 0.02)]
+
+
+def _is_plain(factor: float) -> bool:
+    return bool(abs(np.log(factor)) > np.log(PLAIN))
+
+
+def _factor(motions: Sequence[Smooth], where: str) -> list[Finding]:
+    """Return that a rigid leg wants the knee torque of all `motions` multiplied by one factor; [] where none does."""
+    if not motions:
+        return []
+    now = _left(motions, 1.0)
+    if now.sum() < DOUBT:
+        return []
+    left = [_left(motions, factor).sum() for factor in TRIED]
     best = int(np.argmin(left))
-    if 0 < best < TRIED.size - 1:
-        fine = np.geomspace(TRIED[best - 1], TRIED[best + 1], 13)
-        left = [_left(motion, factor) for factor in fine]
-        wanted, least = float(fine[int(np.argmin(left))]), min(left)
-        if least < GOOD and now > TIMES * least:
-            what = (
-                f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by "
-                f"{wanted:.3g}, or the hip torque by {1 / wanted:.3g}; so it leaves {least / 2:.1%} of the torques' "
-                f"variance unexplained, as they stand {now / 2:.0%}"
-            )
-            remedy = f"check torque constant and gear: --units tau2=Nm*{wanted:.3g} or tau1=Nm*{1 / wanted:.3g}"
-            found.append(_finding(recording, what, wanted, None, remedy))
-    return found
+    if not 0 < best < TRIED.size - 1:
+        return []
+    fine = np.geomspace(TRIED[best - 1], TRIED[best + 1], 13)
+    least, wanted = min(((_left(motions, factor), float(factor)) for factor in fine), key=lambda one: one[0].sum())
+    far = now.sum() > TIMES * least.sum()
+    # A knee torque that is far too small leaves the shank no mass: only the hip shows that, and only a little.
+    alone = _is_plain(wanted) and np.any((now > TIMES * least) & (now - least > SHOWN))
+    if least.sum() >= GOOD or not (far or alone):
+        return []
+    what = (
+        f"hip and knee torque do not belong to one leg: a rigid leg wants the knee torque multiplied by "
+        f"{wanted:.3g}, or the hip torque by {1 / wanted:.3g}; so it leaves {least.mean():.1%} of the torques' "
+        f"variance unexplained, as they stand {now.mean():.0%}"
+    )
+    remedy = f"check torque constant and gear: --units tau2=Nm*{wanted:.3g} or tau1=Nm*{1 / wanted:.3g}"
+    return [_finding(where, what, wanted, None, remedy)]
 
 
-def _left(motion: Smooth, factor: float) -> float:
-    """Return the share of the torques' power that is left when the knee torque is multiplied by `factor`."""
-    return float(unexplained(motion, factors=(1.0, factor)).sum())
+def _left(motions: Sequence[Smooth], factor: float) -> Float:
+    """Return the share (J,) of the torques' power that is left when the knee torque is multiplied by `factor`."""
+    return np.asarray(np.mean([unexplained(one, factors=(1.0, factor))[0] for one in motions], axis=0))
 
 
-def _finding(recording: Recording, what: str, value: float, limit: float | None, remedy: str) -> Finding:
+def _finding(where: str, what: str, value: float, limit: float | None, remedy: str) -> Finding:
     return Finding(
-        "scale", "warning", what, place(recording), value, limit, remedy,
+        "scale", "warning", what, where, value, limit, remedy,
         consequence="every parameter is wrong", confidence="likely",
     )  # fmt: skip
