@@ -13,6 +13,8 @@ settings.register_profile("same", derandomize=True, deadline=None, suppress_heal
 settings.load_profile("same")
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+# Before NumPy is imported: workers whose BLAS has as many threads as there are cores mostly wait for one another.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["COLUMNS"] = "200"  # what commands say is not folded in the middle of what a test looks for
 
 
