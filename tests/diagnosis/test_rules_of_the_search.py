@@ -58,6 +58,7 @@ def chosen(losses, monkeypatch):
         monkeypatch.setattr(choice, name, lambda *asked: True)
     monkeypatch.setattr(choice, "contains", lambda *asked: False)
     monkeypatch.setattr(choice, "_twins", lambda *asked: [])
+    monkeypatch.setattr(choice, "on_bound", lambda *asked: "")
     rivals = [score(name, 0.5, numbers, folds=np.full(3, hash_of(name))) for name, (numbers, _) in losses.items()]
     extension = SimpleNamespace(fitted=SimpleNamespace(scale=np.ones(1)))
     return refitted(context, extension, None, rivals, ())
