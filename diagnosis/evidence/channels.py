@@ -27,6 +27,8 @@ from optimisation.preparation.prepare import Prepared
 from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 
+NOTHING_EXPLAINED = 0.9
+"""Share of a torque's variance left from which its joint may have no drive; it only adds to what is advised."""
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s."""
 LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
@@ -318,8 +320,8 @@ class _Readings:
 
     @cached_property
     def now(self) -> Float:
-        """What is left (J,) as they are."""
-        return self.left(None)
+        """What is left (J,) as they are, at most all: numbers that suit another joint can be worse than none."""
+        return np.minimum(self.left(None), 1.0)
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
@@ -408,8 +410,17 @@ def _unexplained_torque(base: FittedModel, last: FittedModel, rules: Rules) -> D
         f"the best model leaves more than {100 * rules.unexplained_share:.0f} % of the variance of a torque: {parts}",
         f"The torque is not that of this leg in this motion: the best model that was found leaves {parts} of its "
         f"variance unexplained.{which} Nothing is named on top of that.",
-        f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS,
+        (f"begin with {files}: {_COLUMNS}" if odd else _COLUMNS) + _undriven(share, last.model.joint_names),
     )
+
+
+def _undriven(share: Float, joints: Sequence[str]) -> str:
+    """Return what to say if the joints of which next to nothing is explained, unlike others, have no drive."""
+    idle = [joint for joint, x in _finite(share, joints) if x > NOTHING_EXPLAINED]
+    if not idle or len(idle) == len(joints):
+        return ""
+    options = " ".join(f"--passive {joint}" for joint in idle)
+    return f"; if the {' and the '.join(idle)} had no drive in these recordings, say so: {options}"
 
 
 def _odd_recordings(base: FittedModel, rules: Rules) -> list[str]:

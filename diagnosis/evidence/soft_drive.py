@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
 from measurement.signals.conditioning import derivatives
@@ -75,8 +76,11 @@ class SoftDrive:
 def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
-    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain.
+    `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of a few seconds,
+    which some compliance fits by chance.
     """
+    if fitted_seconds(base.prepared) < rules.least_seconds:
+        return None
     asked = last.judged_rms > rules.soft_asked * noise
     if not asked.any() or swinging(last) is not None:  # of what swings by itself, a link on a spring takes up much
         return None

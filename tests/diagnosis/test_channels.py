@@ -84,6 +84,13 @@ def test_torque_of_another_motion(good):
     assert unseen_by(fitted, unexplained_share=2.0, base_share=2.0)
 
 
+def test_a_torque_of_which_nothing_is_explained_may_be_that_of_a_joint_without_a_drive(good):
+    rng = np.random.default_rng(0)
+    noise = [with_torque(one, np.column_stack([one.tau[:, 0], rng.normal(size=len(one.tau))])) for one in good]
+    said = doubt(noise)
+    assert said is not None and said.remedy.endswith("had no drive in these recordings, say so: --passive knee")
+
+
 def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     odd = with_torque(good[1], good[2].tau)
     found = doubt([good[0], odd, good[2]])

@@ -68,6 +68,11 @@ def test_the_entry_of_the_catalogue_cannot_express_it():
     assert np.all(found.after < 0.6 * entry.judged_rms)
 
 
+def test_a_few_seconds_show_no_soft_drive():
+    runs = [behind(0, 0.005, k, seconds=7.0) for k in range(3)]
+    assert soft_drive(fitted(MODEL, runs), fitted(MODEL, runs), NOISE) is None
+
+
 @pytest.mark.shows("soft_plain")
 def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
     base = fitted(MODEL, [behind(0, 0.008, k) for k in range(3)])
