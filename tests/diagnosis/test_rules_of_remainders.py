@@ -153,7 +153,8 @@ def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left,
     """One soft drive alone leaves this part of what all accepted effects leave; it is one of them, or the only one."""
     names = [f"{soft_drive.ENTRY}:hip", *(["stribeck:hip"] if others else [])]
     none = SimpleNamespace(terms=[], joints=[None])
-    base = SimpleNamespace(model=none, judged_rms=np.full(1, 9.0))
+    long = SimpleNamespace(train=[SimpleNamespace(t=np.array([0.0, 60.0]))])
+    base = SimpleNamespace(model=none, prepared=long, judged_rms=np.full(1, 9.0))
     last = SimpleNamespace(
         model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]), judged_rms=np.ones(1)
     )  # fmt: skip
