@@ -117,6 +117,15 @@ def test_torques_far_off_their_neighbours_are_counted(every, size, said):
     assert severity("outliers", tau=tau) == said
 
 
+@pytest.mark.shows("outliers.CARRIED")
+@pytest.mark.parametrize(("part", "said"), [(0.3, "info"), (0.4, "warning")])
+def test_torque_that_comes_in_bursts_is_warned_of(part, said):
+    """A tenth of the samples carries this part of a torque that is the same on average."""
+    tau = torques()
+    bursts = np.where(np.arange(1500) % 10 == 0, 10.0, 0.0)[:, None]
+    assert severity("outliers", tau=tau * (1.0 - part + part * bursts)) == said
+
+
 @pytest.mark.shows("frozen.LEAST_ROWS", "frozen.LEAST_SECONDS")
 @pytest.mark.parametrize(
     ("rate", "rows", "said"), [(50.0, 8, ""), (50.0, 14, "warning"), (200.0, 15, ""), (200.0, 30, "warning")]

@@ -9,19 +9,29 @@ from measurement.auditing.channels import channels, place, step_of
 from measurement.finding import Finding
 from measurement.reading.angles import running_median, sampled
 from measurement.recording import Recording
+from symbolic.motion import Float
 
 FAR = Threshold(6.0, "robust deviations off the running median: noise would be counted")
 NOTED = Threshold(0.005, "share of such torques that is noted: a spike or two are no finding")
 HEAVY = Threshold(0.12, "share that is warned of: beyond 14 % even the Huber loss is pulled")
+CARRIED = Threshold(
+    0.35, "part of the slow torque in such samples: chatter that moves a machine is taken for a sensor's"
+)
+AVERAGED = 0.2
+"""s over which the torque is averaged for that."""
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Count torques more than 6 robust deviations off the running median of 11; warn when over 12 % are."""
+    """Count torques more than 6 robust deviations off the running median of 11.
+
+    Warns where they are over 12 %, and where much of the torque is in them: they are bridged as spikes of a sensor.
+    """
     found = []
     for channel in channels(recording, "tau"):
         if channel.values.size < 50:
             continue
-        off = np.abs(channel.values - running_median(channel.values, 11))
+        middle = running_median(channel.values, 11)
+        off = np.abs(channel.values - middle)
         # rows equal to the median (a saturated or coarse channel) say nothing about its noise
         noise = off[off > 0]
         spread = max(1.4826 * float(np.median(sampled(noise))) if noise.size else 0.0, step_of(channel.some))
@@ -29,15 +39,29 @@ def check(recording: Recording) -> list[Finding]:
         share = float(far.mean())
         if spread == 0.0 or share < NOTED:
             continue
-        heavy = share > HEAVY
         far_off = f"{FAR * spread:.3g} {channel.unit}"
         what = f"{share:.1%} of the {channel.label}s stand more than {far_off} off their neighbours"
+        where = place(recording, channel.name, channel.at[far])
+        count = max(1, round(AVERAGED * recording.rate))
+        slow, bursts = (float(_averaged(x, count).std()) for x in (channel.values, far * (channel.values - middle)))
+        if slow > spread and bursts > CARRIED * slow:
+            found.append(
+                Finding(
+                    "outliers", "warning", f"{what}, and {bursts / slow:.0%} of the slow torque lies in them", where,
+                    bursts / slow, CARRIED,
+                    "log the torque as the drive filters it, or faster than the controller changes it",
+                    consequence="they are bridged as a sensor's spikes; if the drive does chatter, inertias come out "
+                    "too small",
+                )
+            )  # fmt: skip
+            continue
+        heavy = share > HEAVY
         found.append(
             Finding(
                 "outliers",
                 "warning" if heavy else "info",
                 what,
-                place(recording, channel.name, channel.at[far]),
+                where,
                 share,
                 HEAVY if heavy else NOTED,
                 "look at the torque sensor and the controller's differentiator"
@@ -47,3 +71,9 @@ def check(recording: Recording) -> list[Finding]:
             )
         )
     return found
+
+
+def _averaged(values: Float, count: int) -> Float:
+    """Return the means of all `count` neighbours; of all values where there are fewer."""
+    sums, count = np.cumsum(np.concatenate([[0.0], values])), min(count, values.size)
+    return np.asarray((sums[count:] - sums[:-count]) / count)
