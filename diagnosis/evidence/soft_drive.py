@@ -14,8 +14,9 @@ predicts nothing, so this is no entry: it only says what the matter is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import MutableMapping, Sequence
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -73,6 +74,10 @@ class SoftDrive:
         return float(np.max((self.after[self.asked] / self.before[self.asked]) ** 2))
 
 
+_BEST: MutableMapping[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
+"""The best drive at each joint of models still in use: asked before the search and, where it adds nothing, after it."""
+
+
 def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
     """Return the soft drive that explains far more than everything in `last`, None where there is none.
 
@@ -118,6 +123,14 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
+    """Return what `_sought` does, looked for once."""
+    known = _BEST.setdefault(fitted, {})
+    if joint not in known:
+        known[joint] = _sought(fitted, joint)
+    return known[joint]
+
+
+def _sought(fitted: FittedModel, joint: int) -> SoftDrive | None:
     """Return the compliance at `joint` that leaves least of the fitted torque; None where none helps.
 
     None as well where the model has terms that change its mechanism or its whole torque.

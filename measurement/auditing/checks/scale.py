@@ -19,6 +19,8 @@ from symbolic.joints import is_leg
 from symbolic.motion import Float
 
 TRIED = np.logspace(-3, 3, 37)
+SPARSE = TRIED[::3]
+"""Near enough to tell on which side of one a plain factor lies."""
 DOUBT = Threshold(0.02, "share of the torques' power left, from which a factor is looked for: friction left out")
 GOOD = Threshold(0.12, "share of power that the factor leaves at most: one that fits nothing would be named")
 TIMES = Threshold(4.0, "times less than without it: two scales that fit alike")
@@ -45,7 +47,13 @@ def check(recording: Recording) -> list[Finding]:
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    found = _factor(_motions(recordings), f"{len(recordings)} recordings together")
+    motions = _motions(recordings)
+    if not motions or _left(motions, 1.0).sum() < DOUBT:
+        return ()
+    near = SPARSE[int(np.argmin([_left(motions[:1], factor).sum() for factor in SPARSE]))]
+    if 1.0 / PLAIN < near**2 < PLAIN:  # one recording is enough to see that none is wanted
+        return ()
+    found = _factor(motions, f"{len(recordings)} recordings together")
     return tuple(one for one in found if one.value is not None and _is_plain(one.value))
 
 
