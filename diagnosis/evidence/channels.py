@@ -62,7 +62,7 @@ def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> 
     return (
         _wrong_length(base, last, rules)
         or _unexplained_torque(base, last, rules)
-        or _impossible_base(base, rules)
+        or _impossible_base(base, last, rules)
         or _another_machine(base if last.model.shapes else last, rules)
     )
 
@@ -446,13 +446,15 @@ _COLUMNS = (
 )
 
 
-def _impossible_base(base: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether an effect had to rescue a rigid leg that explains little and could not exist."""
-    share = left_share(base)
-    wrong = [
-        f for f in base.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
-    ]
+def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether an effect had to rescue a rigid leg that explains little and could not exist.
+
+    One that leaves next to the noise, with numbers that are possible, has not: a strong spring is no wrong channel.
+    """
+    share, wrong = left_share(base), _impossible(base)
     if not np.nanmax(share, initial=0.0) > rules.base_share or not wrong:
+        return None
+    if not _impossible(last) and np.all(last.judged_rms <= rules.near_noise * last.prepared.noise_floor):
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
     return Doubt(
@@ -462,6 +464,13 @@ def _impossible_base(base: FittedModel, rules: Rules) -> Doubt | None:
         "or column.",
         _COLUMNS,
     )
+
+
+def _impossible(fitted: FittedModel) -> list[Finding]:
+    """Return what says that the numbers are those of no machine."""
+    return [
+        f for f in fitted.fit.plausibility if f.severity == "warning" and f.check in ("bounds", "inertia", "realisable")
+    ]
 
 
 def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:

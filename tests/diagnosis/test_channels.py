@@ -91,6 +91,16 @@ def test_a_torque_of_which_nothing_is_explained_may_be_that_of_a_joint_without_a
     assert said is not None and said.remedy.endswith("had no drive in these recordings, say so: --passive knee")
 
 
+def test_a_spring_that_outweighs_the_machine_is_no_wrong_channel(good):
+    spring = MODEL.with_effect("joint_spring:knee")
+    sprung = [with_torque(one, one.tau + 60.0 * one.q * [0.0, 1.0]) for one in good]
+    begun = base(sprung)
+    found = fitted_model(identify(spring, begun.prepared.train, optimisers=()), begun.prepared)
+    left = doubts_after(begun, begun, replace(RULES, unexplained_share=20.0))
+    assert left is not None and "with numbers that no leg has" in left.sentence
+    assert doubts_after(begun, found) is None
+
+
 def test_one_recording_with_the_torque_of_another_motion_is_named(good):
     odd = with_torque(good[1], good[2].tau)
     found = doubt([good[0], odd, good[2]])
