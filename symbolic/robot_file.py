@@ -188,7 +188,11 @@ def _placed(root: Element, where: str) -> RobotFile:
         mass = None if inertial is None else inertial.find("mass")
         if inertial is not None and mass is not None:
             place, turned = frame(link)
-            masses[link] = numbers_of(mass, "value", (0.0,), where)[0], place + turned @ origin_of(inertial, where)[0]
+            weight = float(numbers_of(mass, "value", (0.0,), where)[0])
+            if weight < 0.0:
+                what = f"link {link[:60]!r} has a negative mass, {weight:g} kg"
+                raise RobotFileError(what, where=where, remedy="mend it")
+            masses[link] = weight, place + turned @ origin_of(inertial, where)[0]
     return RobotFile(name, joints, masses, root)
 
 

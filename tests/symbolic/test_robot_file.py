@@ -70,6 +70,7 @@ def test_a_flat_plane_has_no_gravity(tmp_path):
         ('xyz="0 0.02 -0.42"', 'xyz="0.2 0.02 -0.42"', "hip,knee", "away from straight down"),
         ('xyz="0 0.1 0"/>', 'xyz="0 0.1 0" rpy="0.5 0 0"/>', "hip,knee", "neither upright nor flat"),
         ('xyz="0 0 -0.4"', 'xyz="0 0 a"', "hip", "is not 3 numbers"),
+        ('<mass value="3"/>', '<mass value="-3"/>', "hip,knee", "'shank' has a negative mass, -3 kg"),
         ("<robot", "<model", "hip", "not valid XML"),
     ],
 )
