@@ -230,11 +230,11 @@ def _deciding(alike: Sequence[Accepted]) -> str:
         if one.never_separable:
             others = ", ".join(one.never_separable)
             parts.append(f"no motion can distinguish {one.name} from {others}: inspect the hardware")
-        known = every_effect().get(one.effect)
-        apart = [name for name in one.look_alikes if name not in one.never_separable]
-        apart = [name for name in apart if " " not in name]  # what is no entry has words
+        # What is no entry of the catalogue has words for a name.
+        apart = [name for name in one.look_alikes if name not in one.never_separable and " " not in name]
         if apart:
             parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
+        known = every_effect().get(one.effect)
         if known is not None and known.tells_apart:
             parts.append(known.tells_apart)
     return "; ".join(dict.fromkeys(parts))

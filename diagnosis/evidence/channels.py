@@ -1,9 +1,9 @@
 """Can the channels be what they say? If not, nothing is accepted: an effect named on top of them is nonsense.
 
-Asked before the search: whether the encoders' noise leaves accelerations worth the name, and whether the torque would
-fit far better if it were read earlier, or as what a slow filter made of it, and whether anything but the angles made
-it. Asked of the best model that the search finds: whether it leaves more of the torque than a third, and whether the
-held-out recordings are of the same machine.
+Asked before the search: whether the encoders' noise leaves accelerations worth the name, whether friction would have to
+drive a joint, whether the torque would fit far better if it were read earlier, or as what a slow filter made of it, and
+whether anything but the angles made it. Asked of the best model that the search finds: whether it leaves more of the
+torque than a third, and whether the held-out recordings are of the same machine.
 """
 
 from __future__ import annotations
@@ -33,7 +33,6 @@ DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1,
 """Delays of the torque that are tried, s."""
 LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
 """Time constants of a filter of first order on the torque that are tried, s."""
-
 FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
 """Delays and time constants in s that are tried where a delay was found."""
 

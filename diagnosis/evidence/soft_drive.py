@@ -14,7 +14,7 @@ predicts nothing, so this is no entry: it only says what the matter is.
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
@@ -74,7 +74,7 @@ class SoftDrive:
         return float(np.max((self.after[self.asked] / self.before[self.asked]) ** 2))
 
 
-_BEST: MutableMapping[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
+_BEST: WeakKeyDictionary[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
 """The best drive at each joint of models still in use: asked before the search and, where it adds nothing, after it."""
 
 
@@ -114,12 +114,12 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
     What it explains, no search would: nothing need be looked for.
     """
     one = soft_drive(base, base, noise, rules)
-    if one is None:
+    if one is None or not one.sure:
         return None
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).judged_rms
     plain = bool(np.all(one.after[one.asked] ** 2 <= rules.soft_plain * entry[one.asked] ** 2))
-    return one if plain and one.sure else None
+    return one if plain else None
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:

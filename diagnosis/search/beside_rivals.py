@@ -35,8 +35,8 @@ def _without_it(context: SearchContext, state: State, extension: Extension, scor
     assert extension.added is not None
     without = context.without(state.last, [extension.added, score])
     evidence = context.evidence(without, draws=0)
-    rivals = [name for name in extension.alike if name not in {*state.names, *extension.never}]
-    weighed = [context.weighed(without, evidence, context.library.find(name)) for name in rivals]
+    names = [name for name in extension.alike if name not in {*state.names, *extension.never}]
+    weighed = context.all_weighed(without, evidence, [context.library.find(name) for name in names])
     scale = state.last.fitted.scale
     both = state.last.fitted.block_losses(scale, context.rules)
     helping = sorted((one for one in weighed if one.helps and not one.caution), key=lambda one: -one.share)

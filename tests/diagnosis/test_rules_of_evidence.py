@@ -35,6 +35,13 @@ def noise(seed: int, count: int = 1000) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal(count)
 
 
+def orthonormal(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both of length one, and `two` without what it has of `one`."""
+    one = one / np.linalg.norm(one)
+    two = two - one * (one @ two)
+    return one, two / np.linalg.norm(two)
+
+
 def candidate(**more) -> SimpleNamespace:
     """A candidate of one coefficient without bounds, at one node for every recording."""
     term = SimpleNamespace(effect=SimpleNamespace(coefficients={"c": Coefficient("N·m")}), placed_shape={})
@@ -59,9 +66,8 @@ CONTAINED = "already contain it"
 @pytest.mark.shows("least_novelty")
 @pytest.mark.parametrize(("new", "refused"), [(0.7e-6, True), (1.4e-6, False)])
 def test_what_the_model_contains_is_no_candidate(new, refused):
-    own, other = np.sin(0.37 * np.arange(1000)), noise(1)
-    own, other = own / np.linalg.norm(own), other - own * (own @ other) / (own @ own)
-    score = weighed(own + np.sqrt(new) * other / np.linalg.norm(other), noise(2))
+    own, other = orthonormal(np.sin(0.37 * np.arange(1000)), noise(1))
+    score = weighed(own + np.sqrt(new) * other, noise(2))
     assert (CONTAINED in score.caution) is refused
 
 
@@ -223,10 +229,7 @@ def test_a_rival_that_lags_clearly_is_no_look_alike_unless_it_is_simpler_and_as_
 @pytest.mark.parametrize(("kept", "other"), [(0.4, False), (0.6, True)])
 def test_what_keeps_half_of_its_gain_beside_the_best_is_another_effect(kept, other):
     """Alone a rival gains 0.9 times as much as the best, beside it `kept` of that."""
-    first, new = noise(11), noise(12)
-    first /= np.linalg.norm(first)
-    new -= first * (first @ new)
-    new /= np.linalg.norm(new)
+    first, new = orthonormal(noise(11), noise(12))
     left = np.sqrt(0.9 * kept)
     angle = np.arctan(left) + np.arccos(np.sqrt(0.9 / (1.0 + left**2)))
     evidence = Evidence([block(first + left * new)] * 2, [], seed=0, draws=0, sigma=np.full(1, 1e3))
@@ -283,10 +286,8 @@ def test_a_difference_is_named_that_matters_and_is_large(share, change, named, m
 @pytest.mark.parametrize(("left", "told"), [(0.0007, False), (0.0014, True)])
 def test_what_the_other_numbers_take_over_cannot_differ(left, told):
     """A number that nearly all other numbers of the model can take the place of, in the one recording that has it."""
-    own, other = noise(13), noise(14)
-    own /= np.linalg.norm(own)
-    other -= own * (own @ other)
-    both = np.column_stack([own, np.sqrt(1.0 - left) * own + np.sqrt(left) * other / np.linalg.norm(other)])
+    own, other = orthonormal(noise(13), noise(14))
+    both = np.column_stack([own, np.sqrt(1.0 - left) * own + np.sqrt(left) * other])
     runs = [block(noise(15), columns=both), block(noise(16), columns=np.zeros((1000, 2)))]
     pooled = _Pooled(runs, np.ones(1), np.array([0.0, 1e6]), RULES)
     assert (pooled.answer(0, _Question("b", 1.0, "", 1)) is not None) is told

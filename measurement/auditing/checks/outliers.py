@@ -41,35 +41,21 @@ def check(recording: Recording) -> list[Finding]:
             continue
         far_off = f"{FAR * spread:.3g} {channel.unit}"
         what = f"{share:.1%} of the {channel.label}s stand more than {far_off} off their neighbours"
-        where = place(recording, channel.name, channel.at[far])
         count = max(1, round(AVERAGED * recording.rate))
         slow, bursts = (float(_averaged(x, count).std()) for x in (channel.values, far * (channel.values - middle)))
+        severity, value, limit = "info", share, NOTED
+        remedy, consequence = "nothing: the Huber loss limits their pull", "small with the Huber loss"
         if slow > spread and bursts > CARRIED * slow:
-            found.append(
-                Finding(
-                    "outliers", "warning", f"{what}, and {bursts / slow:.0%} of the slow torque lies in them", where,
-                    bursts / slow, CARRIED,
-                    "log the torque as the drive filters it, or faster than the controller changes it",
-                    consequence="they are bridged as a sensor's spikes; if the drive does chatter, inertias come out "
-                    "too small",
-                )
-            )  # fmt: skip
-            continue
-        heavy = share > HEAVY
-        found.append(
-            Finding(
-                "outliers",
-                "warning" if heavy else "info",
-                what,
-                where,
-                share,
-                HEAVY if heavy else NOTED,
-                "look at the torque sensor and the controller's differentiator"
-                if heavy
-                else "nothing: the Huber loss limits their pull",
-                consequence="beyond 14 % even the Huber loss is pulled" if heavy else "small with the Huber loss",
-            )
-        )
+            severity, value, limit = "warning", bursts / slow, CARRIED
+            what += f", and {value:.0%} of the slow torque lies in them"
+            remedy = "log the torque as the drive filters it, or faster than the controller changes it"
+            consequence = "bridged as a sensor's spikes, they leave inertias too small where the drive does chatter"
+        elif share > HEAVY:
+            severity, limit = "warning", HEAVY
+            remedy = "look at the torque sensor and the controller's differentiator"
+            consequence = "beyond 14 % even the Huber loss is pulled"
+        where = place(recording, channel.name, channel.at[far])
+        found.append(Finding("outliers", severity, what, where, value, limit, remedy, consequence=consequence))
     return found
 
 

@@ -47,13 +47,7 @@ def check(recording: Recording) -> list[Finding]:
 
 def check_scales(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
     """Return a warning where `recordings` together want a plain factor between the torques: a gear, or another unit."""
-    motions = _motions(recordings)
-    if not motions or _left(motions, 1.0).sum() < DOUBT:
-        return ()
-    near = SPARSE[int(np.argmin([_left(motions[:1], factor).sum() for factor in SPARSE]))]
-    if 1.0 / PLAIN < near**2 < PLAIN:  # one recording is enough to see that none is wanted
-        return ()
-    found = _factor(motions, f"{len(recordings)} recordings together")
+    found = _factor(_motions(recordings), f"{len(recordings)} recordings together", only_plain=True)
     return tuple(one for one in found if one.value is not None and _is_plain(one.value))
 
 
@@ -67,13 +61,20 @@ def _is_plain(factor: float) -> bool:
     return bool(abs(np.log(factor)) > np.log(PLAIN))
 
 
-def _factor(motions: Sequence[Smooth], where: str) -> list[Finding]:
-    """Return that a rigid leg wants the knee torque of all `motions` multiplied by one factor; [] where none does."""
+def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> list[Finding]:
+    """Return that a rigid leg wants the knee torque of all `motions` multiplied by one factor; [] where none does.
+
+    With `only_plain` one recording is enough to see that no plain factor is wanted.
+    """
     if not motions:
         return []
     now = _left(motions, 1.0)
     if now.sum() < DOUBT:
         return []
+    if only_plain:
+        near = SPARSE[int(np.argmin([_left(motions[:1], factor).sum() for factor in SPARSE]))]
+        if not _is_plain(near**2):  # half way to a plain one
+            return []
     left = [_left(motions, factor).sum() for factor in TRIED]
     best = int(np.argmin(left))
     if not 0 < best < TRIED.size - 1:
