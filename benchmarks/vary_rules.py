@@ -29,17 +29,18 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import Question, answer_of  # noqa: E402 - the repository must be on the path first
+from diagnosis.discover import answer_of  # noqa: E402 - the repository must be on the path first
 from diagnosis.grading import match  # noqa: E402
+from diagnosis.question import Question  # noqa: E402
 from diagnosis.results import Diagnosis  # noqa: E402
 from diagnosis.rules import RULES, Rules  # noqa: E402
+from diagnosis.settings import DiscoverySettings  # noqa: E402
 from diagnosis.thresholds import every_threshold  # noqa: E402
 from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
 from ground.suggest import did_you_mean  # noqa: E402
 from ground.thresholds import Rule, Threshold  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from measurement.signals.derivatives import BUTTERWORTH  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 from symbolic.model import Model  # noqa: E402
 
@@ -64,7 +65,7 @@ class Trial:
 
     def answer(self, rules: Rules) -> tuple[str, tuple[str, ...], bool]:
         """Return the verdict, the accepted effects, and whether they are what is hidden."""
-        question = Question(self.model, 0, None, BUTTERWORTH, rules=rules)
+        question = Question(self.model, DiscoverySettings(rules=rules))
         found = answer_of(question, self.recordings[:3], self.recordings[3:], prepared=self.prepared)
         return found.verdict, tuple(sorted(one.name for one in found.accepted)), self._right(found)
 

@@ -24,7 +24,7 @@ from ground.html import table
 from ground.plain import AsJson, plain_dict
 from measurement.finding import Finding
 from measurement.recording import Recording
-from measurement.signals.derivatives import BUTTERWORTH
+from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length

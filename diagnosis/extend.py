@@ -16,7 +16,7 @@ from ground.html import bullets, lines
 from ground.plain import AsJson
 from ground.thresholds import Threshold
 from measurement.recording import Recording
-from measurement.signals.derivatives import BUTTERWORTH
+from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare

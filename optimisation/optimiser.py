@@ -26,6 +26,7 @@ import numpy as np
 from ground.frames import pandas
 from ground.html import table
 from ground.plain import AsJson
+from optimisation.budget import GENERATIONS, INDIVIDUALS
 from optimisation.fitting.plots import run_figure
 from optimisation.linear.problem import Problem
 from symbolic.motion import Float
@@ -33,9 +34,6 @@ from symbolic.motion import Float
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-INDIVIDUALS, GENERATIONS = 40, 400
-"""The paper's population and number of generations."""
 
 
 class Box(NamedTuple):

@@ -12,21 +12,24 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 
 from diagnosis.separation.distance import Filtered, Rival, Sketch, distance, planned, residual_noise
 from diagnosis.separation.indistinguishable import Same, same_torques
 from diagnosis.separation.result import Separation
+from diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from ground.errors import ExoidError
+from ground.settings import spelt_out
 from measurement.bench.simulation import bench_machine
 from measurement.recording import Recording
-from measurement.trajectories.extremes import bounds, margin, uses
+from measurement.trajectories.extremes import bounds, uses
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from optimisation.excitation.criteria import Noise
-from optimisation.excitation.design import GRID, shrunk
+from optimisation.excitation.design import space_of
 from optimisation.excitation.search import Remembering
-from optimisation.excitation.space import MotionSpace, motion_space
+from optimisation.excitation.space import MotionSpace
 from optimisation.fitting.identify import identify
 from optimisation.fitting.nominal import nominal
 from optimisation.linear.problem import Problem
@@ -44,7 +47,8 @@ CUTOFF = 6.0
 USUAL_NOISE = Noise(np.array([0.27, 0.21]), np.array([10.0, 10.0]), "usual on the virtual bench after its 6 Hz filter")
 """Without recordings: what a right model leaves on the bench, measured by `residual_noise` on 3 × 3 runs (0.27 to 0.28
 and 0.19 to 0.23 N·m, 8 to 12 independent samples per second)."""
-INDIVIDUALS, GENERATIONS = 20, 40
+INDIVIDUALS = 20
+"""Population of NFO."""
 FINALISTS = 4
 """Motions that are evaluated by full refits; the best of them is the design."""
 USUAL = 3
@@ -57,58 +61,46 @@ class SeparateError(ExoidError):
     """Rivals that cannot be compared: fewer than two, or the same one twice."""
 
 
+@spelt_out(SeparationSettings)
 def separate(
     model: Model,
     rivals: Sequence[str],
     recordings: Sequence[Recording] = (),
+    settings: SeparationSettings | None = None,
     *,
-    numbers: Numbers | None = None,
-    noise: Noise | None = None,
-    period: float = 10.0,
-    harmonics: int = 5,
-    offsets: str = "free",
-    rest: bool = False,
-    use: float = 1.0,
-    duration: float = 30.0,
-    cutoff: float | None = None,
-    generations: int = GENERATIONS,
-    seed: int = 0,
     progress: Progress | None = None,
+    **changes: Unpack[SeparationOptions],
 ) -> Separation:
     """Return the motion that best distinguishes the `rivals` ("stribeck:hip", ...), and their distances on it.
 
     `model` is taken without the rivals; `recordings` give the size of each rival, the numbers of the leg, the noise and
-    the filter; else `numbers` (a model file's identified ones) or typical sizes are used. The remaining arguments are
-    those of `design`. Where two rivals make the same torque at every state no motion is sought for that pair. Refuses
-    fewer than two rivals and names that do not exist.
+    the filter; else `numbers` (a model file's identified ones) or typical sizes are used. Where two rivals make the
+    same torque at every state no motion is sought for that pair. Refuses fewer than two rivals and names that do not
+    exist.
     """
     began = time.perf_counter()
     say = progress or _silent
+    asked = SeparationSettings.chosen(settings, changes)
     require_still_base(model, "the design of a motion")
     base, terms = _without(model, rivals)
-    room = bounds(model.motion_limits, use)
-    space = motion_space(
-        shrunk(room, margin(harmonics, GRID)),
-        period=period,
-        harmonics=harmonics,
-        offsets=offsets,
-        rest=rest,
-        joints=model.joint_names,
-    )
-    rng = np.random.default_rng([seed, 3])
-    drawn = [random_trajectory(rng, model.motion_limits, period=period) for _ in range(USUAL)]
-    planned(drawn[0], duration, cutoff or CUTOFF, joints=model.joints)  # what is too short is told before the search
+    space = space_of(bounds(model.motion_limits, asked.use), asked, model.joint_names)
+    rng = np.random.default_rng([asked.seed, 3])
+    drawn = [random_trajectory(rng, model.motion_limits, period=asked.period) for _ in range(USUAL)]
+    filter_ = asked.cutoff or CUTOFF
+    planned(drawn[0], asked.duration, filter_, joints=model.joints)  # what is too short is told before the search
     say(0.02, "looking for rivals that are the same")
     same = same_torques(base, terms)
-    prepared = prepare(base, recordings, cutoff=cutoff) if recordings else None
-    truths, measured = _truths(base, terms, prepared, numbers, say)
-    noise = noise or measured or usual_noise(model)
+    prepared = prepare(base, recordings, cutoff=asked.cutoff) if recordings else None
+    truths, measured = _truths(base, terms, prepared, asked.numbers, say)
+    noise = asked.noise or measured or usual_noise(model)
     pairs = _pairs(truths, same)
-    filter_ = prepared.choice.cutoff if prepared else cutoff or CUTOFF
-    measure = _Evaluator(truths, pairs, noise, duration, filter_, model.joints)
+    if prepared is not None:
+        filter_ = prepared.choice.cutoff
+    measure = _Evaluator(truths, pairs, noise, asked.duration, filter_, model.joints)
     motion: Fourier | None = None
     if pairs:
-        found = _search(space, Sketch(truths, pairs, noise, duration, filter_), generations, seed, say)
+        sketch = Sketch(truths, pairs, noise, asked.duration, filter_)
+        found = _search(space, sketch, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
         motion = max(found, key=lambda one: min(measure.motion(one).values()))
     usual = [measure.motion(one) for one in drawn] if pairs else []
@@ -122,10 +114,10 @@ def separate(
         present_seconds=sum(len(one.tau) / one.kept_rate for one in prepared.train) if prepared else 0.0,
         usual={pair: float(np.median([one[pair] for one in usual])) for pair in measure.names},
         noise=noise,
-        duration=duration,
+        duration=asked.duration,
         cutoff=filter_,
         uses=uses(motion, model.motion_limits) if motion is not None else (),
-        seed=seed,
+        seed=asked.seed,
         seconds=time.perf_counter() - began,
     )
 

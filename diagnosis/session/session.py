@@ -10,24 +10,26 @@ Models are named by the effects that they have beyond the one given: `("stribeck
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Unpack
 
 import numpy as np
 
 from diagnosis.compare import Comparison, compare_prepared
-from diagnosis.discover import Question, answer_of, own_effects
+from diagnosis.discover import answer_of
 from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import ModelError, model_error
 from diagnosis.evidence.stretches import origins, searched_stretches
+from diagnosis.question import Question, own_effects
 from diagnosis.results import Diagnosis, Step
-from diagnosis.rules import RULES, Rules
+from diagnosis.rules import Rules
 from diagnosis.search.context import Progress, silent
 from diagnosis.session.ranking import Ranking
+from diagnosis.settings import DiscoveryOptions, DiscoverySettings
 from measurement.recording import Recording
-from measurement.signals.derivatives import BUTTERWORTH
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
@@ -40,7 +42,7 @@ Names = Sequence[str]
 class Session:
     """What is known of recordings while somebody works with them; fits and rankings are kept.
 
-    `recordings` are fitted, `verify` never. `extra` are effects of the user's own beside those of the model. Nothing
+    `recordings` are fitted, `verify` never; `settings`, or the same names as keywords, are those of `discover`. Nothing
     is computed before it is asked for; errors are those of `prepare` and `identify`.
     """
 
@@ -49,27 +51,35 @@ class Session:
         model: Model,
         recordings: Sequence[Recording],
         verify: Sequence[Recording] = (),
+        settings: DiscoverySettings | None = None,
         *,
-        cutoff: float | None = None,
-        derivative: str = BUTTERWORTH,
-        extra: Iterable[Effect] = (),
-        seed: int = 0,
-        rules: Rules = RULES,
         prepared: Prepared | None = None,
+        **changes: Unpack[DiscoveryOptions],
     ) -> None:
-        self.model, self.seed, self.rules = model, seed, rules
-        self.recordings, self.verify = tuple(recordings), tuple(verify)
-        self.cutoff, self.derivative, self.extra = cutoff, derivative, own_effects(model, tuple(extra))
+        asked = DiscoverySettings.chosen(settings, changes)
+        self.model, self.recordings, self.verify = model, tuple(recordings), tuple(verify)
+        self.asked = replace(asked, extra=own_effects(model, tuple(asked.extra)))
         if prepared is not None:
             self.prepared = prepared
         self._fits: dict[tuple[str, ...], FittedModel] = {}
         self._rankings: dict[tuple[str, ...], Ranking] = {}
         self._shapes: dict[str, Float] = {}
 
+    @property
+    def rules(self) -> Rules:
+        """The thresholds that decide."""
+        return self.asked.limited
+
+    @property
+    def extra(self) -> tuple[Effect, ...]:
+        """The user's own effects."""
+        return tuple(self.asked.extra)
+
     @cached_property
     def prepared(self) -> Prepared:
         """The recordings, filtered alike."""
-        return prepare(self.model, self.recordings, self.verify, cutoff=self.cutoff, derivative=self.derivative)
+        asked = self.asked
+        return prepare(self.model, self.recordings, self.verify, cutoff=asked.cutoff, derivative=asked.derivative)
 
     @cached_property
     def searched(self) -> Prepared:
@@ -89,8 +99,7 @@ class Session:
     def knowing(self, effect: Effect) -> Session:
         """Return the session with one more effect of the user's own; what was prepared and fitted stays."""
         known = [e for e in self.extra if e.id != effect.id]
-        other = self.light()
-        other.extra = (*known, effect)
+        other = self.light((*known, effect))
         keep = {names: fit for names, fit in self._fits.items() if effect.id not in [_id(name) for name in names]}
         other._fits.update(keep)
         other._shapes.update({name: value for name, value in self._shapes.items() if _id(name) != effect.id})
@@ -127,7 +136,7 @@ class Session:
             now = self.fitted(key)
             if self.searched is not self.prepared:
                 now = fitted_model(now.fit, self.searched)
-            self._rankings[key] = Ranking(now, self.library, seed=self.seed, rules=self.rules)
+            self._rankings[key] = Ranking(now, self.library, seed=self.asked.seed, rules=self.rules)
         return self._rankings[key]
 
     def starts_at(self, names: Names, ranking: Ranking) -> None:
@@ -165,16 +174,16 @@ class Session:
 
         `found` is called with the steps so far whenever there is another one.
         """
-        rules = self.rules if most is None else replace(self.rules, most_terms=most)
-        question = Question(self.with_effects(names), self.seed, self.cutoff, self.derivative, self.extra, rules)
+        asked = self.asked if most is None else replace(self.asked, most=most)
+        question = Question(self.with_effects(names), asked)
         return answer_of(question, self.recordings, self.verify, progress or silent, self.prepared, found)
 
-    def light(self) -> Session:
-        """Return the session with its prepared recordings alone, as it is sent to another process."""
-        return Session(
-            self.model, self.recordings, self.verify, cutoff=self.cutoff, derivative=self.derivative,
-            extra=self.extra, seed=self.seed, rules=self.rules, prepared=self.prepared,
-        )  # fmt: skip
+    def light(self, extra: Sequence[Effect] | None = None) -> Session:
+        """Return the session with its prepared recordings alone, as it is sent to another process; with `extra` in
+        place of the user's own effects.
+        """
+        asked = self.asked if extra is None else replace(self.asked, extra=extra)
+        return Session(self.model, self.recordings, self.verify, asked, prepared=self.prepared)
 
     def _start(self, model: Model) -> Float | None:
         """Return where the search for shape values begins: None where one of them was never found."""

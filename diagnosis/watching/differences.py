@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.discover import own_effects
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
@@ -25,12 +24,13 @@ from diagnosis.evidence.look_alikes import look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
 from diagnosis.evidence.score import Score, weigh
+from diagnosis.question import own_effects
 from diagnosis.rules import RULES, Rules
 from diagnosis.watching.questions import Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
 from measurement.recording import Recording
-from measurement.signals.derivatives import BUTTERWORTH
+from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
 from optimisation.linear.uncertainty import covariance

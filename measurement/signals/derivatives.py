@@ -19,9 +19,9 @@ import numpy as np
 from ground.errors import RecordingError
 from ground.minimum import minimum
 from measurement.signals.conditioning import EvenSignals, noise_density
+from measurement.signals.methods import BUTTERWORTH, FOURIER, SAVGOL
 from symbolic.motion import Float
 
-BUTTERWORTH = "butterworth"
 ORDER = 3
 """Of the polynomial of Savitzky and Golay."""
 ALIKE = 0.98
@@ -155,7 +155,7 @@ def _averaged(rest: Float, width: int) -> Float:
 
 
 METHODS: Mapping[str, Callable[[EvenSignals, float, str], Smoothed] | None] = MappingProxyType(
-    {BUTTERWORTH: None, "savgol": savgol, "fourier": fourier}
+    {BUTTERWORTH: None, SAVGOL: savgol, FOURIER: fourier}
 )
 """What --derivative may name; None: low-pass and central differences, as `prepare` does them."""
 

@@ -21,7 +21,7 @@ from ground.files import write_whole
 
 if TYPE_CHECKING:
     from optimisation.contest.problem import Contest, Outcome
-    from optimisation.fitting.identify import Search
+    from optimisation.fitting.settings import Search
 
 LARGEST = 1e308
 """Stands for a fitness that was infinite, which the format cannot say."""

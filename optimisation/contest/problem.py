@@ -21,14 +21,15 @@ from measurement.bench.leg import paper_leg
 from measurement.bench.sensors import Sensors
 from measurement.bench.simulation import Bench, run_bench
 from measurement.trajectories.trajectory import paper_trajectory
+from optimisation.budget import GENERATIONS, INDIVIDUALS
 from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import Search
+from optimisation.fitting.settings import Search
 from optimisation.linear.certificate import Certificate, certify
 from optimisation.linear.fitness import population_fitness
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData, Problem, huber_problem
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.optimiser import GENERATIONS, INDIVIDUALS, minimise
+from optimisation.optimiser import minimise
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float

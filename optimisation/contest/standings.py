@@ -17,7 +17,7 @@ from optimisation.contest.ioh_log import write_logs
 from optimisation.contest.plots import ECDF_TARGETS, Entrant, contest_figure
 from optimisation.contest.problem import Contest, Outcome
 from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime
-from optimisation.fitting.identify import Search
+from optimisation.fitting.settings import Search
 from symbolic.motion import Float
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 from ground.files import sha256, write_whole
 from ground.inputs import read_input
 from optimisation.contest.problem import Contest, Outcome
-from optimisation.fitting.identify import Search
+from optimisation.fitting.settings import Search
 from optimisation.linear.loss import huber
 
 SCHEMA = "exoid.rival_run/1"

@@ -10,17 +10,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
 
 import numpy as np
 
+from ground.settings import spelt_out
 from measurement.trajectories.extremes import bounds, margin, uses
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
 from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
 from optimisation.excitation.result import DesignedMotion, Excitation, Precision
-from optimisation.excitation.search import DesignError, MotionSearch, NoMotionError, Progress
-from optimisation.excitation.space import motion_space
+from optimisation.excitation.search import MotionSearch, NoMotionError, Progress
+from optimisation.excitation.settings import DURATION, DesignError, DesignOptions, DesignSettings, MotionSettings
+from optimisation.excitation.space import MotionSpace, motion_space
 from optimisation.fitting.nominal import Nominal, nominal, sizes
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.information import Information, information
@@ -33,70 +35,56 @@ __all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper
 
 GRID = 500
 """Samples per period in a search; its sums differ from those of 4000 by 1e-4, its proof of the limits costs 0.05 %."""
-INDIVIDUALS, GENERATIONS = 20, 400
-"""The paper's population and generations for this problem."""
-STARTS = 3
-"""Starts of IPOPT."""
-DURATION = 30.0
-"""s of recording for which standard deviations are predicted."""
 MOST_CREEP = 0.1
 """Share of time in which a joint may creep before that is said."""
 
 
+@spelt_out(DesignSettings)
 def design(
     model: Model | None = None,
+    settings: DesignSettings | None = None,
     *,
-    criterion: str = "condition",
-    period: float = 10.0,
-    harmonics: int = 5,
-    offsets: str = "paper",
-    rest: bool = False,
-    use: float = 1.0,
-    printed: bool = False,
-    box: float = 1.0,
-    noise: Noise | None = None,
-    numbers: Numbers | None = None,
-    duration: float = DURATION,
-    starts: int = STARTS,
-    individuals: int = INDIVIDUALS,
-    generations: int = GENERATIONS,
-    seed: int = 0,
     progress: Progress | None = None,
+    **changes: Unpack[DesignOptions],
 ) -> Excitation:
-    """Return the motion of `period` s inside the model's limits that is best by `criterion` (see `CRITERIA`).
+    """Return the motion inside the model's limits that is best by a criterion.
 
-    `offsets` (paper, middle, free), `rest` and `harmonics` are those of `motion_space`; `use` is the share of each
-    limit that may be used (less than one leaves room for tracking errors). `printed` searches with Inf outside the
-    limits, in a box of ± `box` times each harmonic's largest amplitude. `starts` of IPOPT, 0 for none. `numbers` are
-    the model's identified ones. DesignError where no motion is inside the limits or determines the model.
+    `settings`, or the same names as keywords, say what is wanted. `offsets` is "paper", "middle" or "free";
+    a machine that is no leg takes the middle for the paper's. DesignError where no motion is inside the limits or
+    determines the model.
     """
     began = time.perf_counter()
     say = progress or _silent
+    asked = DesignSettings.chosen(settings, changes)
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
-    if criterion not in CRITERIA:
-        raise DesignError(f"there is no criterion {criterion!r}", remedy=f"one of: {', '.join(CRITERIA)}")
-    if not 0.0 < use <= 1.0:
-        raise DesignError(f"{use:g} of the limits", remedy="give a share above 0 and at most 1")
-    room = bounds(model.motion_limits, use)
-    space = motion_space(
-        shrunk(room, margin(harmonics, GRID)), period=period, harmonics=harmonics, rest=rest, joints=model.joint_names,
-        offsets="middle" if offsets == "paper" and model.chain else offsets,
-    )  # fmt: skip
-    at = nominal(model, numbers)
-    aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joints), duration)
-    info = information(model, at.linear, at.shape, space.limits, period=period, harmonics=harmonics, grid=GRID)
-    search = MotionSearch(info, space, aim, criterion, individuals, generations, seed, printed, box, say)
+    room = bounds(model.motion_limits, asked.use)
+    offsets = "middle" if asked.offsets == "paper" and model.chain else asked.offsets
+    space = space_of(room, replace(asked, offsets=offsets), model.joint_names)
+    at = nominal(model, asked.numbers)
+    aim = Aim(sizes(model, at), asked.noise or Noise.white(joints=model.joints), asked.duration)
+    info = information(
+        model, at.linear, at.shape, space.limits, period=asked.period, harmonics=asked.harmonics, grid=GRID
+    )
+    search = MotionSearch(info, space, aim, asked, say)
     found = search.run()
     references: list[DesignedMotion] = []
-    if starts > 0 and not printed and not memory_operations(model):
+    if asked.starts > 0 and not asked.printed and not memory_operations(model):
         say(0.6, "IPOPT")
-        references = search.reference(starts)
+        references = search.reference(asked.starts)
     best = min([found, *references], key=lambda one: one.value)
     say(0.95, "evaluating the motion")
-    cautions = _cautions(model, starts, printed)
-    asked = _Asked(model, criterion, room, aim, at, offsets, rest, seed)
-    return _evaluated(asked, best, (found, *references), cautions, time.perf_counter() - began)
+    cautions = _cautions(model, asked)
+    task = _Task(model, asked.criterion, room, aim, at, asked.offsets, asked.rest, asked.seed)
+    return _evaluated(task, best, (found, *references), cautions, time.perf_counter() - began)
+
+
+def space_of(room: Float, asked: MotionSettings, joints: tuple[str, ...]) -> MotionSpace:
+    """Return the motions inside the limits `room` (J, 4) at all times, not only on the grid of a search."""
+    inner = shrunk(room, margin(asked.harmonics, GRID))
+    return motion_space(
+        inner, period=asked.period, harmonics=asked.harmonics, offsets=asked.offsets, rest=asked.rest, joints=joints
+    )
 
 
 def evaluate(
@@ -125,8 +113,8 @@ def evaluate(
     value = CRITERIA[criterion](info.sums(swing, trajectory.offset[None], rescale=False).gram, aim)
     one = DesignedMotion(name, trajectory, float(value[0]), 1, 0.0, "")
     rest = bool(np.abs(np.array([trajectory.at(np.zeros(1)).dq, trajectory.at(np.zeros(1)).ddq])).max() < 1e-9)
-    asked = _Asked(model, criterion, room, aim, at, "given", rest, 0)
-    return _evaluated(asked, one, (one,), (), time.perf_counter() - began)
+    task = _Task(model, criterion, room, aim, at, "given", rest, 0)
+    return _evaluated(task, one, (one,), (), time.perf_counter() - began)
 
 
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
@@ -144,14 +132,14 @@ def shrunk(room: Float, share: float) -> Float:
     return np.column_stack([middle - half, middle + half, room[:, 2:] * share])
 
 
-def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
+def _cautions(model: Model, asked: DesignSettings) -> tuple[str, ...]:
     out = []
     if memory_operations(model):
         out.append(
             "operators with a past (play, dahl, delay, ddt) have no formula at an instant: their columns are "
             "computed in Python, the motion is taken to start at rest in its past, and there is no IPOPT reference"
         )
-    elif starts <= 0 and not printed:
+    elif asked.starts <= 0 and not asked.printed:
         out.append("no IPOPT reference was asked for")
     if any("t" in str(term.effect.torque) and term.effect.family == "drift" for term in model.terms):
         out.append("an effect that drifts with time is evaluated over one period, from its start")
@@ -162,7 +150,7 @@ def _cautions(model: Model, starts: int, printed: bool) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class _Task:
     """The question of a design: the model at its numbers `at`, what is best, inside which limits `room` (J, 4)."""
 
     model: Model
@@ -176,16 +164,16 @@ class _Asked:
 
 
 def _evaluated(
-    asked: _Asked,
+    task: _Task,
     best: DesignedMotion,
     candidates: tuple[DesignedMotion, ...],
     cautions: tuple[str, ...],
     seconds: float,
 ) -> Excitation:
     """Return the result, every figure of merit computed anew for the motion chosen."""
-    motion, model, at, aim = best.trajectory, asked.model, asked.at, asked.aim
+    motion, model, at, aim = best.trajectory, task.model, task.at, task.aim
     info = information(
-        model, at.linear, at.shape, asked.room, period=motion.period, harmonics=motion.sine.shape[1], grid=2 * GRID
+        model, at.linear, at.shape, task.room, period=motion.period, harmonics=motion.sine.shape[1], grid=2 * GRID
     )
     swing = np.concatenate([motion.sine, motion.cosine], axis=1)[None]
     gram = info.sums(swing, motion.offset[None], rescale=False).gram
@@ -213,21 +201,21 @@ def _evaluated(
     return Excitation(
         model=model,
         trajectory=motion,
-        criterion=asked.criterion,
+        criterion=task.criterion,
         value=best.value,
         condition=float(condition(gram)[0]),
         log_det=float(log_det(known)[0]),
         candidates=candidates,
         chosen=best.name,
-        uses=uses(motion, _limits(asked.room, model.joint_names)),
+        uses=uses(motion, _limits(task.room, model.joint_names)),
         precision=precision,
         noise=aim.noise,
         duration=aim.duration,
         numbers=at.source,
-        offsets=asked.offsets,
-        rest=asked.rest,
+        offsets=task.offsets,
+        rest=task.rest,
         backend=info.backend,
-        seed=asked.seed,
+        seed=task.seed,
         creeping=creeping,
         condition_moving=moving,
         cautions=cautions,

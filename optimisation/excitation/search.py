@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import ExoidError
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
 from optimisation.excitation.result import DesignedMotion
+from optimisation.excitation.settings import DesignError, DesignSettings
 from optimisation.excitation.space import MotionSpace
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import Box, Optimiser, minimise
@@ -34,10 +34,6 @@ from symbolic.codegen.information import Information
 from symbolic.motion import Float
 
 Progress = Callable[[float, str], None]
-
-
-class DesignError(ExoidError):
-    """A design that cannot be made: unknown words, or no motion inside the limits."""
 
 
 class NoMotionError(DesignError):
@@ -122,62 +118,58 @@ class Remembering:
 
 @dataclass(frozen=True, eq=False)
 class MotionSearch:
-    """A search of `space` by `criterion` with `individuals` × `generations` evaluations.
+    """A search of `space` as `asked`: the criterion, the evaluations, the seed.
 
-    `printed`: with Inf outside the limits, in a box of ± `box` times each harmonic's largest amplitude.
+    `asked.printed`: with Inf outside the limits, in a box of ± `asked.box` times each harmonic's largest amplitude.
     """
 
     info: Information
     space: MotionSpace
     aim: Aim
-    criterion: str
-    individuals: int
-    generations: int
-    seed: int
-    printed: bool = False
-    box: float = 1.0
+    asked: DesignSettings
     say: Progress = lambda share, text: None
 
     def value(self, y: Float) -> Float:
         """Return the criterion (I,) of points `y` (I, n), stretched to the limits or Inf outside them."""
         swings, offsets = self.space.split(y)
-        sums = self.info.sums(swings, offsets, rescale=not self.printed)
-        value = CRITERIA[self.criterion](sums.gram, self.aim)
-        return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.printed else value
+        sums = self.info.sums(swings, offsets, rescale=not self.asked.printed)
+        value = CRITERIA[self.asked.criterion](sums.gram, self.aim)
+        return np.where((sums.factor >= 1.0).all(axis=1), value, np.inf) if self.asked.printed else value
 
     def smooth(self, y: Float, stage: PenaltyStage) -> Float:
         """Return the proxy (I,) of the criterion that `stage` searches."""
         swings, offsets = self.space.split(y)
         gram = self.info.sums(swings, offsets, rescale=True, doublings=stage.doublings).gram
-        soft = self.criterion == "condition" and stage.power > 0.0
-        return softened(gram, stage.power) if soft else CRITERIA[self.criterion](gram, self.aim)
+        soft = self.asked.criterion == "condition" and stage.power > 0.0
+        return softened(gram, stage.power) if soft else CRITERIA[self.asked.criterion](gram, self.aim)
 
     def run(self) -> DesignedMotion:
         """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
         began = time.perf_counter()
-        if self.printed:
+        asked = self.asked
+        if asked.printed:
             run = minimise(
-                self._problem(self.value, self.box), NFO(), individuals=self.individuals, generations=self.generations,
-                seed=self.seed,
+                self._problem(self.value, asked.box), NFO(), individuals=asked.individuals,
+                generations=asked.generations, seed=asked.seed,
             )  # fmt: skip
             best = run.x, run.fitness
         else:
-            best = self._staged(self.generations, self.seed)
+            best = self._staged(asked.generations, asked.seed)
+        spent = asked.individuals * asked.generations
         if not np.isfinite(best[1]):
             raise NoMotionError(
-                f"none of {self.individuals * self.generations} candidate motions met the limits; an infinite penalty "
+                f"none of {spent} candidate motions met the limits; an infinite penalty "
                 "outside them leaves the search nothing to follow",
-                where=f"NFO as printed, box {self.box:g}",
+                where=f"NFO as printed, box {asked.box:g}",
                 remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
             )
-        spent = self.individuals * self.generations
-        name = "NFO as printed" if self.printed else "NFO"
+        name = "NFO as printed" if asked.printed else "NFO"
         return self._candidate(name, best[0][None], best[1], spent, time.perf_counter() - began)
 
     def _staged(self, generations: int, seed: int) -> tuple[Float, float]:
         """Return the best point and its value after all stages."""
         rng = np.random.default_rng(seed)
-        x = self.stretched(rng.uniform(-1.0, 1.0, (self.individuals, self.space.size)))
+        x = self.stretched(rng.uniform(-1.0, 1.0, (self.asked.individuals, self.space.size)))
         value = self.value(x)
         first = x[int(np.argmin(value))]
 
@@ -210,7 +202,7 @@ class MotionSearch:
         def stand_in(y: Float) -> Float:
             return self.smooth(y, stage)
 
-        price = -(-_differences(self.space.size) // self.individuals)
+        price = -(-_differences(self.space.size) // self.asked.individuals)
         if stage.whitened and price + 1 <= DEAREST * generations:
             best = x[int(np.argmin(stand_in(x)))]
             axes = _whitening(stand_in, best)
@@ -225,13 +217,13 @@ class MotionSearch:
             inner = Problem(lambda z: stand_in(placed(z)), -far, far, self.space.names, ("1",) * self.space.size)
             plain = Remembering(WHITENED, lambda z: z)
             left = generations - price - 1
-            run = minimise(inner, plain, individuals=self.individuals, generations=left, seed=seed, start=near)
+            run = minimise(inner, plain, individuals=self.asked.individuals, generations=left, seed=seed, start=near)
             found, f = _with(plain.last[0], run.x, run.fitness)
             return form(placed(found)), f
         remember = Remembering(RECIPE, form)
         run = minimise(
-            self._problem(stand_in, WIDE), remember, individuals=self.individuals, generations=generations, seed=seed,
-            start=x,
+            self._problem(stand_in, WIDE), remember, individuals=self.asked.individuals, generations=generations,
+            seed=seed, start=x,
         )  # fmt: skip
         return _with(remember.last[0], run.x, run.fitness)
 
@@ -250,9 +242,9 @@ class MotionSearch:
         """Return where IPOPT ends from what short searches of its own find, best first."""
         began = time.perf_counter()
         points = [self._staged(SHORT, self._seed(k))[0] for k in range(starts)]
-        ended = solve_motions(self.info, self.space, self.aim, self.criterion, np.array(points))
+        ended = solve_motions(self.info, self.space, self.aim, self.asked.criterion, np.array(points))
         sums = self.info.sums(ended.swings, ended.offsets, rescale=True)
-        values = CRITERIA[self.criterion](sums.gram, self.aim)
+        values = CRITERIA[self.asked.criterion](sums.gram, self.aim)
         each = (time.perf_counter() - began) / starts
         out = []
         for k, value in enumerate(values):
@@ -281,12 +273,12 @@ class MotionSearch:
     def _candidate(self, name: str, y: Float, value: float, evaluations: int, seconds: float) -> DesignedMotion:
         swings, offsets = self.space.split(y)
         found = self.info.sums(swings, offsets, rescale=False).factor[0]
-        factor = np.ones_like(found) if self.printed else found
+        factor = np.ones_like(found) if self.asked.printed else found
         motion: Fourier = self.space.trajectory(swings[0] * factor[:, None], offsets[0])
         return DesignedMotion(name, motion, value, evaluations, seconds, "")
 
     def _seed(self, k: int) -> int:
-        return int(np.random.SeedSequence([self.seed, k]).generate_state(1)[0])
+        return int(np.random.SeedSequence([self.asked.seed, k]).generate_state(1)[0])
 
 
 def _with(field: Any, x: Float, f: float) -> tuple[Float, Float]:

@@ -16,12 +16,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from measurement.trajectories.trajectory import CENTRE, LONGEST_PERIOD, SHORTEST_PERIOD, Fourier, TrajectoryError
+from optimisation.excitation.settings import OFFSETS
 from symbolic.codegen.information import largest_factor
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 
-OFFSETS = ("paper", "middle", "free")
-"""Where a motion is centred: θ_0 of the paper, the middle of the angle range, or wherever is best."""
 SHIFTS = 64
 """Shifts in time per period that are tried to make two motions resemble each other."""
 EDGE = 0.02

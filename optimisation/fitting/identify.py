@@ -10,17 +10,19 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Unpack, cast
 
 import numpy as np
 
 from ground.errors import NotEnoughDataError
+from ground.settings import spelt_out
 from measurement.recording import Recording
 from optimisation.fitting.assemble import Assembly, FilteredRecording, FittableModel, Settled
 from optimisation.fitting.cautions import held, numerical, price, unproven
 from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.intervals import estimates_of, middle, spread_of
 from optimisation.fitting.plausibility import check_plausibility
+from optimisation.fitting.settings import FitOptions, FitSettings, Search
 from optimisation.fitting.shape_fit import shape_method, solution, solve_shape
 from optimisation.fitting.shapes import STARTS
 from optimisation.linear.certificate import Certificate, certify
@@ -30,21 +32,13 @@ from optimisation.linear.physical import Physics, certify_physical, physical_ref
 from optimisation.linear.problem import huber_problem, sse_problem
 from optimisation.linear.reference import Reference, solve_reference
 from optimisation.linear.solve import delta_rule, solve_sse
-from optimisation.optimiser import Optimiser, OptimiserRun, minimise
+from optimisation.optimiser import OptimiserRun, minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.prepare import prepare
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from symbolic.model import Model
-
-
-@dataclass(frozen=True)
-class Search:
-    """An optimiser and the coordinates it searches in."""
-
-    optimiser: Optimiser
-    whitened: bool = False
 
 
 SEARCHES: Mapping[str, Search] = MappingProxyType(
@@ -55,46 +49,42 @@ SEARCHES: Mapping[str, Search] = MappingProxyType(
 Progress = Callable[[str], None]
 
 
+@spelt_out(FitSettings)
 def identify(
     model: FittableModel,
     data: Sequence[FilteredRecording] | Sequence[Recording],
+    settings: FitSettings | None = None,
     *,
-    optimisers: Mapping[str, Search] | tuple[()] = SEARCHES,
-    shape: Float | None = None,
-    start: Float | None = None,
-    delta: Float | None = None,
-    seed: int = 0,
-    physical: bool = False,
-    shape_search: str = "multistart",
     progress: Progress | None = None,
+    **changes: Unpack[FitOptions],
 ) -> Fit:
     """Fit `model` to recordings, prepared or as they were read (they are then prepared), and return the Fit.
 
-    `optimisers=()` is the light mode: no NFO and no IPOPT, the exact solution only. `shape` (S,) fixes the
-    shape parameters instead of searching them, `start` ((S,) or (R, S)) searches them only from there,
-    `delta` (J,) fixes the thresholds instead of the 14 % rule. `physical` looks for the best parameters that some leg
-    could have (`optimisation.linear.physical`), by IPOPT with our certificate; NFO, which has no such conditions, is
-    then left out. `Fit.held` says what that changed. `shape_search` is how shape parameters are found before the local
-    searches: "multistart" (on a grid) or the name of an optimiser such as "nfo"; `Fit.agreeing` says how many of them
+    `physical` looks for the best parameters that some leg could have (`optimisation.linear.physical`), by IPOPT with
+    our certificate; NFO, which has no such conditions, is then left out. `Fit.held` says what that changed. Shape
+    parameters are found on a grid or by an optimiser, and then by local searches; `Fit.agreeing` says how many of them
     ended in the same place.
     Refuses data that cannot determine as many parameters as the model has.
     """
     began = time.perf_counter()
+    asked = FitSettings.chosen(settings, changes)
+    shape, delta, physical = asked.shape, asked.delta, asked.physical
     if not data:
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
     data = _prepared(model, data)
     say = progress or _silent
+    optimisers = SEARCHES if asked.optimisers is None else asked.optimisers
     searches = {} if physical else dict(optimisers)
     possible = physics(model) if physical else None
-    method = shape_method(shape_search, bool(optimisers), seed)
+    method = shape_method(asked.shape_search, bool(optimisers), asked.seed)
     infinite = np.full(len(model.joints), np.inf)
 
     assembly = Assembly(model, data)
-    proof = _Proof(searches, seed, _scope(model, shape is not None), possible, say)
+    proof = _Proof(searches, asked.seed, _scope(model, shape is not None), possible, say)
 
     say("least squares")
     first_shape, first, leaders, agreeing = solve_shape(
-        assembly, infinite, shape, start, possible=possible, method=replace(method, refined=STARTS)
+        assembly, infinite, shape, asked.start, possible=possible, method=replace(method, refined=STARTS)
     )
     first.data.require_enough(model.joints)
     sse = proof.stage("sse", first, middle(first_shape), infinite, first.linear)

@@ -10,6 +10,7 @@ import numpy as np
 from ground.errors import ExoidError, ExpressionError
 from optimisation.fitting.assemble import Assembly, Settled, settle
 from optimisation.fitting.local_shape import descend, own_shapes
+from optimisation.fitting.settings import MULTISTART
 from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
 from optimisation.linear.loss import huber
 from optimisation.linear.physical import Physics, solve_physical
@@ -18,7 +19,6 @@ from optimisation.linear.solve import solve_huber, solve_sse
 from optimisation.optimisers import optimisers as optimiser_kinds
 from symbolic.motion import Float
 
-MULTISTART = "multistart"
 FULL_STARTS, FULL_APART = 6, 0.08
 """Starts of the local searches, and how far apart they begin, when more is asked for than the light mode."""
 

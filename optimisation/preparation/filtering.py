@@ -28,7 +28,8 @@ from measurement.signals.conditioning import (
     velocity_noise,
     widen,
 )
-from measurement.signals.derivatives import BUTTERWORTH, METHODS
+from measurement.signals.derivatives import METHODS
+from measurement.signals.methods import BUTTERWORTH
 from optimisation.linear.loss import Bool
 from symbolic.joints import Joint
 from symbolic.model import Model

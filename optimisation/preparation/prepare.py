@@ -22,7 +22,8 @@ from measurement.finding import Finding
 from measurement.overlap import held_apart
 from measurement.recording import Recording
 from measurement.signals.conditioning import EvenSignals, even_clock
-from measurement.signals.derivatives import BUTTERWORTH, check_method
+from measurement.signals.derivatives import check_method
+from measurement.signals.methods import BUTTERWORTH
 from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base, typical
 from optimisation.preparation.filtering import PreparedRecording, prepare_one
 from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise

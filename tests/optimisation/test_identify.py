@@ -10,7 +10,8 @@ import pytest
 from paper_leg import PAPER, Leg, record
 
 from ground.errors import NotEnoughDataError
-from optimisation.fitting.identify import Search, identify
+from optimisation.fitting.identify import identify
+from optimisation.fitting.settings import Search
 from optimisation.fitting.shapes import from_unit, grid, search_shape, to_unit
 from optimisation.optimisers.nfo import NFO
 from symbolic.effect import Shape

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import exoid
-from diagnosis.discover import own_effects
+from diagnosis.question import own_effects
 from diagnosis.watching.watcher import Settings
 from ground.engines.local import local
 from symbolic.codegen.code import generate

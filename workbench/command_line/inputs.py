@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.suggest import did_you_mean
+from measurement.signals.methods import BUTTERWORTH
 from symbolic.quantity import JOINTS
 from workbench.command_line.options import merged
 from workbench.command_line.parser import UsageError
@@ -35,7 +36,7 @@ class Inputs:
     recordings: tuple[Recording, ...]
     verify: tuple[Recording, ...] = ()
     cutoff: float | None = None
-    derivative: str = "butterworth"
+    derivative: str = BUTTERWORTH
 
     @property
     def filter(self) -> dict[str, Any]:
@@ -83,7 +84,7 @@ def load(args: argparse.Namespace) -> Inputs:
         )
 
     recordings, verify = all_of(given), all_of(unseen)
-    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", "butterworth"))
+    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
 
 
 def read(path: str, *, quiet: bool = False, **told: Any) -> tuple[Recording, ...]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
+from diagnosis.settings import DiscoverySettings
+from ground.settings import Setting, VerbSettings, default_of, settings_in
 from workbench.command_line.parser import UsageError
 
 
@@ -16,6 +19,43 @@ def add_common(parser: argparse.ArgumentParser, out: str = "write the report and
     group.add_argument("--out", metavar="DIR", help=out)
     group.add_argument("--seed", metavar="N", type=whole_number, default=0, help="seed of everything random (0)")
     group.add_argument("--quiet", action="store_true", help="no progress and no tables, only warnings and errors")
+
+
+def add_settings(
+    group: argparse._ActionsContainer, record: type[VerbSettings], *names: str, **named: dict[str, Any]
+) -> None:
+    """Add an option for each setting called in `names`, as its record has it; in `named` with other words for it."""
+    known = {entry.name: (entry, about) for entry, about in settings_in(record)}
+    for name in (*names, *named):
+        entry, about = known[name]
+        words: dict[str, Any] = {"help": about.meaning + default_of(entry), "default": entry.default}
+        if isinstance(entry.default, bool):
+            words["action"] = "store_true"
+        elif about.choices:
+            words["choices"] = about.choices
+        else:
+            words["metavar"] = about.unit.upper() if about.unit.isalpha() else "N"
+            words["type"] = _reads(name, about, finite_number if isinstance(entry.default, float) else whole_number)
+        group.add_argument(f"--{name.replace('_', '-')}", **(words | named.get(name, {})))
+
+
+def settings_given(args: argparse.Namespace, record: type[VerbSettings], *but: str) -> dict[str, Any]:
+    """Return {setting: value} of the settings of `record` that `args` know, but for some of them."""
+    names = [entry.name for entry, _ in settings_in(record) if entry.name not in but]
+    return {name: getattr(args, name) for name in names if hasattr(args, name)}
+
+
+def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callable[[str], float]:
+    """Return what reads the value of a setting."""
+
+    def read(text: str) -> float:
+        value = number(text)
+        doubt = about.doubt(name, value)
+        if doubt is not None:
+            raise argparse.ArgumentTypeError(f"{doubt[0]}: {doubt[1]}")
+        return value
+
+    return read
 
 
 def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> None:
@@ -90,11 +130,7 @@ def add_derivative(parser: argparse.ArgumentParser) -> None:
         help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
         "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2",
     )  # fmt: skip
-    parser.add_argument(
-        "--derivative", choices=("butterworth", "savgol", "fourier"), default="butterworth",
-        help="how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose "
-        "periods are averaged (butterworth)",
-    )  # fmt: skip
+    add_settings(parser, DiscoverySettings, "derivative")
 
 
 def add_limit(parser: argparse.ArgumentParser, what: str) -> None:

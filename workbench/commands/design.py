@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from diagnosis.separation.settings import SeparationSettings
+from optimisation.excitation.settings import DesignSettings
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import add_common, add_reading, between, count_to, finite_number
+from workbench.command_line.options import add_common, add_reading, add_settings, between, finite_number, settings_given
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, warn
@@ -19,8 +21,6 @@ exoid design --free --rest --period 8              free centre, start and end at
 exoid design --check motion/motion.toml            evaluate a motion; --check paper: the paper's coefficients
 exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1.csv run2.csv
                                                    distinguish rival effects; exit status 1 when no motion can"""
-
-CRITERIA = ("condition", "d_optimal", "worst")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,19 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--check", metavar="FILE", help="evaluate this motion, design none (TOML, or paper)")
     motion = parser.add_argument_group("the motion")
-    motion.add_argument(
-        "--criterion", choices=CRITERIA, default="condition",
-        help="condition: cond(Y), as the paper (default); d_optimal: log det; worst: largest relative deviation",
-    )  # fmt: skip
-    motion.add_argument("--period", metavar="S", type=between(0.01, 1e5, "s"), default=10.0, help="period in s (10)")
-    motion.add_argument("--harmonics", metavar="K", type=count_to(20), default=5, help="number of harmonics (5)")
+    add_settings(motion, DesignSettings, "criterion", "period", "harmonics")
     motion.add_argument("--middle", action="store_true", help="centre the motion in the middle of the angle range")
     motion.add_argument("--free", action="store_true", help="let the search choose the centre of the motion")
-    motion.add_argument("--rest", action="store_true", help="start and end at rest: no velocity, no acceleration")
-    motion.add_argument(
-        "--use", metavar="SHARE", type=between(1e-3, 10.0), default=1.0,
-        help="share of the limits that may be used (1); 0.9 leaves room for tracking errors",
-    )  # fmt: skip
+    # A motion that is only evaluated may use more than the limits allow.
+    add_settings(motion, DesignSettings, "rest", use={"metavar": "SHARE", "type": between(1e-3, 10.0)})
     motion.add_argument(
         "--rate",
         metavar="HZ",
@@ -59,26 +51,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--target", metavar="VALUE", type=finite_number, help="exit with status 1 when the criterion is above VALUE"
     )
     search = parser.add_argument_group("the search")
-    search.add_argument(
-        "--generations",
-        metavar="N",
-        type=count_to(100_000),
-        default=40,
-        help="with --separate: generations of NFO (40)",
-    )
-    search.add_argument("--starts", metavar="N", type=count_to(1000), default=3, help="starts of IPOPT (3); 0 for none")
-    search.add_argument("--printed", action="store_true", help="NFO as the paper prints it: Inf outside the limits")
-    search.add_argument(
-        "--box", metavar="B", type=between(1e-6, 1e6), default=1.0, help="with --printed: half-width of its box (1)"
-    )
+    add_settings(search, SeparationSettings, generations={"help": "with --separate: generations of NFO (40)"})
+    add_settings(search, DesignSettings, "starts", "printed", "box")
     noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
         "--noise", metavar="NM", type=_noise,
         help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
-    noise.add_argument(
-        "--duration", metavar="S", type=between(0.1, 1e7, "s"), default=30.0, help="length of the recording in s (30)"
-    )
+    add_settings(noise, DesignSettings, "duration")
     add_reading(parser)
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 
@@ -141,22 +121,20 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     from optimisation.excitation.design import design, evaluate
 
     noise = Noise.white(args.noise, args.rate, model.joints)
-    common = {
-        "criterion": args.criterion, "noise": noise, "numbers": numbers, "duration": args.duration, "use": args.use,
-    }  # fmt: skip
     if args.check:
         from measurement.trajectories.trajectory import paper_trajectory
         from measurement.trajectories.trajectory_file import read_trajectory
 
         paper = args.check == "paper"
         given = paper_trajectory(args.period) if paper else read_trajectory(args.check, model.joint_names)
-        return evaluate(given, model, name="the paper's" if args.check == "paper" else "given", **common)
+        return evaluate(
+            given, model, criterion=args.criterion, name="the paper's" if paper else "given", noise=noise,
+            numbers=numbers, duration=args.duration, use=args.use,
+        )  # fmt: skip
     offsets = "free" if args.free else "middle" if args.middle else "paper"
     with progress("designing the motion", quiet=args.quiet) as report:
-        return design(
-            model, period=args.period, harmonics=args.harmonics, offsets=offsets, rest=args.rest,
-            printed=args.printed, box=args.box, starts=args.starts, seed=args.seed, progress=report, **common,
-        )  # fmt: skip
+        wanted = settings_given(args, DesignSettings, "generations", "noise")
+        return design(model, **wanted, offsets=offsets, noise=noise, numbers=numbers, progress=report)
 
 
 def _show(screen: Screen, found: Any) -> None:
@@ -259,10 +237,8 @@ def _separate(args: argparse.Namespace) -> int:
 
         found = separate(
             given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,
-            numbers=_numbers(args.model), noise=white,
-            period=args.period, harmonics=args.harmonics, offsets="middle" if args.middle else "free", rest=args.rest,
-            use=args.use, duration=args.duration, cutoff=given.cutoff, generations=args.generations, seed=args.seed,
-            progress=report,
+            **settings_given(args, SeparationSettings, "noise", "cutoff"), numbers=_numbers(args.model), noise=white,
+            offsets="middle" if args.middle else "free", cutoff=given.cutoff, progress=report,
         )  # fmt: skip
     screen = Screen.of(args)
     _show_separation(screen, found)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from diagnosis.settings import DiscoverySettings
 from workbench.command_line.asking import answer_question
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
+from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, add_settings
 
 HELP = """add missing effects one after the other until the verdict says stop
 
@@ -18,11 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_derivative(parser)
     add_model(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
-    parser.add_argument(
-        "--splits", choices=("linearised", "all"), default="linearised",
-        help="repeat the decision over splits of the recordings about the models that were found, or search all of "
-        "them from scratch, which takes as many times as long (linearised)",
-    )  # fmt: skip
+    add_settings(parser, DiscoverySettings, "splits")
     add_common(parser)
 
 

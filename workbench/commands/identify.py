@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import argparse
 
+from optimisation.fitting.settings import FitSettings
 from workbench.command_line.deliver import check_places, deliver_results
-from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
+from workbench.command_line.options import (
+    add_common,
+    add_derivative,
+    add_limit,
+    add_model,
+    add_recordings,
+    add_settings,
+    settings_given,
+)
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -19,14 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recordings(parser)
     add_derivative(parser)
     add_model(parser)
-    parser.add_argument(
-        "--physical", action="store_true",
-        help="only parameters that some leg could have: positive masses and inertias, friction that brakes",
-    )  # fmt: skip
-    parser.add_argument(
-        "--shape-search", metavar="HOW", default="multistart",
-        help="how shape parameters are looked for: multistart (a grid), nfo, or another optimiser (multistart)",
-    )  # fmt: skip
+    add_settings(parser, FitSettings, "physical", shape_search={"metavar": "HOW", "type": str})
     parser.add_argument(
         "--per-recording", action="store_true",
         help="every parameter from every recording alone: which numbers can be trusted, and what to record",
@@ -51,8 +53,7 @@ def run(args: argparse.Namespace) -> int:
         prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
         steps = iter(range(1, 100))
         fit = identify(
-            given.model, prepared.train, seed=args.seed, physical=args.physical,
-            shape_search=args.shape_search,
+            given.model, prepared.train, **settings_given(args, FitSettings),
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
         from dataclasses import replace

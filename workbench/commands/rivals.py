@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from optimisation.contest.settings import ContestSettings
 from workbench.command_line.deliver import check_places, deliver_results
-from workbench.command_line.options import add_common, add_model, add_recordings, count_to
+from workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
@@ -28,16 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recordings(parser, verify=False, required=False)
     add_model(parser)
     group = parser.add_argument_group("the comparison")
-    group.add_argument("--seeds", metavar="N", type=count_to(10_000), default=51, help="runs of each optimiser (51)")
-    group.add_argument(
-        "--individuals", metavar="N", type=count_to(10_000), default=40, help="size of the population (40)"
-    )
-    group.add_argument("--generations", metavar="N", type=count_to(1_000_000), default=400, help="generations (400)")
-    group.add_argument(
-        "--whitened", action="store_true", help="let the rivals search in whitened coordinates as well, as NFO does"
-    )
+    add_settings(group, ContestSettings, "seeds", "individuals", "generations", "whitened")
     group.add_argument("--only", metavar="NAME", nargs="+", action="extend", default=[], help="only these optimisers")
-    group.add_argument("--jobs", metavar="N", type=count_to(1024), default=0, help="processes (0: one per core)")
+    add_settings(group, ContestSettings, "jobs")
     add_common(parser, out="write report, figures, IOHprofiler logs and every single run into DIR")
 
 
@@ -50,8 +44,7 @@ def run(args: argparse.Namespace) -> int:
 
         competing = _chosen(entrants(args.whitened or bool(args.only)), args)
         found = rivals(
-            _fitted(given, args.seed), seeds=args.seeds, seed=args.seed, individuals=args.individuals,
-            generations=args.generations, competing=competing, jobs=args.jobs, progress=report,
+            _fitted(given, args.seed), **settings_given(args, ContestSettings), competing=competing, progress=report,
             folder=Path(args.out) / "runs" if args.out else None,
         )  # fmt: skip
     screen = Screen.of(args)

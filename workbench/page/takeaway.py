@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from ground.errors import ExoidError, RecordingError
 from ground.files import write_whole
 from ground.plain import plain
+from measurement.signals.methods import BUTTERWORTH
 from workbench.page.given import FIT, VERIFY, safe_name, without_path
 
 if TYPE_CHECKING:
@@ -313,7 +314,7 @@ def _recordings(workspace: Workspace) -> list[str]:
         for load in one.payloads:
             out += ["--payload", f"{name}={load.link}:{load.mass:g}@{load.along:g}"]
     out += [] if workspace.cutoff is None else ["--cutoff", f"{workspace.cutoff:g}"]
-    out += [] if workspace.derivative == "butterworth" else ["--derivative", workspace.derivative]
+    out += [] if workspace.derivative == BUTTERWORTH else ["--derivative", workspace.derivative]
     return [*out, "--seed", str(workspace.seed)] if workspace.seed else out
 
 
@@ -352,7 +353,7 @@ def _python(workspace: Workspace) -> str:
         lines += [f"    {_read(workspace, one)}," for one in workspace.given if one.role == role]
         lines.append("]")
     more = "" if workspace.cutoff is None else f", cutoff={workspace.cutoff!r}"
-    more += "" if workspace.derivative == "butterworth" else f", derivative={workspace.derivative!r}"
+    more += "" if workspace.derivative == BUTTERWORTH else f", derivative={workspace.derivative!r}"
     more += f", seed={workspace.seed}" if workspace.seed else ""
     lines += [
         f"session = exoid.Session(model, runs, verify=held_out{more})",

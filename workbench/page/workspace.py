@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from diagnosis.session.history import History
 from ground.errors import EffectError, ExoidError, RecordingError
+from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
 
@@ -42,7 +43,7 @@ class Workspace:
     """Everything that the page shows. Its methods may be called from any thread."""
 
     def __init__(
-        self, remembered: Path, seed: int = 0, cutoff: float | None = None, derivative: str = "butterworth"
+        self, remembered: Path, seed: int = 0, cutoff: float | None = None, derivative: str = BUTTERWORTH
     ) -> None:
         self.remembered, self.seed, self.cutoff, self.derivative = remembered, seed, cutoff, derivative
         self.saving: Path | None = None

@@ -1,0 +1,116 @@
+"""What is asked of recordings, and the search that looks for the answer, whichever of them are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.evidence.candidates import build_library
+from diagnosis.evidence.channels import doubts_before
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
+from diagnosis.evidence.stretches import searched_stretches
+from diagnosis.results import Step
+from diagnosis.rules import Rules
+from diagnosis.search.context import Progress, SearchContext
+from diagnosis.search.engine import Found, run_search
+from diagnosis.search.state import Extension, State
+from diagnosis.settings import DiscoverySettings
+from diagnosis.verdict import Conclusion, check_channels, doubted, within_filter_error
+from measurement.recording import Recording
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import Prepared, prepare
+from symbolic.effect import Effect
+from symbolic.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """A search that has ended: all recordings prepared, what was searched of them (`context`), and what was found.
+
+    `base` is the model that was given, on all of them; `answer` is the conclusion where no search was needed, `soft`
+    the drive that explains so much that none was made.
+    """
+
+    prepared: Prepared
+    base: FittedModel
+    context: SearchContext
+    found: Found
+    answer: Conclusion | None = None
+    soft: SoftDrive | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of recordings, whichever of them are fitted."""
+
+    model: Model
+    asked: DiscoverySettings
+
+    @property
+    def rules(self) -> Rules:
+        """The thresholds that decide."""
+        return self.asked.limited
+
+    def search(
+        self,
+        recordings: Sequence[Recording],
+        verify: Sequence[Recording],
+        tick: Progress,
+        prepared: Prepared | None = None,
+        found: Callable[[Sequence[Step]], None] | None = None,
+    ) -> Searched:
+        """Prepare the recordings, unless they are, and search; `found` hears of every step."""
+        asked, rules = self.asked, self.rules
+        tick(0.02, "preparing the recordings")
+        if prepared is None:
+            prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
+        base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+        answer = _before_any_search(base, rules)
+        part = prepared if answer is not None else searched_stretches(prepared, rules)
+        library = build_library(self.model, part.all, own_effects(self.model, asked.extra))
+        context = SearchContext(part, library, asked.seed, tick, rules)
+        if found is not None:
+            context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
+        if answer is not None:
+            return Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
+        start = Extension(base) if part is prepared else context.fit(self.model)
+        soft = plainly_soft(start.fitted, context.noise(start), rules)
+        if soft is not None:
+            nothing = Found(State((start,)), tuple(context.rank(start, 1)[1]))
+            return Searched(prepared, base, context, nothing, soft=soft)
+        return Searched(prepared, base, context, run_search(context, start))
+
+
+def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Return `extra` and the user's own effects, each once: those the model declares and those it has already."""
+    own = (*extra, *model.custom, *(term.effect for term in model.terms if term.effect.custom))
+    return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
+
+
+def _before_any_search(base: FittedModel, rules: Rules) -> Conclusion | None:
+    """Return the conclusion that needs no search: the channels cannot be right, or nothing is left but filter error."""
+    if base.prepared.misread:
+        return check_channels(base.prepared.misread)
+    doubt = doubts_before(base, rules)
+    if doubt is not None:
+        return doubted(doubt)
+    if np.all(base.judged_rms <= rules.filter_error * base.prepared.filter_error):
+        return within_filter_error(base)
+    return None
+
+
+def steps_of(extensions: Sequence[Extension], sentences: Sequence[str] = ()) -> tuple[Step, ...]:
+    """Return the falling error; `sentences` are about those that were added."""
+    said = ("", *sentences)
+    return tuple(
+        Step(
+            "base" if s.added is None else f"+ {s.added.name}",
+            s.fitted.train_rms,
+            s.fitted.verify_rms,
+            said[i] if i < len(said) else "",
+        )
+        for i, s in enumerate(extensions)
+    )

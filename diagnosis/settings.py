@@ -1,0 +1,58 @@
+"""What `diagnose`, `discover` and a session may be told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypedDict
+
+from diagnosis.rules import RULES, Rules
+from ground.settings import VerbSettings, setting
+from measurement.signals.methods import BUTTERWORTH, DERIVATIVES
+
+if TYPE_CHECKING:
+    from symbolic.effect import Effect
+
+LINEARISED, ALL = "linearised", "all"
+"""Ways to repeat the decision over splits of the recordings."""
+
+
+class DiscoveryOptions(TypedDict, total=False):
+    """`DiscoverySettings` as keywords."""
+
+    seed: int
+    cutoff: float | None
+    derivative: str
+    extra: Sequence[Effect]
+    rules: Rules
+    most: int | None
+    splits: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiscoverySettings(VerbSettings):
+    """How recordings are prepared and searched."""
+
+    cutoff: float | None = setting(None, "Hz of the common filter; without it, chosen from the recordings")
+    derivative: str = setting(
+        BUTTERWORTH,
+        "how accelerations come from angles: butterworth, savgol, or fourier for motion that repeats, whose periods "
+        "are averaged",
+        choices=DERIVATIVES,
+    )
+    extra: Sequence[Effect] = setting(
+        (), "effects beyond the catalogue and the model's own, which are suspected anyway"
+    )
+    rules: Rules = setting(RULES, "the thresholds that decide")
+    most: int | None = setting(None, "effects that are added at most; without it, what the rules say")
+    splits: str = setting(
+        LINEARISED,
+        "repeat the decision over splits of the recordings about the models that were found, or search all of them "
+        "from scratch, which takes as many times as long",
+        choices=(LINEARISED, ALL),
+    )
+
+    @property
+    def limited(self) -> Rules:
+        """The rules, with `most` in them."""
+        return self.rules if self.most is None else replace(self.rules, most_terms=self.most)

@@ -1,0 +1,153 @@
+"""What a search found, written down as a Diagnosis."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.score import Score
+from diagnosis.evidence.soft_drive import SoftDrive
+from diagnosis.evidence.stretches import searched
+from diagnosis.question import Searched, steps_of
+from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
+from diagnosis.rules import Rules
+from diagnosis.search.doubt import too_short
+from diagnosis.search.state import Extension
+from diagnosis.verdict import Conclusion, biased_parameters, sentence_of
+from measurement.finding import Finding
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.thigh_length import wanted_thigh_length
+from optimisation.preparation.prepare import Prepared
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+
+
+def possible_beside(
+    soft: SoftDrive, accepted: Sequence[Accepted], possible: Sequence[Possible], rules: Rules
+) -> tuple[Possible, ...]:
+    """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
+    reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
+    given_up = [
+        Possible(one.effect, one.joint, one.agreement, one.parameters, _fall(one), reason)
+        for one in accepted
+        if _fall(one) >= rules.least_share
+    ]
+    names = {one.name for one in accepted}
+    both = [*given_up, *(one for one in possible if one.name not in names)]
+    return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
+
+
+def _fall(one: Accepted) -> float:
+    """Return by what share of itself the squared error fell with an accepted effect, the joints' mean."""
+    return float(1.0 - np.mean((one.rms_after / one.rms_before) ** 2))
+
+
+def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:
+    """Return the estimates of a term under their names without that of the term."""
+    prefix = f"{name}."
+    return {e.name.removeprefix(prefix): e for e in fit.estimates if e.name.startswith(prefix)}
+
+
+def accepted_of(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
+    """Return the effects that were added, with their numbers in the last model."""
+    last = extensions[-1]
+    accepted = []
+    for before, extension in pairwise(extensions):
+        score = extension.added
+        assert score is not None
+        term = score.candidate.term
+        numbers = estimates_in(last.fitted.fit, term.name)
+        accepted.append(
+            Accepted(
+                effect=term.effect.id,
+                joint=term.joint,
+                parameters=numbers,
+                look_alikes=extension.alike,
+                never_separable=extension.never,
+                p_value=float(score.p_value or 1.0),
+                rms_before=before.fitted.judged_rms,
+                rms_after=extension.fitted.judged_rms,
+                sentence=sentence_of(term, numbers),
+            )
+        )
+    return tuple(accepted)
+
+
+def write_up(
+    done: Searched,
+    extensions: Sequence[Extension],
+    accepted: tuple[Accepted, ...],
+    left: Remainder | None,
+    possible: tuple[Possible, ...],
+    conclusion: Conclusion,
+    began: float,
+) -> Diagnosis:
+    """Return the answer to a question, with everything that it rests on."""
+    prepared, last = done.prepared, extensions[-1]
+    first = () if conclusion.verdict == "check_channels" else done.found.first
+    steps = steps_of(extensions, [one.sentence for one in accepted])
+    alike = {a.name: a.look_alikes for a in accepted}
+    told_apart = (
+        () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
+    )
+    length = wanted_thigh_length(last.fitted.fit, prepared)
+    return Diagnosis(
+        verdict=conclusion.verdict,
+        rule=conclusion.rule,
+        sentence=conclusion.sentence,
+        accepted=accepted,
+        suspects=tuple(_suspect(s, alike, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
+        steps=steps,
+        noise_floor=prepared.noise_floor,
+        unexplained=left,
+        unexplained_significant=left is not None,
+        audit=(
+            *prepared.findings,
+            *searched(prepared, done.context.prepared),
+            *_short(prepared, done.context.rules),
+            *(() if length is None else (length.finding(),)),
+        ),
+        thigh_length=length,
+        seconds=time.perf_counter() - began,
+        next_experiment=conclusion.next_experiment,
+        model=last.fitted.model,
+        fit=last.fitted.fit,
+        cutoff=prepared.choice.reason,
+        stopped_because=conclusion.stopped_because,
+        biased=biased_parameters(extensions[0].fitted.fit, last.fitted.fit),
+        differing=told_apart,
+        error=conclusion.error,
+        possible=possible,
+        rules=done.context.rules,
+    )
+
+
+def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
+    """Return that the recordings are too short for anything to be accepted; nothing where they are not."""
+    text = too_short(prepared, rules)
+    if not text:
+        return ()
+    remedy = f"record at least {rules.least_seconds:g} s of motion to fit, in two recordings or more"
+    return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
+
+
+def _suspect(score: Score, alike: dict[str, tuple[str, ...]], steps: Sequence[Step], noise_floor: Float) -> Suspect:
+    """Return a suspect with its share of the error of its own joints, which noise bounds.
+
+    Of the one that was added first it is what the refit found, on the motion that the steps show.
+    """
+    term, likes = score.candidate.term, alike.get(score.name, ())
+    names = [joint.name for joint in term.among]
+    at = slice(None) if term.joint is None else [names.index(term.joint)]
+    before, after = steps[0].judged_rms[at], noise_floor[at]
+    first = next(iter(alike), None) == score.name
+    if first:
+        after = steps[1].judged_rms[at]
+    most = max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
+    share = most if first else min(score.joint_share, most)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution)

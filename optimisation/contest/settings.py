@@ -1,0 +1,47 @@
+"""What a comparison of optimisers may be told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
+
+from ground.settings import VerbSettings, setting
+from optimisation.budget import GENERATIONS, INDIVIDUALS
+
+if TYPE_CHECKING:
+    from ground.engines.engine import Engine
+    from optimisation.fitting.settings import Search
+
+SEEDS = 51
+
+
+class ContestOptions(TypedDict, total=False):
+    """`ContestSettings` as keywords."""
+
+    seed: int
+    seeds: int
+    individuals: int
+    generations: int
+    competing: Mapping[str, Search] | None
+    whitened: bool
+    folder: str | Path | None
+    jobs: int
+    engine: Engine | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContestSettings(VerbSettings):
+    """Who competes, how long, and where the runs are made and kept."""
+
+    seeds: int = setting(SEEDS, "runs of each optimiser", 0, 10_000)
+    individuals: int = setting(INDIVIDUALS, "size of the population")
+    generations: int = setting(GENERATIONS, "generations", 0, 1_000_000)
+    competing: Mapping[str, Search] | None = setting(None, "{name: Search}; without it, `entrants(whitened)`")
+    whitened: bool = setting(False, "let the rivals search in whitened coordinates as well, as NFO does")
+    folder: str | Path | None = setting(
+        None, "keeps every run in a file of its own, from which a comparison that was stopped goes on"
+    )
+    jobs: int = setting(0, "processes of this machine; 0: one per core", 0, 1024)
+    engine: Engine | None = setting(None, "an open engine, closed by the caller, in place of these processes")

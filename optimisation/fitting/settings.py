@@ -1,0 +1,54 @@
+"""What the fit of a model may be told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypedDict
+
+from ground.settings import VerbSettings, setting
+
+if TYPE_CHECKING:
+    from optimisation.optimiser import Optimiser
+    from symbolic.motion import Float
+
+MULTISTART = "multistart"
+"""The grid and local searches for shape parameters, in place of an optimiser."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """An optimiser and the coordinates it searches in."""
+
+    optimiser: Optimiser
+    whitened: bool = False
+
+
+class FitOptions(TypedDict, total=False):
+    """`FitSettings` as keywords."""
+
+    seed: int
+    optimisers: Mapping[str, Search] | tuple[()] | None
+    shape: Float | None
+    start: Float | None
+    delta: Float | None
+    physical: bool
+    shape_search: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FitSettings(VerbSettings):
+    """How a model is fitted."""
+
+    optimisers: Mapping[str, Search] | tuple[()] | None = setting(
+        None, "who solves the problems beside the exact solution, {name: Search}; () for no NFO and no IPOPT"
+    )
+    shape: Float | None = setting(None, "shape parameters (S,), fixed instead of searched")
+    start: Float | None = setting(None, "where shape parameters are searched, (S,) or (R, S), and only from there")
+    delta: Float | None = setting(None, "thresholds (J,) of the Huber loss, fixed instead of by the 14 % rule")
+    physical: bool = setting(
+        False, "only parameters that some leg could have: positive masses and inertias, friction that brakes"
+    )
+    shape_search: str = setting(
+        MULTISTART, "how shape parameters are looked for: multistart (a grid), nfo, or another optimiser"
+    )
