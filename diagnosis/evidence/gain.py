@@ -237,16 +237,18 @@ class Evidence:
         take = np.concatenate([[0], self.shifts[index]])
         _, _, samples, width = columns.values.shape
         first, second = _pairs(width)
-        both = np.zeros((self.blocks[index].columns.shape[2] + 1, width, take.size))
-        square = np.zeros((first.size, take.size))
         if columns.is_absent:
-            return both[:-1], np.zeros((width, width, take.size)), both[-1]
+            none = np.zeros((self.prior.size + width + 1, width, take.size))
+            return none[: self.prior.size], none[self.prior.size : -1], none[-1]
+        crossed = squared = np.zeros(())
         for joint, x in zip(columns.joints, columns.values[node], strict=True):
             rows = np.ascontiguousarray(x.T)
             base, weight = self._transform(unit, joint)
             spectra = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
-            both += np.fft.irfft(spectra[:width] * base[:, None], samples)[:, :, take]
-            square += np.fft.irfft(spectra[width:] * weight, samples)[:, take]
+            crossed = crossed + spectra[:width] * base[:, None]
+            squared = squared + spectra[width:] * weight
+        both = np.fft.irfft(crossed, samples)[:, :, take]
+        square = np.fft.irfft(squared, samples)[:, take]
         h = np.empty((width, width, take.size))
         h[first, second] = h[second, first] = square
         return both[:-1], h, both[-1]

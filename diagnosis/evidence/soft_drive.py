@@ -24,6 +24,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
+from ground.engines.forks import allowed_processes, share_out
 from measurement.signals.conditioning import derivatives
 from optimisation.fitting.identify import identify
 from symbolic.catalogue import find_effect
@@ -123,14 +124,18 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
-    """Return what `_sought` does, looked for once."""
-    known = _BEST.setdefault(fitted, {})
-    if joint not in known:
-        known[joint] = _sought(fitted, joint)
-    return known[joint]
+    """Return the drive at `joint` that leaves least of the fitted torque, None where none helps; looked for once, at
+    all joints, shared with copies of this process.
+    """
+    if fitted not in _BEST:
+        found: dict[int, float | None] = {}
+        joints = range(len(fitted.model.joints))
+        share_out(lambda k: _sought(fitted, k), joints, found.__setitem__, allowed_processes())
+        _BEST[fitted] = {k: None if c is None else _drive(fitted, k, c) for k, c in found.items()}
+    return _BEST[fitted][joint]
 
 
-def _sought(fitted: FittedModel, joint: int) -> SoftDrive | None:
+def _sought(fitted: FittedModel, joint: int) -> float | None:
     """Return the compliance at `joint` that leaves least of the fitted torque; None where none helps.
 
     None as well where the model has terms that change its mechanism or its whole torque.
@@ -142,8 +147,8 @@ def _sought(fitted: FittedModel, joint: int) -> SoftDrive | None:
         return None
     if not any(one.driven[joint] and not one.standing[joint] for one in train):
         return None
-    links = [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
-    inertia = float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
+    links = _links(fitted, joint)
+    inertia = _inertia(links, fitted)
     if not inertia > 0.0:
         return None
     count, scale = len(train), np.maximum(fitted.train_rms, 1e-12)
@@ -162,7 +167,12 @@ def _sought(fitted: FittedModel, joint: int) -> SoftDrive | None:
         method="bounded",
         options={"xatol": CLOSE},
     )
-    compliance = float(np.exp(logarithm.x))
+    return float(np.exp(logarithm.x))
+
+
+def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
+    """Return the drive of this compliance at `joint`, and what it leaves."""
+    links, count, scale = _links(fitted, joint), len(fitted.prepared.train), np.maximum(fitted.train_rms, 1e-12)
     judged = slice(count, None) if fitted.verified else slice(0, count)
     left = _left(links, count, compliance, scale, fitted.linear)[judged]
     one = fitted.model.joints[joint]
@@ -171,11 +181,20 @@ def _sought(fitted: FittedModel, joint: int) -> SoftDrive | None:
         compliance,
         f"{one.unit('q')}/({one.unit('tau')})",
         f"{one.unit('tau')}/{one.unit('q')}",
-        float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
+        float((compliance * _inertia(links, fitted)) ** -0.5 / (2.0 * np.pi)),
         fitted.judged_rms,
         pooled_rms(left, fitted.prepared.all[judged]),
         fitted.judged_rms > 0.0,
     )
+
+
+def _links(fitted: FittedModel, joint: int) -> list[_Link]:
+    return [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
+
+
+def _inertia(links: Sequence[_Link], fitted: FittedModel) -> float:
+    """Return what the joint's torque rises by with its acceleration, at the median of the motion."""
+    return float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
 
 
 class _Link:

@@ -5,7 +5,7 @@ What noise of the angles makes, and what another offset of the torque sensor in 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
 from diagnosis.evidence.look_alikes import columns_at, gains_beside, look_alikes
 from diagnosis.evidence.score import Score, weigh
+from diagnosis.search.containing import EXACT, contains, is_within
 from diagnosis.search.context import SearchContext
 from diagnosis.search.doubt import on_bound
 from diagnosis.search.state import Extension
@@ -23,8 +24,6 @@ from symbolic.motion import Float
 
 ROUNDED = 9
 """Digits to which the shares of two candidates differ by more than rounding."""
-EXACT = 1e-8
-"""Share of a squared torque up to which two are the same but for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,62 +175,6 @@ def _twins(
         if same and (fewer or is_within(context, extension, evidence, candidate, score)):
             out.append(candidate)
     return out
-
-
-def _beside(evidence: Evidence) -> Callable[[Sequence[Columns], int], tuple[Float, Float]]:
-    """Return what gives the columns at a node on all fitted samples: as they are, and what is new in them beside the
-    present model.
-    """
-    every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
-    uses, count = [evidence.blocks[k].use for k in every], len(evidence.sigma)
-    known = np.concatenate([evidence.blocks[k].columns[use] for k, use in zip(every, uses, strict=True)])
-    basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
-
-    def samples(parts: Sequence[Columns], node: int) -> tuple[Float, Float]:
-        whole = np.concatenate([parts[k].full(node, count)[use] for k, use in zip(every, uses, strict=True)])
-        return whole, whole - basis @ (basis.T @ whole)
-
-    return samples
-
-
-def is_within(context: SearchContext, extension: Extension, evidence: Evidence, rival: Candidate, plain: Score) -> bool:
-    """Whether a rival with more numbers can be nothing else than `plain` beside the present model, whatever its shape:
-    the other numbers show on no motion of this machine.
-    """
-    samples, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
-    _, own = samples(context.columns_of(plain, extension.fitted), 0)
-    for node in range(rival.nodes.shape[1]):
-        whole, new = samples(columns, node)
-        rest = new - own @ np.linalg.lstsq(own, new, rcond=1e-9)[0]
-        if np.any(np.sum(rest**2, axis=0) > EXACT * np.sum(whole**2, axis=0).max()):
-            return False
-    return True
-
-
-def contains(
-    context: SearchContext,
-    extension: Extension,
-    evidence: Evidence,
-    rival: Candidate,
-    plain: Score,
-    limit: float | None = None,
-) -> bool:
-    """Whether a rival can be all that a plainer candidate is here: beside the present model it makes the torque of that
-    one, exactly or, at a limit of its shape, but for `limit` (default `contained`) of what is new in it.
-
-    Two effects that merely resemble each other on this motion do not contain each other.
-    """
-    limit = evidence.rules.contained if limit is None else limit
-    samples, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
-    torque = samples(context.columns_of(plain, extension.fitted), 0)[1] @ np.asarray(plain.coefficients)
-    nodes = rival.nodes
-    ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
-    for node, at_limit in enumerate(ends.any(axis=(0, 2))):
-        _, own = samples(columns, node)
-        rest = torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]
-        if np.sum(rest**2) <= (limit if at_limit else EXACT) * np.sum(torque**2):
-            return True
-    return False
 
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.placebo import placebo
+from diagnosis.evidence.ranking import with_chance
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.stability import Splits
 from diagnosis.results import Possible
@@ -46,11 +46,13 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
     if untested:
         draws = math.ceil(DRAWS_AT_LEVEL / rules.false_discovery_rate)
         evidence = context.evidence(state.last, draws=draws)
-        for score, agreement, reason in untested[: rules.most_possible]:
-            # It needed no placebos before, since it cannot be accepted.
-            columns = context.library.columns(score.candidate, state.last.fitted)
-            chance = placebo(evidence, score, columns).p_value
-            if chance is not None and chance <= rules.false_discovery_rate:
+        # They needed no placebos before, since they cannot be accepted.
+        some = untested[: rules.most_possible]
+        columns = {s.name: context.library.columns(s.candidate, state.last.fitted) for s, _, _ in some}
+        for tested, (score, agreement, reason) in zip(
+            with_chance(evidence, [score for score, _, _ in some], columns), some, strict=True
+        ):
+            if tested.p_value is not None and tested.p_value <= rules.false_discovery_rate:
                 out.append(_possible(score, agreement, reason))
     return tuple(sorted(out, key=lambda one: -one.explained_share)[: rules.most_possible])
 

@@ -8,12 +8,15 @@ are the check on it in the tests; importing them takes longer than most recordin
 
 from __future__ import annotations
 
+from ctypes import c_double, c_long, c_void_p
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
+from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from symbolic.codegen.compiler import FAST
 from symbolic.motion import Float
 
 STRETCH = 64
@@ -150,6 +153,33 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
     continued by their odd reflection.
     """
+    library = _library(one.poles.size) if len(rows) >= LANES else None
+    if library is None:
+        return _by_products(one, rows, first, step, count, reach)
+    return _compiled(library, one, rows, first, step, count, reach)
+
+
+def _compiled(
+    library: CompiledLibrary, one: Filter, rows: Float, first: int, step: int, count: int, reach: int
+) -> Float:
+    """Do it sample by sample, some rows side by side."""
+    x, out = np.ascontiguousarray(rows, dtype=float), np.empty((len(rows), count))
+    samples, beyond = x.shape[1], -(-count // KEPT) * KEPT * step  # as far as products reach
+    before = max(0, min(samples - 1, reach - first))
+    after = max(0, min(samples - 1, first + beyond + reach - samples))
+    poles, factors, extra = _modes(one)
+    failed = library.c.exoid_both_ways_at(
+        *map(c_long, (len(x), samples, first, step, count, before, after)),
+        c_double(extra - float(np.sum(factors.real))),  # both ways a sample counts itself
+        *(c_void_p(array.ctypes.data) for array in (_parts(poles), _parts(factors), x, out)),
+    )
+    if failed:
+        raise MemoryError("no memory for the rows that are filtered")
+    return out
+
+
+def _by_products(one: Filter, rows: Float, first: int, step: int, count: int, reach: int) -> Float:
+    """Do it by matrix products."""
     inside, onto, beside = _kept(one, step)
     many, samples = rows.shape
     length, stretches, states = KEPT * step, -(-count // KEPT), 2 * one.poles.size
@@ -189,12 +219,9 @@ def _kept(one: Filter, step: int) -> tuple[Float, Float, int]:
     """
     length, at = KEPT * step, step * np.arange(KEPT)
     inside = np.arange(length)
-    # H(z) H(1/z) = Σ c p^|n| over the poles, and a part of its own at n = 0.
-    mirrored = [one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 1.0 / p)) for p in one.poles]
-    factors = one.residues * np.array(mirrored) / one.poles
-    pulse = np.real(np.sum(factors[:, None] * one.poles[:, None] ** np.arange(length), axis=0))
-    origin = one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 0.0))
-    pulse[0] += float(np.real(one.direct * origin))
+    poles, factors, extra = _modes(one)
+    pulse = np.real(np.sum(factors[:, None] * poles[:, None] ** np.arange(length), axis=0))
+    pulse[0] += extra
     own = pulse[np.abs(at[None, :] - inside[:, None])]
     parts = [_parts(one.poles ** lag[:, None]) for lag in (length - inside, inside)]
     beside = int(np.ceil(np.log(FORGOTTEN) / (length * np.log(np.abs(one.poles).max()))))
@@ -202,6 +229,99 @@ def _kept(one: Filter, step: int) -> tuple[Float, Float, int]:
     onto = [_onto(each, one.poles, at) for each in reversed(carried)]
     onto += [_onto(each, one.poles, length - at) for each in carried]
     return np.concatenate([own, *parts], axis=1), np.concatenate(onto), beside
+
+
+def _modes(one: Filter) -> tuple[Any, Any, float]:
+    """Return poles p and factors c (P,) of H(z) H(1/z) = Σ c p^|n|, and what there is besides at n = 0."""
+    mirrored = [one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 1.0 / p)) for p in one.poles]
+    origin = one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 0.0))
+    return one.poles, one.residues * np.array(mirrored) / one.poles, float(np.real(one.direct * origin))
+
+
+@lru_cache
+def _library(poles: int) -> CompiledLibrary | None:
+    """Return the compiled loop for filters of so many poles; None without a compiler."""
+    text = f"#define POLES {poles}\n#define LANES {LANES}\n{_SOURCE}"
+    return load_library("filter", text, FAST, lambda: GeneratedC(text, FAST, {}))
+
+
+LANES = 8
+"""Rows that are filtered side by side in C; fewer are filtered by products."""
+
+_SOURCE = """
+#include <stdlib.h>
+#include <string.h>
+#define WIDE 4
+#define VECTORS (LANES / WIDE)
+typedef double V __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
+
+/* One sample more: state * pole + x[n]. */
+#define STEP                                                                   \\
+  for (int p = 0; p < POLES; ++p)                                              \\
+    for (int v = 0; v < VECTORS; ++v) {                                        \\
+      const V r = re[p][v], i = im[p][v];                                      \\
+      re[p][v] = pole[2 * p] * r + (x[n][v] - pole[2 * p + 1] * i);            \\
+      im[p][v] = pole[2 * p] * i + pole[2 * p + 1] * r;                        \\
+    }
+#define ADD_UP                                                                 \\
+  for (int p = 0; p < POLES; ++p)                                              \\
+    for (int v = 0; v < VECTORS; ++v) sum[v] += factor[2 * p] * re[p][v] - factor[2 * p + 1] * im[p][v];
+
+/* x: the samples of LANES rows side by side; out: those kept, the same way. */
+static void filter(long samples, long first, long step, long count, double extra, const double *pole,
+                   const double *factor, const V (*restrict x)[VECTORS], V (*restrict out)[VECTORS]) {
+  V re[POLES][VECTORS], im[POLES][VECTORS];
+  memset(re, 0, sizeof re);
+  memset(im, 0, sizeof im);
+  long n = 0;
+  for (long j = 0; j < count; ++j) {
+    for (const long k = first + j * step; n <= k; ++n) { STEP }
+    V sum[VECTORS];
+    for (int v = 0; v < VECTORS; ++v) sum[v] = extra * x[n - 1][v];
+    ADD_UP
+    memcpy(out[j], sum, sizeof sum);
+  }
+  memset(re, 0, sizeof re);
+  memset(im, 0, sizeof im);
+  n = samples - 1;
+  for (long j = count - 1; j >= 0; --j) {
+    for (const long k = first + j * step; n >= k; --n) { STEP }
+    V sum[VECTORS];
+    memcpy(sum, out[j], sizeof sum);
+    ADD_UP
+    memcpy(out[j], sum, sizeof sum);
+  }
+}
+
+/* 0, or 1 where there is no memory. */
+int exoid_both_ways_at(long rows, long samples, long first, long step, long count, long before, long after,
+                       double extra, const double *poles, const double *factors, const double *x, double *out) {
+  const long all = before + samples + after;
+  double *beside = malloc((size_t)(all + count) * LANES * sizeof(double));
+  if (!beside) return 1;
+  double *kept = beside + all * LANES;
+  for (long at = 0; at < rows; at += LANES) {
+    const int some = (int)(rows - at < LANES ? rows - at : LANES);
+    const double *row[LANES];
+    for (int k = 0; k < LANES; ++k) row[k] = x + (at + (k < some ? k : 0)) * samples;
+    double *to = beside;
+    for (long n = before; n > 0; --n, to += LANES)
+      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][0] - row[k][n];
+    for (long n = 0; n < samples; ++n, to += LANES)
+      for (int k = 0; k < LANES; ++k) to[k] = row[k][n];
+    for (long n = samples - 2; n > samples - 2 - after; --n, to += LANES)
+      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][samples - 1] - row[k][n];
+    filter(all, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside,
+           (V(*)[VECTORS])kept);
+    for (long j = 0; j < count; ++j)
+      for (int k = 0; k < some; ++k) out[(at + k) * count + j] = kept[j * LANES + k];
+  }
+  free(beside);
+  return 0;
+}
+"""
+"""Filters rows both ways and keeps every step-th sample: what came before is carried forwards, what comes after is
+carried backwards, mode by mode. Reflections beyond the ends are as many as products take."""
 
 
 def _pair(one: Filter, z: Any) -> Any:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
+from measurement.signals import butterworth
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
 from measurement.signals.conditioning import low_pass, low_pass_at, welch
 
@@ -37,6 +38,19 @@ def test_kept_samples_are_those_of_the_whole_filter(cutoff, first, step, samples
     kept = np.arange(first, samples - first, step)
     whole = both_ways(low_pass_filter(4, cutoff / 50.0), x, min(samples - 1, int(1000.0 / cutoff)))[kept]
     np.testing.assert_allclose(low_pass_at(x.T.copy(), cutoff, 100.0, kept).T, whole, atol=1e-6 * np.abs(x).max())
+
+
+@pytest.mark.parametrize(("cutoff", "first", "step", "samples"), [*CASES, (5.0, 50, 3, 310)])
+@pytest.mark.parametrize("rows", [1, 8, 21])
+def test_c_filters_as_products_do(cutoff, first, step, samples, rows):
+    x = RNG.standard_normal((rows, samples)).cumsum(axis=1)
+    one, count, reach = low_pass_filter(4, cutoff / 50.0), -(-(samples - 2 * first) // step), int(670.0 / cutoff)
+    library = butterworth._library(one.poles.size)
+    if library is None:
+        pytest.skip("no compiler here")
+    wanted = butterworth._by_products(one, x, first, step, count, reach)
+    found = butterworth._compiled(library, one, x, first, step, count, reach)
+    np.testing.assert_allclose(found, wanted, atol=1e-12 * np.abs(x).max())
 
 
 def test_a_recording_shorter_than_the_response_is_filtered_as_a_whole():
