@@ -10,6 +10,7 @@ import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import Differing
+from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.plots import falling_error, suspects
@@ -154,7 +155,8 @@ class Diagnosis:
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
     to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
     N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
-    help and are not accepted. `rules` are the thresholds that decided.
+    help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
+    fitted to all the recordings as they were prepared.
     """
 
     verdict: str
@@ -179,6 +181,7 @@ class Diagnosis:
     possible: tuple[Possible, ...] = ()
     rules: Rules = field(default=RULES, repr=False)
     thigh_length: ThighLength | None = None
+    given: FittedModel | None = field(default=None, repr=False)
 
     @property
     def unit(self) -> str:

@@ -124,6 +124,7 @@ def write_up(
         error=conclusion.error,
         possible=possible,
         rules=done.context.rules,
+        given=done.base,
     )
 
 

@@ -152,7 +152,31 @@ def to_data_uri(figure: Figure) -> str:
     svg = adaptive(to_svg(figure))
     if len(svg) <= LARGEST_SVG:
         return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode("ascii")
-    return "data:image/png;base64," + base64.b64encode(to_png(figure)).decode("ascii")
+    return png_uri(to_png(figure))
+
+
+def png_uri(png: bytes) -> str:
+    """Return the bytes of a PNG as a data URI."""
+    return PNG_URI + base64.b64encode(png).decode("ascii")
+
+
+def png_of_uri(uri: str) -> bytes:
+    """Return the PNG that `png_uri` made a data URI of."""
+    return base64.b64decode(uri.removeprefix(PNG_URI))
+
+
+PNG_URI = "data:image/png;base64,"
+
+
+def to_uris(figure: Figure) -> tuple[str, str]:
+    """Return the data URI of `figure` and the one of its PNG. Room for its labels is made once: half of the work."""
+    uri = to_data_uri(figure)
+    engine = figure.get_layout_engine()
+    figure.set_layout_engine("none")
+    try:
+        return uri, uri if uri.startswith(PNG_URI) else png_uri(to_png(figure))
+    finally:
+        figure.set_layout_engine(engine)
 
 
 DARK: Mapping[str, str] = MappingProxyType(

@@ -96,7 +96,7 @@ def test_json_alone_on_standard_output(verb, stand_in, capsys):
 
 def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
     stand_in("discover", "discover", FakeDiagnosis())
-    stand_in("compare", "compare", FakeComparison())
+    stand_in("compare", "compare_prepared", FakeComparison())
     arguments = ["--out", str(tmp_path / "r"), "--json", str(tmp_path / "x.json")]
     assert main(["discover", TRAIN, "--verify", VERIFY, *arguments]) == 0
     out = capsys.readouterr().out
@@ -142,7 +142,7 @@ def test_add_never_overwrites_the_model_it_comes_from(tmp_path, monkeypatch, cap
 def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     stand_in("discover", "discover", FakeDiagnosis())
-    stand_in("compare", "compare", FakeComparison())
+    stand_in("compare", "compare_prepared", FakeComparison())
     control = SimpleNamespace(sentence="It follows better.", to_json=dict, figures=list)
     monkeypatch.setattr("workbench.commands.demo._control", lambda *_: control)
     assert main(["demo"]) == 0

@@ -148,6 +148,7 @@ class FakeDiagnosis:
     biased: tuple[str, ...] = ("Phi2",)
     model: Any = field(default_factory=FakeModel)
     fit: Any = field(default_factory=FakeFit)
+    given: Any = field(default_factory=lambda: SimpleNamespace(fit=None, prepared=None))
 
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Suspects", "Share explained by each suspect, with its placebos.", figure())]

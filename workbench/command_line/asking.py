@@ -50,10 +50,10 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
         )  # fmt: skip
         comparison = None
         if args.out:
-            from diagnosis.compare import compare
+            from diagnosis.compare import compare_prepared
 
             report(0.95, "looking where the model fails")
-            comparison = compare(given.model, given.recordings, verify=given.verify, **given.filter)
+            comparison = compare_prepared(found.given.fit, found.given.prepared)
     return found, comparison
 
 

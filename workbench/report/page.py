@@ -5,11 +5,13 @@ from __future__ import annotations
 import importlib
 import math
 import pkgutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from ground.engines.forks import allowed_processes, share_out
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
 from workbench.report.material import Material, Picture, without_folders
@@ -39,9 +41,14 @@ def find_sections() -> tuple[ModuleType, ...]:
 
 def render_report(material: Material) -> str:
     """Return the page as HTML text."""
-    from markupsafe import Markup
+    return _page(material, _drawn(material.pictures))
+
+
+def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
+    from markupsafe import Markup, escape
 
     templates = environment()
+    templates.filters["uri"] = lambda picture: escape(drawn[picture][0])  # no text for people
     blocks: list[PageSection] = []
     for section in find_sections():
         context = section.context(material)
@@ -61,15 +68,30 @@ def render_report(material: Material) -> str:
 
 def write_report(material: Material, folder: str | Path) -> Path:
     """Write `report.html`, and its figures as PNG beside it, into `folder`; return the path of the page."""
-    from ground.figures import to_png
-
     target = make_folder(folder)
-    page = write_text(target / "report.html", render_report(material))
-    if material.pictures:
+    drawn = _drawn(material.pictures)
+    page = write_text(target / "report.html", _page(material, drawn))
+    if drawn:
+        from ground.figures import png_of_uri
+
         figures = make_folder(target / "figures")
-        for index, picture in enumerate(material.pictures, start=1):
-            write_bytes(figures / f"{index:02d}-{figure_file_name(picture.title)}.png", to_png(picture.figure))
+        for index, (picture, (_, png)) in enumerate(drawn.items(), start=1):
+            write_bytes(figures / f"{index:02d}-{figure_file_name(picture.title)}.png", png_of_uri(png))
     return page
+
+
+def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
+    """Return every picture as two data URIs, as it stands in a page and as PNG; several processes draw."""
+    if not pictures:
+        return {}
+    from ground.figures import to_uris
+
+    found: dict[int, tuple[str, str]] = {}
+    share_out(
+        lambda k: to_uris(pictures[k].figure), range(len(pictures)), lambda k, uris: found.update({k: tuple(uris)}),
+        allowed_processes(),
+    )  # fmt: skip
+    return {picture: found[k] for k, picture in enumerate(pictures)}
 
 
 def environment() -> Environment:
@@ -84,7 +106,6 @@ def environment() -> Environment:
     )  # fmt: skip
     templates.filters["number"] = number_in_page
     templates.filters["percent"] = percent_in_page
-    templates.filters["uri"] = uri
     return templates
 
 
@@ -105,15 +126,6 @@ def percent_in_page(value: Any) -> str:
 
 def _for_others(value: Any) -> Any:
     return without_folders(value) if type(value) is str else value  # what is markup came through here as text
-
-
-def uri(picture: Picture) -> str:
-    """Return the picture as a data URI, which is no text for people."""
-    from markupsafe import escape
-
-    from ground.figures import to_data_uri
-
-    return escape(to_data_uri(picture.figure))
 
 
 def figure_file_name(title: str) -> str:
