@@ -106,8 +106,9 @@ def answer_of(
     if behind_filter is not None and behind_filter.doubt is not None:
         return write_up(done, (Extension(done.base),), (), None, (), doubted(behind_filter.doubt), began)
     if behind_filter is not None:
+        also = (behind_filter.name,)
         accepted = tuple(
-            replace(a, look_alikes=(*a.look_alikes, behind_filter.name)) if a.effect == DELAY else a for a in accepted
+            replace(a, look_alikes=(*a.look_alikes, *also), outside=also) if a.effect == DELAY else a for a in accepted
         )
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
     return write_up(done, extensions, accepted, left, possible, answer, began)

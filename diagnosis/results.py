@@ -54,7 +54,10 @@ class Suspect(AsJson):
 
 @dataclass(frozen=True, eq=False)
 class Accepted(AsJson):
-    """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m)."""
+    """An effect that was added, its parameters as fitted in the last model, and what it changed (RMS in N·m).
+
+    Of its `look_alikes` some are `never_separable` by any motion, and some are `outside` the catalogue.
+    """
 
     JSON = (
         "effect joint parameters look_alikes never_separable p_value rms_before rms_after sentence "
@@ -72,6 +75,7 @@ class Accepted(AsJson):
     sentence: str
     agreement: Agreement = field(default_factory=Agreement)
     against: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -88,7 +92,7 @@ class Accepted(AsJson):
 class Possible(AsJson):
     """An effect that helps but is not accepted: only some splits support it, or `reason` says what speaks against it.
 
-    `parameters` have the range over the splits as `low` and `high`.
+    `parameters` have the range over the splits as `low` and `high`; `early`: its torque would come before its motion.
     """
 
     JSON = "effect joint accepted_in=agreement.share splits=agreement.of parameters explained_share reason"
@@ -99,6 +103,7 @@ class Possible(AsJson):
     parameters: Mapping[str, Estimate]
     explained_share: float
     reason: str
+    early: bool = False
 
     @property
     def name(self) -> str:

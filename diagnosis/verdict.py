@@ -15,7 +15,7 @@ from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.swinging import swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
-from diagnosis.search.doubt import EARLY, too_short
+from diagnosis.search.doubt import too_short
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
@@ -70,7 +70,7 @@ def conclude(
             error.advice if swing is None else swing.advice,
             error,
         )
-    early = next((one for one in possible if one.reason.startswith(EARLY)), None)
+    early = next((one for one in possible if one.early), None)
     if not accepted and left is None and early is not None:
         return _early(early, first, where, stopped)
     short = too_short(last.prepared, rules)
@@ -230,8 +230,7 @@ def _deciding(alike: Sequence[Accepted]) -> str:
         if one.never_separable:
             others = ", ".join(one.never_separable)
             parts.append(f"no motion can distinguish {one.name} from {others}: inspect the hardware")
-        # What is no entry of the catalogue has words for a name.
-        apart = [name for name in one.look_alikes if name not in one.never_separable and " " not in name]
+        apart = [name for name in one.look_alikes if name not in (*one.never_separable, *one.outside)]
         if apart:
             parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
         known = every_effect().get(one.effect)

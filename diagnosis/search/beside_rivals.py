@@ -22,9 +22,8 @@ def beside_rivals(context: SearchContext, state: State) -> State:
             if rival := _without_it(context, state, extension, score):
                 names = [name for name in state.names if name != score.name]
                 shorter = context.replay(state, names)
-                context.note_doubt(
-                    shorter.last, score, f"helps beside {extension.added.name}, but not beside {rival}, which it may be"
-                )
+                reason = f"helps beside {extension.added.name}, but not beside {rival}, which it may be"
+                context.note_doubt(shorter.last, score.name, reason)
                 return beside_rivals(context, shorter)
     return state
 

@@ -44,7 +44,8 @@ def choose(
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
-        if context.note_doubt(extension, good[0], _overshadowed(context, extension, evidence, good[0], scores)):
+        shadow = _overshadowed(context, extension, evidence, good[0], scores)
+        if context.note_doubt(extension, good[0].name, shadow):
             failed |= {good[0].name}
             continue
         out = banned | failed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
@@ -13,26 +15,35 @@ from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
-DELAY, EARLY = "time_delay", "the torque would come"
-"""The entry that has torque come at another moment, and how the doubt begins that it comes before its motion."""
+DELAY = "time_delay"
+"""The entry that has torque come at another moment."""
 
 
-def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
-    """Return why the term that `after` adds must not be accepted, in words; "" where nothing speaks against it.
+@dataclass(frozen=True)
+class Objection:
+    """Why a term must not be accepted, in words; `early`: because its torque would come before its motion."""
+
+    reason: str
+    early: bool = False
+
+
+def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Objection | None:
+    """Return why the term that `after` adds must not be accepted; None where nothing speaks against it.
 
     `floor` (J,) is the noise in N·m, of the sensors or of what does not repeat.
     """
     if after.added is None:
-        return ""
+        return None
     name = after.added.name
-    return (
+    reason = (
         too_short(after.fitted.prepared, rules)
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or small_while_far(before, after, floor, rules)
-        or torque_before_motion(before, after, floor, rules)
     )
+    early = "" if reason else torque_before_motion(before, after, floor, rules)
+    return Objection(reason or early, early=bool(early)) if reason or early else None
 
 
 def too_short(prepared: Prepared, rules: Rules) -> str:
@@ -167,6 +178,6 @@ def torque_before_motion(before: Extension, after: Extension, floor: Float, rule
     if early <= 0.0 or left <= (1.0 - rules.leading) * whole:
         return ""
     return (
-        f"{EARLY} {early:.2g} s before the motion it belongs to, which hardly happens, and that explains "
+        f"the torque would come {early:.2g} s before the motion it belongs to, which hardly happens, and that explains "
         f"{100 * max(0.0, 1.0 - left / whole):.0f} % of what is more than noise"
     )

@@ -37,6 +37,5 @@ def _without(context: SearchContext, state: State, name: str, reason: str = "") 
     """Return the state without the term `name`, which is not tried again; `reason` is what speaks against it."""
     shorter = replace(state, unsteady=state.unsteady | {name})
     shorter = context.replay(shorter, [other for other in state.names if other != name])
-    if reason:
-        context.doubts[context.key(shorter.last), name] = reason
+    context.note_doubt(shorter.last, name, reason)
     return shorter

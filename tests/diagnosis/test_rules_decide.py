@@ -18,7 +18,7 @@ from diagnosis.evidence.score import _harmless, admissible
 from diagnosis.evidence.stability import Splits
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES
-from diagnosis.search.doubt import DELAY, EARLY, on_bound, small_while_far, torque_before_motion
+from diagnosis.search.doubt import DELAY, Objection, on_bound, small_while_far, torque_before_motion
 from diagnosis.search.possible import possible_of
 from diagnosis.verdict import _deciding, _nearest, conclude
 from symbolic.effect import Coefficient, Shape
@@ -108,7 +108,8 @@ def test_a_filter_is_asked_about_where_a_torque_is_late(monkeypatch, delay):
 
 
 def test_no_experiment_separates_what_is_no_entry():
-    one = Accepted("time_delay", "hip", {}, ("a filter of first order on the torque (8 Hz)",), (), 0.001, 1.0, 0.5, "")
+    also = ("a filter of first order on the torque (8 Hz)",)
+    one = Accepted("time_delay", "hip", {}, also, (), 0.001, 1.0, 0.5, "", outside=also)
     assert "--separate" not in _deciding([one])
     assert "--separate time_delay:hip,stribeck:hip finds" in _deciding([replace(one, look_alikes=("stribeck:hip",))])
 
@@ -116,11 +117,11 @@ def test_no_experiment_separates_what_is_no_entry():
 def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
     context = search({}, ["torque_offset:knee"])
     last = state_with(context).last.fitted
-    early = Possible(DELAY, "hip", Agreement(4, 4), {}, 0.04, f"{EARLY} 0.03 s before the motion it belongs to")
+    early = Possible(DELAY, "hip", Agreement(4, 4), {}, 0.04, "the torque would come 0.03 s before", early=True)
     found = conclude((), None, last, last, True, 4, possible=(early,))
     assert found.verdict == "unexplained" and "drive" in found.next_experiment
     assert "time_delay:hip, 4 %" in found.sentence
-    assert conclude((), None, last, last, True, 4, possible=(replace(early, reason="too few"),)).verdict == "adequate"
+    assert conclude((), None, last, last, True, 4, possible=(replace(early, early=False),)).verdict == "adequate"
 
 
 @pytest.mark.shows("at_bound")
@@ -163,7 +164,7 @@ def test_what_a_fifth_of_the_splits_supports_is_listed_as_possible(accepted, lis
         rules=RULES,
         key=lambda _: "now",
         ranked={"now": (None, scores)},
-        doubts={("now", score.name): "its interval contains zero" for score in scores},
+        doubts={("now", score.name): Objection("its interval contains zero") for score in scores},
     )
     assert len(possible_of(context, SimpleNamespace(last=None, banned=()), True)) == listed
 

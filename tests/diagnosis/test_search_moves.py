@@ -129,7 +129,7 @@ def test_a_term_whose_interval_contains_zero_is_possible_and_not_accepted(plain)
     vague = replace(state.last, fitted=replace(last, fit=replace(last.fit, estimates=wide)))
     found = drop_unsteady(plain, state.grown(*state.extensions[:-1], vague))
     assert set(found.names) == {"stribeck:hip", "torque_offset:knee"}
-    assert "contains zero" in plain.doubts[plain.key(found.last), "viscous_cubic:hip"]
+    assert "contains zero" in plain.doubts[plain.key(found.last), "viscous_cubic:hip"].reason
 
 
 def test_the_farther_the_error_stays_from_the_noise_the_more_a_term_must_explain(plain):
@@ -179,10 +179,10 @@ def test_no_part_of_a_larger_unsteady_effect_is_accepted_in_its_place():
     lead = replace(by_name["stribeck:hip"], steady=False, significant=False, agreement=Agreement(3, 4))
     part = replace(by_name["viscous_quadratic:hip"], share=0.3 * lead.share, significant=True, steady=True)
     assert choose(context, start, evidence, [lead, part], frozenset()).found is None
-    assert "supported by 3 of 4 splits" in context.doubts.pop((context.key(start), part.name))
+    assert "supported by 3 of 4 splits" in context.doubts.pop((context.key(start), part.name)).reason
     hardly = replace(lead, agreement=Agreement(1, 4))
     choose(context, start, evidence, [hardly, part], frozenset())
-    assert "splits" not in context.doubts.get((context.key(start), part.name), "")
+    assert (context.key(start), part.name) not in context.doubts
 
 
 def test_a_recording_without_a_usable_sample_says_nothing_and_stops_nothing():
@@ -232,7 +232,7 @@ def test_what_helps_beside_one_of_two_look_alikes_only_is_not_accepted():
     assert beside_rivals(context, state) is state  # nothing else may be in its place
     found = beside_rivals(context, state.grown(start, replace(spring, alike=("hardening_spring:hip",)), *others))
     assert set(found.names) == {"joint_spring:hip", "torque_offset:knee"}
-    assert "but not beside hardening_spring:hip" in "".join(context.doubts.values())
+    assert "but not beside hardening_spring:hip" in "".join(one.reason for one in context.doubts.values())
 
 
 def test_a_spring_is_named_where_an_offset_does_not_do():
@@ -245,7 +245,7 @@ def test_nothing_is_named_that_is_no_larger_than_what_the_filter_gets_wrong():
     context = replace(fresh, prepared=replace(fresh.prepared, filter_error=np.full(2, 5.0)))
     found = forward(context, state_with(context))
     assert found.names == ()
-    assert any("filter and derivatives alone get 5" in text for text in context.doubts.values())
+    assert any("filter and derivatives alone get 5" in one.reason for one in context.doubts.values())
     assert take_back(context, found).left is None
 
 

@@ -17,7 +17,7 @@ from diagnosis.evidence.repeats import Repeats
 from diagnosis.evidence.stability import Splits, splits_of
 from diagnosis.results import stability_of
 from diagnosis.rules import RULES
-from diagnosis.search.doubt import doubt, on_bound, small_while_far, too_short, undetermined
+from diagnosis.search.doubt import Objection, doubt, on_bound, small_while_far, too_short, undetermined
 from diagnosis.search.possible import agreements_of, possible_of
 from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import Bench, simulate_runs
@@ -149,7 +149,7 @@ def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
     assert small_while_far(small, small, floor, RULES) == ""
     assert "times the noise" in small_while_far(small, small, floor / 10.0, RULES)
     assert small_while_far(after, after, floor / 10.0, RULES) == ""
-    assert doubt(small, small, floor / 10.0, RULES) == small_while_far(small, small, floor / 10.0, RULES)
+    assert doubt(small, small, floor / 10.0, RULES).reason == small_while_far(small, small, floor / 10.0, RULES)
 
 
 @pytest.mark.shows("least_splits")
@@ -174,7 +174,7 @@ def test_nothing_is_accepted_on_a_few_seconds_and_enough_is_said():
     assert "15 s are enough" in text
     assert too_short(search(OFFSET, ["torque_offset:knee"]).prepared, RULES) == ""
     after = state_with(context, "torque_offset:knee").last
-    assert doubt(after, after, context.prepared.noise_floor, RULES) == text
+    assert doubt(after, after, context.prepared.noise_floor, RULES) == Objection(text)
 
 
 @pytest.mark.slow
