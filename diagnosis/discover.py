@@ -10,9 +10,10 @@ from typing import Unpack, cast
 import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.channels import FilterOnTorque, doubts_after, filtered
+from diagnosis.evidence.channels import doubts_after
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.evidence.soft_drive import soft_drive
+from diagnosis.evidence.timing import FilterOnTorque, filtered
 from diagnosis.question import Question
 from diagnosis.results import Diagnosis, Step
 from diagnosis.rules import Rules

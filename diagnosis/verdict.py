@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.channels import Doubt
+from diagnosis.evidence.channel_doubt import Doubt
 from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.soft_drive import SoftDrive

@@ -1,14 +1,12 @@
-"""A planar machine out of a URDF: which joints make a chain or a tree in one plane, and how long its links are.
+"""A robot described by a URDF: its joints placed in the world at the file's zero pose, and the masses of its links.
 
-At the file's zero pose every selected joint is placed in the world; joints that are not selected stand still at zero.
-exoid's angles are zero where a machine hangs straight down, so the file's zero pose has to be that; a plane that lies
-flat has no down, and any direction will do. The file is read without entities, and neither fetched from nor followed.
+Joints that are not selected stand still at zero. The file is read without entities, and neither fetched from nor
+followed.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,22 +18,12 @@ import numpy as np
 
 from ground.errors import ExoidError
 from ground.inputs import open_input
-from ground.suggest import nearest
-from symbolic.joints import JOINT_NAME, TAKEN, Joint
-from symbolic.model import Limits, Model
 from symbolic.motion import Float
 
 LARGEST = 20_000_000
 """Bytes of a URDF; meshes are in files of their own."""
 DEEPEST = 64
 """Elements inside each other; URDF has six."""
-PARALLEL = 1e-3
-"""rad within which directions count as the same."""
-NEAREST = 1e-4
-"""m between two joints below which they are at one place."""
-ASIDE = 0.02
-"""rad by which a centre of mass may lie beside its link's axis before it becomes an effect of the model."""
-GRAVITY = 9.81
 MOVING = ("revolute", "continuous", "prismatic")
 
 
@@ -65,20 +53,6 @@ class RobotFile:
     joints: Mapping[str, RobotJoint]
     masses: Mapping[str, tuple[float, Float]]
     root: Any
-
-
-@dataclass(frozen=True, eq=False)
-class PlanarMachine:
-    """The `model` of a planar machine, the names its joints have in the file, and what is worth saying about it.
-
-    `normal` (3,) is that of the plane, `along` (3,) each the direction of every link's axis at the file's zero.
-    """
-
-    model: Model
-    names: tuple[str, ...]
-    notes: tuple[str, ...]
-    normal: Float
-    along: tuple[Float, ...]
 
 
 def read_robot(path: str | Path) -> RobotFile:
@@ -234,230 +208,3 @@ def _about(axis: int, angle: float) -> Float:
     turned[i, i] = turned[j, j] = math.cos(angle)
     turned[i, j], turned[j, i] = -sine, sine
     return turned
-
-
-def planar_machine(
-    robot: RobotFile, names: Sequence[str] = (), gravity: float | None = None, where: str = "URDF"
-) -> PlanarMachine:
-    """Return the planar machine that the joints called `names` (default: all that move) make.
-
-    `gravity` in m/s² is that within the plane, for one that is neither upright nor flat. RobotFileError says why joints
-    make no planar machine.
-    """
-    chosen = list(names) or [name for name, joint in robot.joints.items() if joint.kind in MOVING]
-    _check_names(robot, chosen, where)
-    joints = [robot.joints[name] for name in chosen]
-    parents = _parents(robot, joints, where)
-    normal = _normal(joints, where)
-    upright = abs(float(normal[2])) < PARALLEL
-    if gravity is None:
-        if not upright and abs(float(normal[2])) < 1.0 - PARALLEL:
-            lean = math.degrees(math.asin(min(1.0, abs(float(normal[2])))))
-            raise RobotFileError(
-                f"the plane of these joints leans by {lean:.1f}°: it is neither upright nor flat",
-                where=where,
-                remedy=f"say the gravity within it, such as --gravity {GRAVITY * math.cos(math.radians(lean)):.4g}",
-            )
-        level = all(one.kind == "prismatic" and abs(float(one.axis[2])) < PARALLEL for one in joints)
-        gravity = GRAVITY if upright and not level else 0.0
-    directions = _directions(joints, parents, normal, gravity, where)
-    made, notes = [], []
-    for k, one in enumerate(joints):
-        below = [joints[j].place - one.place for j, parent in enumerate(parents) if parent == k]
-        lengths = [float(np.linalg.norm(step - step @ normal * normal)) for step in below]
-        made.append(
-            Joint(
-                plain_name(one.name),
-                "prismatic" if one.kind == "prismatic" else "revolute",
-                lengths[0] if lengths else None,
-                _carrier(k, parents[k], chosen),
-            )
-        )
-        if made[-1].name != one.name:
-            notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
-    limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := _limits(one, where))}
-    model = Model(robot.name or "robot", gravity=gravity, limits=limits, chain=tuple(made))
-    for k, name in enumerate(_aside(robot, joints, directions, normal)):
-        if name and (gravity > 0.0 or parents[k] is not None):
-            model = model.with_effect(f"com_offset:{made[k].name}")
-            term = model.terms[-1].name
-            notes.append(f"the mass of link {made[k].name} lies beside its axis: {term} is in the model")
-    return PlanarMachine(model, tuple(chosen), tuple(notes), normal, tuple(directions))
-
-
-def _carrier(index: int, parent: int | None, names: Sequence[str]) -> str | None:
-    """Return what `parent` a joint has in a model file; None where that is the joint before, or the first's base."""
-    if parent is None:
-        return "base" if index else None
-    return None if parent == index - 1 else plain_name(names[parent])
-
-
-def plain_name(name: str) -> str:
-    """Return a joint's name as a model can have it."""
-    text = re.sub(r"[^A-Za-z0-9_]", "_", name)[:40]
-    return text if JOINT_NAME.fullmatch(text) and text not in TAKEN else f"joint_{text}"[:40]
-
-
-def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
-    movable = [name for name, joint in robot.joints.items() if joint.kind in MOVING]
-    for k, name in enumerate(chosen):
-        if name not in robot.joints:
-            near = nearest(name, robot.joints, 1)
-            raise RobotFileError(
-                f"has no joint {name[:60]!r}",
-                where=where,
-                remedy=f"did you mean {near[0]}?" if near else f"its joints are {', '.join(movable)}",
-            )
-        if robot.joints[name].kind not in MOVING:
-            raise RobotFileError(
-                f"joint {name!r} is {robot.joints[name].kind or 'of no type'}",
-                where=where,
-                remedy=f"choose among {', '.join(movable) or 'nothing: no joint moves'}",
-            )
-        if name in chosen[:k]:
-            raise RobotFileError(f"joint {name!r} is named twice", where=where, remedy="name each once")
-    if not chosen:
-        raise RobotFileError("has no joint that moves", where=where, remedy="give the URDF of a machine with joints")
-
-
-def _parents(robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list[int | None]:
-    """Return which of the joints carries each; RobotFileError where one comes before its carrier."""
-    by_child = {one.child: one for one in robot.joints.values()}
-    index = {one.name: k for k, one in enumerate(joints)}
-    found: list[int | None] = []
-    for k, one in enumerate(joints):
-        above: RobotJoint | None = by_child.get(one.parent)
-        while above is not None and above.name not in index:
-            above = by_child.get(above.parent)
-        if above is not None and index[above.name] > k:
-            raise RobotFileError(
-                f"{one.name} hangs from {above.name}, which is named after it", where=where, remedy="name it first"
-            )
-        found.append(None if above is None else index[above.name])
-    return found
-
-
-def _normal(joints: Sequence[RobotJoint], where: str) -> Float:
-    """Return the unit normal (3,) of the plane in which all joints move; positive angles turn forwards about it."""
-    turning = [one for one in joints if one.kind != "prismatic"]
-    if turning:
-        normal = turning[0].axis
-    else:
-        first = joints[0].axis
-        side = np.cross(first, [0.0, 0.0, 1.0])
-        normal = side if np.linalg.norm(side) > PARALLEL else np.array([0.0, -1.0, 0.0])
-        normal = normal / np.linalg.norm(normal)
-    for one in turning:
-        if np.linalg.norm(np.cross(one.axis, normal)) > PARALLEL:
-            raise RobotFileError(
-                f"the axes of {turning[0].name} and {one.name} are not parallel: they do not move in one plane",
-                where=where,
-                remedy="name joints with parallel axes with --joints; the others then stand still at zero",
-            )
-        if one.axis @ normal < 0.0:
-            raise RobotFileError(
-                f"the axis of {one.name} points against that of {turning[0].name}: their angles have opposite signs",
-                where=where,
-                remedy=f"turn the axis of {one.name} around in a copy of the URDF, and change the sign of its column",
-            )
-    for one in joints:
-        if one.kind == "prismatic" and abs(float(one.axis @ normal)) > PARALLEL:
-            raise RobotFileError(
-                f"{one.name} slides out of the plane of the others", where=where, remedy="leave it out with --joints"
-            )
-    return np.asarray(normal, dtype=float)
-
-
-def _directions(
-    joints: Sequence[RobotJoint], parents: Sequence[int | None], normal: Float, gravity: float, where: str
-) -> list[Float]:
-    """Return the direction (3,) of every link's axis; RobotFileError where the zero pose is not the straight one."""
-    fall = np.array([0.0, 0.0, -1.0])
-    fall = fall - fall @ normal * normal
-    down = fall / np.linalg.norm(fall) if np.linalg.norm(fall) > PARALLEL else None
-    found: list[Float] = []
-    for k, one in enumerate(joints):
-        steps = [joints[j].place - one.place for j, parent in enumerate(parents) if parent == k]
-        steps = [step - step @ normal * normal for step in steps]
-        if any(np.linalg.norm(step) < NEAREST for step in steps):
-            what = f"what hangs from {one.name} sits on its own axis"
-            raise RobotFileError(what, where=where, remedy="leave one of them out with --joints")
-        if any(np.linalg.norm(step - steps[0]) > NEAREST for step in steps[1:]):
-            raise RobotFileError(
-                f"the joints that hang from {one.name} sit at different places", where=where, remedy="choose one branch"
-            )
-        above = down if gravity > 0.0 else None
-        if parents[k] is not None:
-            above = found[int(parents[k] or 0)]
-        own = steps[0] / np.linalg.norm(steps[0]) if steps else None
-        if one.kind == "prismatic":
-            own = one.axis if own is None else own
-            if np.linalg.norm(one.axis - own) > PARALLEL:
-                raise RobotFileError(
-                    f"{one.name} does not slide along its own link", where=where, remedy="leave it out with --joints"
-                )
-        if own is None:
-            own = above if above is not None else np.array([1.0, 0.0, 0.0])
-        if above is not None and np.linalg.norm(own - above) > PARALLEL:
-            angle = math.atan2(float(normal @ np.cross(above, own)), float(above @ own))
-            straight = "down" if parents[k] is None else f"on from {joints[int(parents[k] or 0)].name}"
-            what = f"at the file's zero, {one.name} points {abs(angle):.4g} rad away from straight {straight}"
-            if one.kind == "prismatic":
-                raise RobotFileError(what, where=where, remedy="leave it out with --joints")
-            raise RobotFileError(
-                what,
-                where=where,
-                remedy=f"turn the zero in a copy of the URDF, and add {angle:.6g} rad to the recorded angle",
-            )
-        found.append(own)
-    return found
-
-
-def _limits(one: RobotJoint, where: str) -> Limits | None:
-    """Return the limits of a joint, infinite where the file has none; None where it has no limit at all."""
-    element = one.element.find("limit")
-    if element is None:
-        return None
-    low, high = (float(numbers_of(element, key, (0.0,), where)[0]) for key in ("lower", "upper"))
-    if one.kind == "continuous" or not low < high:
-        low, high = -math.inf, math.inf
-    velocity = float(numbers_of(element, "velocity", (0.0,), where)[0])
-    if not velocity > 0.0 and math.isinf(low):
-        return None
-    return Limits((low, high), velocity if velocity > 0.0 else math.inf, math.inf)
-
-
-def _aside(
-    robot: RobotFile, joints: Sequence[RobotJoint], directions: Sequence[Float], normal: Float
-) -> list[bool]:
-    """Return whether the mass that moves with each joint alone lies beside its link's axis."""
-    found = []
-    for one, along, links in zip(joints, directions, moving_with(robot, joints), strict=True):
-        known = [robot.masses[link] for link in links if link in robot.masses]
-        whole = sum(mass for mass, _ in known)
-        if one.kind == "prismatic" or not whole > 0.0:
-            found.append(False)
-            continue
-        centre = sum((mass * (place - one.place) for mass, place in known), start=np.zeros(3)) / whole
-        beside = float(centre @ np.cross(normal, along))
-        found.append(abs(beside) > ASIDE * float(np.linalg.norm(centre)) and abs(beside) > NEAREST)
-    return found
-
-
-def moving_with(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[list[str]]:
-    """Return the links that move with each of the joints and with no later one."""
-    names = {one.name: k for k, one in enumerate(joints)}
-    by_child = {one.child: one for one in robot.joints.values()}
-    found: list[list[str]] = [[] for _ in joints]
-    owners: dict[str, int | None] = {}
-    for link in by_child:
-        way = [link]  # every link is asked once: a cable of thousands of links hangs from the last joint
-        while way[-1] not in owners and way[-1] in by_child and by_child[way[-1]].name not in names:
-            way.append(by_child[way[-1]].parent)
-        top = way[-1]
-        own = names.get(by_child[top].name) if top in by_child else None
-        owner = owners.get(top, own)
-        owners.update(dict.fromkeys(way, owner))
-        if owner is not None:
-            found[owner].append(link)
-    return found

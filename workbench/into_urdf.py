@@ -17,18 +17,8 @@ from xml.parsers import expat
 from optimisation.linear.links import LinkInertia
 from symbolic.joints import parents
 from symbolic.motion import Float
-from symbolic.robot_file import (
-    PlanarMachine,
-    RobotFile,
-    RobotJoint,
-    moving_with,
-    numbers_of,
-    origin_of,
-    parse_robot,
-    plain_name,
-    planar_machine,
-    read_bytes,
-)
+from symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
+from symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
 from workbench.bodies import friction_of, joints_of, left_out, links_of
 from workbench.identified import ExportError, Ready
 

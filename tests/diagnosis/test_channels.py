@@ -10,10 +10,12 @@ from scipy.signal import lfilter
 
 from diagnosis.compare import compare
 from diagnosis.discover import discover
-from diagnosis.evidence.channels import Doubt, channel_findings, doubts_after, doubts_before, filtered, left_share
+from diagnosis.evidence.channel_doubt import Doubt, left_share
+from diagnosis.evidence.channels import channel_findings, doubts_after, doubts_before
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import model_error
 from diagnosis.evidence.repeats import repeats
+from diagnosis.evidence.timing import filtered
 from diagnosis.rules import RULES
 from measurement.bench.simulation import Bench, run_bench
 from measurement.reading.read import read_recording

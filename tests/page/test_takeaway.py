@@ -81,7 +81,7 @@ def test_a_session_that_was_spoilt_is_refused_as_a_whole(full, tmp_path, spoil, 
     again = Workspace(tmp_path / "mappings")
     with pytest.raises(RecordingError, match=why):
         reopen(again, folder)
-    assert again.given == [] and again.own == {} and again.saving is None
+    assert again.given == [] and again.own == {} and again.keeping.folder is None
     again.close()
 
 

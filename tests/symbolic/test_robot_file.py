@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from symbolic import read_model
-from symbolic.robot_file import RobotFileError, moving_with, planar_machine, read_robot
+from symbolic.planar_machine import moving_with, planar_machine
+from symbolic.robot_file import RobotFileError, read_robot
 from workbench.command import main
 
 LEG = """<?xml version="1.0"?>

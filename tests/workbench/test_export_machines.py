@@ -14,7 +14,8 @@ from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.model_file import Numbers, write_model
 from symbolic.motion import Motion
-from symbolic.robot_file import planar_machine, read_robot
+from symbolic.planar_machine import planar_machine
+from symbolic.robot_file import read_robot
 from tests.exported_module import python_module
 from workbench.command import main
 from workbench.export import c, mjcf, numpy, urdf

@@ -33,7 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the URDF, write the model file, and say what was found."""
     from symbolic.model_file import model_content, write_model
-    from symbolic.robot_file import planar_machine, read_robot
+    from symbolic.planar_machine import planar_machine
+    from symbolic.robot_file import read_robot
     from workbench.command_line.inputs import check_new_model
 
     check_places(args)

@@ -104,9 +104,10 @@ def report(workspace: Workspace) -> str:
             command=without_folders(_cli(workspace).splitlines()[-1]),
             settings={"filter": session.prepared.choice.reason},
         ))  # fmt: skip
-    if workspace.saving is not None and (diagnosis is not None or said is None):  # or the one kept says more
-        workspace.saving.mkdir(parents=True, exist_ok=True)
-        write_whole(workspace.saving / REPORT, page)
+    folder = workspace.keeping.folder
+    if folder is not None and (diagnosis is not None or said is None):  # or the one kept says more
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / REPORT, page)
     return page
 
 
@@ -256,9 +257,7 @@ def _verdict(found: dict[str, Any]) -> dict[str, Any]:
 
 def keep_in(workspace: Workspace, folder: Path) -> None:
     """Keep the session in `folder` after every step from now on."""
-    workspace.saving = folder
-    workspace.keeper = partial(save, workspace, folder)
-    workspace.reporter = partial(report, workspace)
+    workspace.keeping.keep_in(folder, partial(save, workspace, folder), partial(report, workspace))
 
 
 def is_session(path: str | Path) -> bool:

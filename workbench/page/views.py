@@ -25,7 +25,7 @@ SURE = 1.96
 
 def state(workspace: Workspace) -> dict[str, Any]:
     """Return everything but the time series."""
-    session, problem = workspace.session, workspace.problem or workspace.unkept
+    session, problem = workspace.session, workspace.problem or workspace.keeping.unkept
     for one in workspace.given:
         problem = None if problem is None else without_path(problem, one.path, one.name)
     out: dict[str, Any] = {
@@ -34,9 +34,9 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),
         "problem": None if problem is None else error_json(problem),
-        "folder": str(workspace.saving or "exoid-session"),
+        "folder": str(workspace.keeping.folder or "exoid-session"),
         "saved": None if workspace.saved is None else str(workspace.saved),
-        "kept": workspace.kept,
+        "kept": workspace.keeping.kept,
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),

@@ -23,6 +23,7 @@ from ground.errors import EffectError, ExoidError, RecordingError
 from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
+from workbench.page.keeping import Keeping
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
@@ -46,16 +47,6 @@ class Workspace:
         self, remembered: Path, seed: int = 0, cutoff: float | None = None, derivative: str = BUTTERWORTH
     ) -> None:
         self.remembered, self.seed, self.cutoff, self.derivative = remembered, seed, cutoff, derivative
-        self.saving: Path | None = None
-        """Folder in which the session is kept, once it has one: every step is then kept too."""
-        self.keeper: Callable[[], object] | None = None
-        """Writes the session to that folder."""
-        self.reporter: Callable[[], object] = lambda: None
-        """Writes its report there."""
-        self._changes = self._kept = 0
-        self.unkept: ExoidError | None = None
-        """Why the session cannot be kept where it should be."""
-        self._reported: object = None
         self._mapped = 0
         self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
         self.given: list[Given] = []
@@ -85,6 +76,7 @@ class Workspace:
         self._lock = threading.RLock()
         self._change = threading.Condition(self._lock)
         self._closed = False
+        self.keeping = Keeping(self._change, lambda: self._closed, self._touch)
         self._thread = threading.Thread(target=self._run, name="workspace", daemon=True)
 
     # -- life ---------------------------------------------------------------------------------------------------
@@ -92,12 +84,12 @@ class Workspace:
     def start(self) -> None:
         """Begin to work."""
         self._thread.start()
-        threading.Thread(target=self._keep, name="keeper", daemon=True).start()
+        threading.Thread(target=self.keeping.run, name="keeper", daemon=True).start()
 
     def close(self) -> None:
         """End the work and a search, and clear away what was dropped and not saved."""
         self.end()
-        self._keep_once()
+        self.keeping.write()
         if self.search is not None and self.search.running:
             self.search.cancel()
         if self.playing is not None:
@@ -122,7 +114,8 @@ class Workspace:
 
     def _touch(self, changed: bool = False) -> None:
         with self._change:
-            self._changes += changed
+            if changed:
+                self.keeping.changed()
             self.version += 1
             self._change.notify_all()
 
@@ -423,11 +416,7 @@ class Workspace:
         if not ranking.finished:
             self.busy = "ranking suspects" if ranking.weighed < 1.0 else "asking placebos"
             return lambda: self._rank(ranking)
-        shown = self.names, self.verdict is None
-        if self.saving is not None and self._reported != shown:
-            self._reported = shown
-            return threading.Thread(target=self._write, args=(self.reporter,), daemon=True).start
-        return None
+        return self.keeping.reporting((self.names, self.verdict is None))
 
     def _read(self, one: Given) -> None:
         mapped = self._mapped
@@ -472,37 +461,6 @@ class Workspace:
         except ExoidError as error:
             self.failed[names] = error
         self._touch(changed=True)
-
-    @property
-    def kept(self) -> bool:
-        """Whether everything that was done is written, where there is a folder to write it to."""
-        return self.keeper is not None and self._kept == self._changes and self.unkept is None
-
-    def _keep(self) -> None:
-        """Write the session after every change, whatever else goes on."""
-        while not self._closed:
-            with self._change:
-                self._change.wait_for(lambda: self._closed or self._due)
-            self._keep_once()
-
-    @property
-    def _due(self) -> bool:
-        return self.keeper is not None and self._kept != self._changes
-
-    def _keep_once(self) -> None:
-        if self._due and self.keeper is not None:
-            changes = self._changes
-            self._write(self.keeper)
-            self._kept = changes
-            self._touch()
-
-    def _write(self, write: Callable[[], object]) -> None:
-        """Write what is kept; a full disk is said, and everything else goes on."""
-        self.unkept = None
-        try:
-            write()
-        except (ExoidError, OSError) as error:
-            self.unkept = error if isinstance(error, ExoidError) else ExoidError(str(error.strerror or error))
 
     def _rank(self, ranking: Ranking) -> None:
         work = self._work.setdefault(id(ranking), ranking.work())

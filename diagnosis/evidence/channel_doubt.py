@@ -1,0 +1,41 @@
+"""What is said of channels that cannot be what they say, and how much of each torque a model leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from symbolic.motion import Float
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why the channels cannot be what they say: the rule that fired, the sentence, and what to do."""
+
+    rule: str
+    sentence: str
+    remedy: str
+
+
+def left_share(fitted: FittedModel) -> Float:
+    """Return the share (J,) of the variance of the torque that a model leaves, the larger of fitted and held out.
+
+    The variance is that of all recordings: a held-out one that happens to need hardly any torque is no wrong channel.
+    NaN for a joint that has no torque of its own to explain: undriven, or without a usable sample.
+    """
+    count = len(fitted.prepared.train)
+    parts = [slice(0, count)] + ([slice(count, None)] if fitted.verified else [])
+    joints = len(fitted.model.joints)
+    out = np.full((len(parts), joints), np.nan)
+    for joint in range(joints):
+        known = [p.tau[p.use[:, joint], joint] for p in fitted.prepared.all if p.driven[joint]]
+        whole = float(np.concatenate(known).var()) if sum(t.size for t in known) else 0.0
+        for row, part in enumerate(parts):
+            pairs = zip(fitted.residuals[part], fitted.prepared.all[part], strict=True)
+            left = [r[joint][p.use[:, joint]] for r, p in pairs if p.driven[joint]]
+            if whole > 0.0 and sum(r.size for r in left):
+                out[row, joint] = np.mean(np.concatenate(left) ** 2) / whole
+    seen = np.isfinite(out).any(axis=0)
+    return np.where(seen, np.max(np.where(np.isfinite(out), out, -np.inf), axis=0), np.nan)

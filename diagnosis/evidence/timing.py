@@ -1,0 +1,222 @@
+"""Does a torque fit far better read earlier, or as what a filter of first order made of it?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+
+from diagnosis.evidence.channel_doubt import Doubt, left_share
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.rules import RULES, Rules
+from measurement.signals.conditioning import median_outliers
+from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
+from symbolic.language.torque import is_transform
+from symbolic.motion import Float
+
+DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
+"""Delays of the torque that are tried, s."""
+LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
+"""Time constants of a filter of first order on the torque that are tried, s."""
+FAST = (0.003, 0.0045, 0.0065, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05)
+"""Delays and time constants in s that are tried where a delay was found."""
+
+
+def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
+    """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
+    share = left_share(base)
+    if not np.nanmax(share, initial=0.0) > rules.late_least or np.all(
+        base.judged_rms < 3.0 * base.prepared.noise_floor
+    ):
+        return None
+    readings, joints = _Readings(base), np.isfinite(share)
+    found = readings.best(joints, rules)
+    if found is None and joints.sum() > 1:  # the channel of one joint alone
+        late = np.flatnonzero(joints & (np.nan_to_num(share) > rules.late_least))
+        alone = (readings.best(np.arange(len(share)) == joint, rules) for joint in late)
+        found = next((one for one in alone if one is not None), None)
+    if found is None or (found.kind == "delay" and abs(found.value) < rules.late_delay):
+        return None
+    return _wrong_timing(base, found, int(joints.sum()))
+
+
+def _wrong_timing(base: FittedModel, found: _Reading, joints: int) -> Doubt:
+    """Return the doubt that another reading of the torque makes; `joints` of them have one."""
+    kind, value, after, which = found.kind, found.value, found.share, found.which
+    named = [joint for joint, x in zip(base.model.joint_names, which, strict=True) if x]
+    whose = "The torque does" if which.sum() == joints else f"The torque of the {named[0]} does"
+    what = (
+        f"comes {abs(value):.2g} s {'after' if value > 0 else 'before'} the motion it belongs to"
+        if kind == "delay"
+        else f"is what a filter of first order with {1.0 / (2.0 * np.pi * value):.2g} Hz leaves of the true one"
+    )
+    mend = (
+        f"shift the torque columns by {abs(value):.2g} s, or find out why the logger is late"
+        if kind == "delay"
+        else "log the torque before this filter, or take the filter off the sensor's or drive's settings"
+    )
+    return Doubt(
+        f"the squared error falls to {100 * after:.0f} % of itself if the torque {what}",
+        f"{whose} not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
+        f"leaves {100 * after:.0f} % of the squared error it leaves now.",
+        mend,
+    )
+
+
+def _shifted(tau: Float, samples: float) -> Float:
+    """Return `tau` (N, J) as it was logged so many samples later, its ends held."""
+    at, places = np.arange(len(tau)) + samples, np.arange(len(tau))
+    return np.column_stack([np.interp(at, places, column) for column in tau.T])
+
+
+def _without_lag(tau: Float, samples: float) -> Float:
+    """Return what a filter of first order with a time constant of so many samples has made `tau` (N, J) of."""
+    pole = np.exp(-1.0 / samples)
+    return np.concatenate([tau[:1], (tau[1:] - pole * tau[:-1]) / (1.0 - pole)])
+
+
+@dataclass(frozen=True)
+class FilterOnTorque:
+    """A torque behind a filter of first order with `hertz`, which explains what a delay does; `doubt` where it explains
+    clearly more.
+    """
+
+    hertz: float
+    doubt: Doubt | None
+
+    @property
+    def name(self) -> str:
+        """What it is, in words."""
+        return f"a filter of first order on the torque ({self.hertz:.2g} Hz)"
+
+
+def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) -> FilterOnTorque | None:
+    """Return the filter that explains as much as the delays of the torques of the joints `late`, or more.
+
+    `without` is the model that has all but these delays. None where the delays explain clearly more.
+    """
+    if any(is_transform(term) for term in without.model.terms):
+        return None
+    readings = _Readings(without)
+    now = readings.now
+    seen = now > 0.0
+    own = np.isin(np.arange(len(now)), late)
+
+    def least(kind: str) -> _Reading:
+        change = CHANGES[kind][0]
+
+        def at(value: float, which: np.ndarray) -> _Reading:
+            return _Reading(kind, value, float(np.mean(readings.left(change, value, which)[seen] / now[seen])), which)
+
+        whose = (seen, own) if (seen & ~own).any() else (own,)
+        best = min((at(value, which) for value in FAST for which in whose), key=lambda one: one.share)
+        finer = [best, *(at(factor * best.value, best.which) for factor in (0.85, 1.18))]
+        return min(finer, key=lambda one: one.share)
+
+    delay, lag = least("delay"), least("lag")
+    if lag.share > rules.as_late * delay.share or 1.0 - lag.share < rules.close * (1.0 - delay.share):
+        return None
+    sure = lag.share <= rules.filtered * min(delay.share, 1.0)
+    doubt = _wrong_timing(without, lag, int(seen.sum())) if sure else None
+    return FilterOnTorque(1.0 / (2.0 * np.pi * lag.value), doubt)
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """Another reading of the torques of the joints `which` (J,), with `value` s; it leaves `share` of their error."""
+
+    kind: str
+    value: float
+    share: float
+    which: np.ndarray
+
+
+CHANGES: Mapping[str, tuple[Callable[[Float, float], Float], tuple[float, ...]]] = MappingProxyType(
+    {"delay": (_shifted, DELAYS), "lag": (_without_lag, LAGS)}
+)
+"""What undoes each kind of wrong timing, and the seconds that are tried."""
+
+
+class _Readings:
+    """The torque of the fitted recordings as it was logged, to be read otherwise and explained anew.
+
+    It is the torque that is changed, not the model: what dry friction does while a joint sticks stays where it is, and
+    so do outliers, which a filter smears and its inverse restores.
+    """
+
+    def __init__(self, base: FittedModel) -> None:
+        model, self.train = base.model, base.prepared.train
+        reference = base.linear if model.needs_reference else None
+        self.raw = [model.columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
+        parts = [np.moveaxis(p.smooth(np.moveaxis(x, 0, 1)), 0, 1) for p, x in zip(self.train, self.raw, strict=True)]
+        self.use = np.concatenate([p.use for p in self.train]).T
+        self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
+        flat = self.columns.reshape(-1, self.columns.shape[2])
+        length = np.sqrt(np.sum(flat**2, axis=0))
+        scale = np.where(length > 0.0, length, 1.0)
+        self.solve = np.linalg.pinv(flat / scale, rcond=1e-10) / scale[:, None]
+        self.linear = base.linear
+
+    @cached_property
+    def now(self) -> Float:
+        """What is left (J,) as they are, at most all: numbers that suit another joint can be worse than none."""
+        return np.minimum(self.left(None), 1.0)
+
+    @cached_property
+    def coarse(self) -> dict[str, dict[float, Float]]:
+        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried."""
+        return {kind: {v: self.left(undo, v, None, 1) for v in values} for kind, (undo, values) in CHANGES.items()}
+
+    def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
+        """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them."""
+        most = rules.late_gain * self.now[which].sum()
+        fine = []
+        for kind, tried in self.coarse.items():
+            place = min(tried, key=lambda v: float(tried[v][which].sum()))
+            if tried[place][which].sum() > 2.0 * most:
+                continue
+            for value in (factor * place for factor in (0.8, 0.9, 1.0, 1.12, 1.25)):
+                left = self.left(CHANGES[kind][0], value, which)[which]
+                fine.append(
+                    (float(left.sum()), kind, value, bool(np.all(left <= 2.0 * rules.late_gain * self.now[which])))
+                )
+        if not fine:
+            return None
+        least, kind, value, alike = min(fine)
+        return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
+
+    def left(
+        self,
+        change: Callable[[Float, float], Float] | None,
+        seconds: float = 0.0,
+        which: np.ndarray | None = None,
+        rounds: int = 2,
+    ) -> Float:
+        """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
+        linear, square, size = self.linear, np.zeros(len(self.use)), np.zeros(len(self.use))
+        for _ in range(rounds):  # outliers are judged beside the model, which is fitted without them
+            tau = np.concatenate([self._read(k, linear, change, seconds, which) for k in range(len(self.train))]).T
+            linear = self.solve @ (tau * self.use).ravel()
+            square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
+            size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
+        return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
+
+    def _read(
+        self,
+        index: int,
+        linear: Float,
+        change: Callable[[Float, float], Float] | None,
+        seconds: float,
+        which: np.ndarray | None,
+    ) -> Float:
+        one = self.train[index]
+        tau = one.wide_tau if one.logged_tau is None else one.logged_tau
+        if change is not None:
+            changed = change(tau, seconds * one.rate)
+            tau = changed if which is None else np.where(which, changed, tau)
+        known = (self.raw[index] @ linear).T
+        bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, one.rate, OUTLIER)
+        return one.smooth(np.where(bad, known + middle, tau))
