@@ -23,6 +23,8 @@ from diagnosis.evidence.gram import Fits, Gain, Gram, Judged, inverse_of, larges
 from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
 
+TOGETHER = 20_000
+"""Values of columns that are multiplied at once: more no longer fit into a processor's cache."""
 ROUNDING = 0.01
 """Part of a gain by which ridges, which differ from split to split, may bend what a fit leaves room for."""
 RIDGE = 1e-9
@@ -167,11 +169,16 @@ class Evidence:
             part, weight, own = self._own(unit, columns[index].joints)
             x = columns[index].within(part)
             nodes, width, samples = x.shape
+            both, square = np.empty((nodes, width, own.shape[1])), np.empty((nodes, width, width))
+            some = max(1, TOGETHER // max(1, width * samples))
             # Plain products: for so many small ones the overhead of einsum was the larger part.
-            both = (x.reshape(nodes * width, samples) @ own).reshape(nodes, width, -1).transpose(2, 1, 0)
-            g.append(both[:-1])
-            a.append(both[-1])
-            h.append(((x * weight) @ np.swapaxes(x, 1, 2)).transpose(1, 2, 0))
+            for at in range(0, nodes, some):
+                each, now = x[at : at + some], slice(at, at + some)
+                both[now] = (each.reshape(-1, samples) @ own).reshape(-1, width, own.shape[1])
+                np.matmul(each * weight, np.swapaxes(each, 1, 2), out=square[now])
+            g.append(both[:, :, :-1].transpose(2, 1, 0))
+            a.append(both[:, :, -1].T)
+            h.append(square.transpose(1, 2, 0))
         return Gram(np.array(g), np.array(h), np.array(a))
 
     def _own(self, unit: int, joints: tuple[int, ...]) -> tuple[slice, Float, Float]:

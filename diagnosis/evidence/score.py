@@ -20,6 +20,8 @@ from symbolic.motion import Float
 
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
+AT_ONCE = 100_000
+"""Values of columns that are looked at in one piece."""
 TOGETHER = 10_000
 """Nodes times placebos that are fitted at once: more need memory, and wait for it."""
 
@@ -166,6 +168,13 @@ def admissible(candidate: Candidate, coefficients: Float, rules: Rules) -> np.nd
 def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
     """Return the share (V,) of training samples on which a node's columns are not zero, 0 where no fit looks at it."""
     train = columns[: len(evidence.train)]
+    nodes = len(train[0].values)
+    some = max(1, AT_ONCE * nodes // max(1, sum(c.values.size for c in train)))  # so many stay in a processor's cache
+    parts = [[Columns(c.joints, c.values[at : at + some]) for c in train] for at in range(0, nodes, some)]
+    return np.concatenate([_active_nodes(evidence, part) for part in parts])
+
+
+def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
     largest = []
     whole = seen = 0.0
     for c, block in zip(train, evidence.train, strict=True):
@@ -180,7 +189,7 @@ def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
         parts = [squares[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
         largest.append(functools.reduce(np.maximum, parts))
     peak = np.max([size.max(axis=1) for size in largest], axis=0)
-    live = [np.mean(size > 1e-6 * peak[:, None], axis=1) for size in largest]
+    live = [np.count_nonzero(size > 1e-6 * peak[:, None], axis=1) / size.shape[1] for size in largest]
     return np.where((peak > 0.0) & (seen >= evidence.rules.least_seen * whole), np.mean(live, axis=0), 0.0)
 
 

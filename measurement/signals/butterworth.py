@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import FAST
+from measurement.signals.compiled import LANES, row_library
+from symbolic.codegen.cache import CompiledLibrary
 from symbolic.motion import Float
 
 STRETCH = 64
@@ -153,7 +153,7 @@ def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, re
     What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
     continued by their odd reflection.
     """
-    library = _library(one.poles.size) if len(rows) >= LANES else None
+    library = row_library(one.poles.size) if len(rows) >= LANES else None
     if library is None:
         return _by_products(one, rows, first, step, count, reach)
     return _compiled(library, one, rows, first, step, count, reach)
@@ -231,97 +231,12 @@ def _kept(one: Filter, step: int) -> tuple[Float, Float, int]:
     return np.concatenate([own, *parts], axis=1), np.concatenate(onto), beside
 
 
+@lru_cache(maxsize=32)
 def _modes(one: Filter) -> tuple[Any, Any, float]:
     """Return poles p and factors c (P,) of H(z) H(1/z) = Σ c p^|n|, and what there is besides at n = 0."""
     mirrored = [one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 1.0 / p)) for p in one.poles]
     origin = one.direct + np.sum(np.where(one.poles.imag > 0, 0.5, 1.0) * _pair(one, 0.0))
     return one.poles, one.residues * np.array(mirrored) / one.poles, float(np.real(one.direct * origin))
-
-
-@lru_cache
-def _library(poles: int) -> CompiledLibrary | None:
-    """Return the compiled loop for filters of so many poles; None without a compiler."""
-    text = f"#define POLES {poles}\n#define LANES {LANES}\n{_SOURCE}"
-    return load_library("filter", text, FAST, lambda: GeneratedC(text, FAST, {}))
-
-
-LANES = 8
-"""Rows that are filtered side by side in C; fewer are filtered by products."""
-
-_SOURCE = """
-#include <stdlib.h>
-#include <string.h>
-#define WIDE 4
-#define VECTORS (LANES / WIDE)
-typedef double V __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
-
-/* One sample more: state * pole + x[n]. */
-#define STEP                                                                   \\
-  for (int p = 0; p < POLES; ++p)                                              \\
-    for (int v = 0; v < VECTORS; ++v) {                                        \\
-      const V r = re[p][v], i = im[p][v];                                      \\
-      re[p][v] = pole[2 * p] * r + (x[n][v] - pole[2 * p + 1] * i);            \\
-      im[p][v] = pole[2 * p] * i + pole[2 * p + 1] * r;                        \\
-    }
-#define ADD_UP                                                                 \\
-  for (int p = 0; p < POLES; ++p)                                              \\
-    for (int v = 0; v < VECTORS; ++v) sum[v] += factor[2 * p] * re[p][v] - factor[2 * p + 1] * im[p][v];
-
-/* x: the samples of LANES rows side by side; out: those kept, the same way. */
-static void filter(long samples, long first, long step, long count, double extra, const double *pole,
-                   const double *factor, const V (*restrict x)[VECTORS], V (*restrict out)[VECTORS]) {
-  V re[POLES][VECTORS], im[POLES][VECTORS];
-  memset(re, 0, sizeof re);
-  memset(im, 0, sizeof im);
-  long n = 0;
-  for (long j = 0; j < count; ++j) {
-    for (const long k = first + j * step; n <= k; ++n) { STEP }
-    V sum[VECTORS];
-    for (int v = 0; v < VECTORS; ++v) sum[v] = extra * x[n - 1][v];
-    ADD_UP
-    memcpy(out[j], sum, sizeof sum);
-  }
-  memset(re, 0, sizeof re);
-  memset(im, 0, sizeof im);
-  n = samples - 1;
-  for (long j = count - 1; j >= 0; --j) {
-    for (const long k = first + j * step; n >= k; --n) { STEP }
-    V sum[VECTORS];
-    memcpy(sum, out[j], sizeof sum);
-    ADD_UP
-    memcpy(out[j], sum, sizeof sum);
-  }
-}
-
-/* 0, or 1 where there is no memory. */
-int exoid_both_ways_at(long rows, long samples, long first, long step, long count, long before, long after,
-                       double extra, const double *poles, const double *factors, const double *x, double *out) {
-  const long all = before + samples + after;
-  double *beside = malloc((size_t)(all + count) * LANES * sizeof(double));
-  if (!beside) return 1;
-  double *kept = beside + all * LANES;
-  for (long at = 0; at < rows; at += LANES) {
-    const int some = (int)(rows - at < LANES ? rows - at : LANES);
-    const double *row[LANES];
-    for (int k = 0; k < LANES; ++k) row[k] = x + (at + (k < some ? k : 0)) * samples;
-    double *to = beside;
-    for (long n = before; n > 0; --n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][0] - row[k][n];
-    for (long n = 0; n < samples; ++n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = row[k][n];
-    for (long n = samples - 2; n > samples - 2 - after; --n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][samples - 1] - row[k][n];
-    filter(all, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside,
-           (V(*)[VECTORS])kept);
-    for (long j = 0; j < count; ++j)
-      for (int k = 0; k < some; ++k) out[(at + k) * count + j] = kept[j * LANES + k];
-  }
-  free(beside);
-  return 0;
-}
-"""
-"""Filters rows both ways and keeps every step-th sample: what came before is carried forwards, what comes after is
-carried backwards, mode by mode. Reflections beyond the ends are as many as products take."""
 
 
 def _pair(one: Filter, z: Any) -> Any:

@@ -92,7 +92,9 @@ def to_numpy(
     # What overflows or leaves its domain is found in the result, and reported with its place.
     with np.errstate(all="ignore"):
         values = np.asarray(lower(node, table), dtype=float)
-    if not np.isfinite(values).all():
+    with np.errstate(all="ignore"):
+        finite = np.isfinite(values.sum()) or np.isfinite(values).all()
+    if not finite:
         sample = int(np.argmin(np.isfinite(np.atleast_1d(values))))
         raise ExpressionError(
             f"the torque is not a finite number at sample {sample}",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from measurement.signals import butterworth
+from measurement.signals import butterworth, conditioning
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
-from measurement.signals.conditioning import low_pass, low_pass_at, welch
+from measurement.signals.conditioning import bridging, low_pass, low_pass_at, welch
 
 RNG = np.random.default_rng(4)
 
@@ -45,12 +45,26 @@ def test_kept_samples_are_those_of_the_whole_filter(cutoff, first, step, samples
 def test_c_filters_as_products_do(cutoff, first, step, samples, rows):
     x = RNG.standard_normal((rows, samples)).cumsum(axis=1)
     one, count, reach = low_pass_filter(4, cutoff / 50.0), -(-(samples - 2 * first) // step), int(670.0 / cutoff)
-    library = butterworth._library(one.poles.size)
+    library = butterworth.row_library(one.poles.size)
     if library is None:
         pytest.skip("no compiler here")
     wanted = butterworth._by_products(one, x, first, step, count, reach)
     found = butterworth._compiled(library, one, x, first, step, count, reach)
     np.testing.assert_allclose(found, wanted, atol=1e-12 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("hidden", [[(5, 9)], [(0, 30), (31, 33), (200, 310)], [(0, 310)], []])
+@pytest.mark.parametrize("shape", [(9, 310), (4, 3, 310)])
+def test_c_bridges_as_numpy_does(hidden, shape, monkeypatch):
+    mask = np.zeros(310, dtype=bool)
+    for first, last in hidden:
+        mask[first:last] = True
+    one, found = bridging(mask, 100.0), RNG.standard_normal((*shape[:-1], 2, shape[-1]))
+    wanted = found.copy()
+    one.across(found[..., 1, :])
+    monkeypatch.setattr(conditioning, "row_library", lambda poles: None)
+    one.across(wanted[..., 1, :])
+    np.testing.assert_allclose(found, wanted, atol=1e-13)
 
 
 def test_a_recording_shorter_than_the_response_is_filtered_as_a_whole():
