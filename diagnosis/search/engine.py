@@ -2,8 +2,8 @@
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
 the place of two, `exchange` compares each with its rivals, `drop_unsteady` drops terms that only some splits of the
-recordings support, `take_back` takes back proxies, and `beside_rivals`, at the end, drops what helps beside one of two
-look-alikes only. A new move is a file with one function, and a place in `run`.
+recordings support, `take_back` takes back proxies, and at the end, `beside_rivals` drops what helps beside one of two
+look-alikes only, and `outweighed` what explains little beside something that nobody knows. A new move is a file with one function, and a place in `run`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
 from diagnosis.search.merge import merge
+from diagnosis.search.outweighed import outweighed
 from diagnosis.search.prune import prune
 from diagnosis.search.state import Extension, State
 from diagnosis.search.take_back import left_over, take_back
@@ -45,14 +46,17 @@ def run_search(context: SearchContext, start: Extension) -> Found:
         others = until_no_proxy(context, replace(begun, banned=state.banned | {score.name}))
         as_well = context.unseen_gain(state.last, others.last) > -rules.least_share
         if others.numbers <= state.numbers and as_well:
-            return Found(_beside_all(context, others), first)
-    return Found(_beside_all(context, state), first)
+            return Found(_doubted(context, others), first)
+    return Found(_doubted(context, state), first)
 
 
-def _beside_all(context: SearchContext, state: State) -> State:
-    """Return the state without terms that help beside one of two look-alikes only, and what is left then."""
-    shorter = beside_rivals(context, state)
-    return state if shorter.names == state.names else replace(shorter, left=left_over(context, shorter.last))
+def _doubted(context: SearchContext, state: State) -> State:
+    """Return the state without the terms that the last moves drop, and what is left then."""
+    for move in (beside_rivals, outweighed):
+        shorter = move(context, state)
+        if shorter.names != state.names:
+            state = replace(shorter, left=left_over(context, shorter.last))
+    return state
 
 
 def until_no_proxy(context: SearchContext, state: State) -> State:

@@ -19,8 +19,9 @@ from diagnosis.search.engine import run_search
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
 from diagnosis.search.merge import merge
+from diagnosis.search.outweighed import outweighed
 from diagnosis.search.prune import prune
-from diagnosis.search.take_back import take_back
+from diagnosis.search.take_back import left_over, take_back
 
 STRIBECK = {"stribeck:hip": ([1.5], [0.15])}
 OFFSET = {"torque_offset:knee": ([0.6], [])}
@@ -269,3 +270,36 @@ def test_a_mass_too_far_off_axis_for_any_wrong_zero_is_no_look_alike_of_one():
     context = search({"com_offset_shank": ([0.6], [])}, ["encoder_offset_knee", "com_offset_shank"])
     found = forward(context, state_with(context))
     assert (found.names, found.last.alike) == (("com_offset_shank",), ())
+
+
+RIPPLE = {"torque_ripple:knee": ([1.0, 0.6], [9.0])}
+
+
+def with_rest(hidden, name):
+    """A search in which `name` was accepted, and what is left beside it."""
+    context = search({**hidden, **RIPPLE}, [name])
+    state = state_with(context, name)
+    return context, replace(state, left=left_over(context, state.last))
+
+
+@pytest.mark.shows("outweighed")
+def test_what_explains_little_beside_something_larger_that_nobody_knows_is_only_possible():
+    """An offset of the knee that is 0.27 of what is more than noise, beside a ripple that is no candidate; then 0.44."""
+    context, state = with_rest({"torque_offset:knee": ([0.8], [])}, "torque_offset:knee")
+    assert state.left is not None
+    found = outweighed(context, state)
+    assert found.names == ()
+    assert "something larger is missing" in context.doubts[context.key(found.last), "torque_offset:knee"]
+    for rules in ({"outweighed": 1 / 6}, {"far_above": 100.0}):
+        assert outweighed(with_rules(context, **rules), state) is state
+    alone = replace(state, left=None)
+    assert outweighed(context, alone) is alone
+    context, state = with_rest({"torque_offset:knee": ([1.1], [])}, "torque_offset:knee")
+    assert outweighed(context, state) is state
+    assert outweighed(with_rules(context, outweighed=2 / 3), state).names == ()
+
+
+def test_what_explains_its_own_joint_stays_beside_what_nobody_knows_at_another():
+    context, state = with_rest(STRIBECK, "stribeck:hip")
+    assert state.left is not None and state.left.joint == "knee"
+    assert outweighed(context, state) is state
