@@ -12,6 +12,7 @@ import numpy as np
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.channels import doubts_after
 from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.own_sway import own_sway
 from diagnosis.evidence.soft_drive import soft_drive
 from diagnosis.evidence.timing import FilterOnTorque, filtered
 from diagnosis.question import Question
@@ -23,8 +24,8 @@ from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
 from diagnosis.settings import ALL, DiscoveryOptions, DiscoverySettings
 from diagnosis.splits import from_scratch
-from diagnosis.verdict import behind, conclude, doubted
-from diagnosis.write_up import accepted_of, possible_beside, write_up
+from diagnosis.verdict import behind, conclude, doubted, swayed
+from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
 from ground.settings import spelt_out
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
@@ -111,7 +112,12 @@ def answer_of(
         accepted = tuple(
             replace(a, look_alikes=(*a.look_alikes, *also), outside=also) if a.effect == DELAY else a for a in accepted
         )
+    sway = own_sway(state.last.fitted, done.context.noise(state.last), rules)
+    if sway is not None:
+        possible = possible_with(sway, possible, rules)
     answer = conclude(accepted, left, done.base, last, bool(verify), len(recordings), rules, possible)
+    if sway is not None and not accepted:
+        answer = swayed(sway, answer, last.model.joints)
     return write_up(done, extensions, accepted, left, possible, answer, began)
 
 

@@ -75,8 +75,8 @@ class Rules:
     leading: float = _rule(
         ACCEPTANCE,
         0.5,
-        "part of what is more than noise that a torque before its motion must explain: what swings behind a soft drive "
-        "is called early",
+        "part of what is more than noise that a torque before its motion, or a base that sways with its own phase in "
+        "every recording, must explain: what swings behind a soft drive is called early",
     )
     at_bound: float = _rule(
         ACCEPTANCE,

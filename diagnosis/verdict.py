@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from diagnosis.evidence.channel_doubt import Doubt
 from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from diagnosis.evidence.own_sway import OwnSway
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.swinging import swinging
@@ -20,6 +21,7 @@ from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
 from symbolic.joints import Joint
+from symbolic.motion import Float
 from symbolic.quantity import Estimate
 from symbolic.term import Term
 
@@ -148,10 +150,7 @@ def doubted(doubt: Doubt) -> Conclusion:
 
 def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
     """Return the conclusion where a drive is too soft for its encoder to say where the link is."""
-    falls = ", ".join(
-        f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}"
-        for joint, b, a in zip(joints, soft.before, soft.after, strict=True)
-    )
+    falls = _told_falls(soft.before, soft.after, joints)
     whose, unsure = f"the encoder of the {soft.joint}", ""
     if not soft.sure:
         whose = "an encoder"
@@ -167,6 +166,20 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
         "what is accepted in place of a soft drive would only take up part of it",
         f"measure the angle of the {soft.joint} behind its drive; to make sure, clamp the link and load the drive: "
         f"{soft.name} is the angle at the encoder per torque" + ("" if soft.sure else "; then the other drives"),
+    )
+
+
+def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclusion:
+    """Return `answer` where what is missing is a base that sways, each time with another phase."""
+    falls = _told_falls(sway.before, sway.after, joints)
+    return replace(
+        answer,
+        verdict="unexplained",
+        rule=f"a sway of the base, each half of a recording by the other, explains {100 * sway.share:.0f} % of what is "
+        "left",
+        sentence=f"What the machine hangs from sways {sway.words} ({falls}). No model of the motion alone can predict "
+        "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one phase for all recordings.",
+        next_experiment=sway.advice,
     )
 
 
@@ -240,11 +253,13 @@ def _deciding(alike: Sequence[Accepted]) -> str:
 
 
 def _falls(first: FittedModel, last: FittedModel) -> str:
-    before, after = first.judged_rms, last.judged_rms
     kind = "unseen" if first.verified else "fitted"
-    falls = zip(last.model.joints, before, after, strict=True)
-    parts = [f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls]
-    return f"Error on {kind} motion: {', '.join(parts)}."
+    return f"Error on {kind} motion: {_told_falls(first.judged_rms, last.judged_rms, last.model.joints)}."
+
+
+def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
+    falls = zip(joints, before, after, strict=True)
+    return ", ".join(f"{joint.name} {b:.3g} to {a:.3g} {joint.unit('tau')}" for joint, b, a in falls)
 
 
 def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:

@@ -8,7 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import differing
+from diagnosis.evidence.own_sway import ENTRY as SWAY
+from diagnosis.evidence.own_sway import OwnSway
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.soft_drive import SoftDrive
@@ -39,6 +42,14 @@ def possible_beside(
     ]
     names = {one.name for one in accepted}
     both = [*given_up, *(one for one in possible if one.name not in names)]
+    return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
+
+
+def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
+    """Return what is possible, with the sway in the place of one with a phase for all recordings."""
+    reason = f"the base sways {sway.words}: no model of the motion alone can predict that"
+    found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
+    both = [found, *(one for one in possible if one.effect != SWAY)]
     return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
 
 

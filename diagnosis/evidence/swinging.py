@@ -44,10 +44,15 @@ class Swing:
     @property
     def advice(self) -> str:
         """What to do."""
-        return (
-            f"clamp what the machine hangs from, or find what moves at {self.hertz:.2g} Hz; base_motion has one phase "
-            "for all recordings, so diagnose the recordings one by one if the sway cannot be stopped"
-        )
+        return advice_at(self.hertz)
+
+
+def advice_at(hertz: float) -> str:
+    """Return what to do about what swings at `hertz`."""
+    return (
+        f"clamp what the machine hangs from, or find what moves at {hertz:.2g} Hz; if the sway cannot be stopped, "
+        "measure the motion of the base, or diagnose the recordings one by one: base_motion has one phase for all"
+    )
 
 
 def swinging(last: FittedModel) -> Swing | None:

@@ -2,8 +2,9 @@
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
 the place of two, `exchange` compares each with its rivals, `drop_unsteady` drops terms that only some splits of the
-recordings support, `take_back` takes back proxies, and at the end, `beside_rivals` drops what helps beside one of two
-look-alikes only, and `outweighed` what explains little beside something that nobody knows. A new move is a file with one function, and a place in `run`.
+recordings support, `take_back` takes back proxies. At the end `beside_rivals` drops what helps beside one of two
+look-alikes only, and `outweighed` what explains little beside something that nobody knows. A new move is a file with
+one function, and a place in `run`.
 """
 
 from __future__ import annotations

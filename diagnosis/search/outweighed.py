@@ -18,7 +18,7 @@ def outweighed(context: SearchContext, state: State) -> State:
     left, rules = state.left, context.rules
     if left is None or not state.accepted:
         return state
-    first, last = state.extensions[0].fitted.judged_rms ** 2, state.last.fitted.judged_rms ** 2
+    first, last = state.extensions[0].fitted.judged_rms ** 2, state.last.fitted.judged_rms**2
     noise = context.noise(state.last) ** 2
     far, taken, whole = last > rules.far_above**2 * noise, first - last, np.maximum(first - noise, 0.0)
     if not far[left.index] or left.joint_share * last[left.index] <= taken[left.index]:
@@ -35,7 +35,7 @@ def outweighed(context: SearchContext, state: State) -> State:
         f"explains little of what is more than noise, and a smooth curve at the {left.joint} explains more: something "
         "larger is missing, and small terms may only take up part of it"
     )
-    for score in context.rank(shorter.last, len(shorter.extensions))[1]:
-        if score.name in names:
-            context.note_doubt(shorter.last, score, text)
+    context.rank(shorter.last, len(shorter.extensions))
+    for name in names:
+        context.note_doubt(shorter.last, name, text)
     return shorter

@@ -284,12 +284,12 @@ def with_rest(hidden, name):
 
 @pytest.mark.shows("outweighed")
 def test_what_explains_little_beside_something_larger_that_nobody_knows_is_only_possible():
-    """An offset of the knee that is 0.27 of what is more than noise, beside a ripple that is no candidate; then 0.44."""
+    """An offset that is 0.27 of what is more than noise, beside a ripple that is no candidate; then one of 0.44."""
     context, state = with_rest({"torque_offset:knee": ([0.8], [])}, "torque_offset:knee")
     assert state.left is not None
     found = outweighed(context, state)
     assert found.names == ()
-    assert "something larger is missing" in context.doubts[context.key(found.last), "torque_offset:knee"]
+    assert "something larger is missing" in context.doubts[context.key(found.last), "torque_offset:knee"].reason
     for rules in ({"outweighed": 1 / 6}, {"far_above": 100.0}):
         assert outweighed(with_rules(context, **rules), state) is state
     alone = replace(state, left=None)

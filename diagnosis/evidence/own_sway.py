@@ -1,0 +1,166 @@
+"""Does what the machine hangs from sway at one frequency, with an amplitude and a phase of its own in each recording?
+
+`base_motion` of the catalogue has one phase for all recordings: whoever starts a recorder does not ask the stand for
+its phase. At a given frequency the torque of the sway is linear in its sine and cosine parts, so each recording can
+have its own, and only the frequency is searched. The model's numbers are those of all fitted recordings. Each recording
+is judged by halves: one half with the sway that the other half shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, candidate_columns
+from diagnosis.evidence.fitted import FittedModel, pooled_rms
+from diagnosis.evidence.gain import RecordingEvidence
+from diagnosis.evidence.swinging import advice_at, swinging
+from diagnosis.rules import RULES, Rules
+from symbolic.catalogue import find_effect
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+from symbolic.term import Term, places_of
+
+ENTRY = "base_motion"
+NEAR, FINE = 0.25, 4
+"""Part of a frequency about it in which that of the sway is searched: swings of the machine itself bend the line that
+it leaves; and frequencies per reciprocal duration."""
+ROUNDS = 2
+"""Times that the model's numbers are fitted: the torque of the sway is proportional to the masses."""
+
+
+@dataclass(frozen=True, eq=False)
+class OwnSway:
+    """A sway at `hertz` whose sine and cosine parts are `parts` (R, 4) m/s², forwards and upwards, in each recording.
+
+    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged.
+    """
+
+    hertz: float
+    parts: Float
+    before: Float
+    after: Float
+
+    @property
+    def amplitudes(self) -> Float:
+        """Amplitudes (R, 2) in m/s², forwards and upwards."""
+        return np.hypot(self.parts[:, ::2], self.parts[:, 1::2])
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """Frequency and amplitudes, the latter with their range over the recordings."""
+        out = {"f": Estimate("f", self.hertz, "Hz", self.hertz, self.hertz)}
+        for name, each in zip(("forward", "upward"), self.amplitudes.T, strict=True):
+            out[name] = Estimate(name, float(np.median(each)), "m/s²", float(each.min()), float(each.max()))
+        return out
+
+    @property
+    def share(self) -> float:
+        """Share of the squared error that it explains, of all joints together."""
+        return float(1.0 - np.sum(self.after**2) / max(float(np.sum(self.before**2)), 1e-300))
+
+    @property
+    def advice(self) -> str:
+        """What to do."""
+        return advice_at(self.hertz)
+
+    @property
+    def words(self) -> str:
+        """Say what it is."""
+        forward, upward = np.median(self.amplitudes, axis=0)
+        return (
+            f"at {self.hertz:.3g} Hz, {forward:.2g} m/s² forwards and {upward:.2g} m/s² upwards, with a phase of its "
+            "own in every recording"
+        )
+
+
+def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway | None:
+    """Return the sway that explains most of what `last` leaves beyond the `noise` (J,), N·m; None for none."""
+    swing = swinging(last) if np.any(last.judged_rms > rules.near_noise * noise) else None
+    effect, model = find_effect(ENTRY), last.model
+    if swing is None or model.moving_base or any(term.effect.id == ENTRY for term in model.terms):
+        return None
+    if not places_of(effect, model.joints):
+        return None
+    shape = effect.shape["f"]
+    step = 1.0 / (FINE * max(float(one.t[-1] - one.t[0]) for one in last.prepared.all))
+    tried = np.arange(max(shape.min, swing.hertz * (1.0 - NEAR)), min(shape.max, swing.hertz * (1.0 + NEAR)), step)
+    candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 1)), False)
+    blocks = last.evidence(seed=0, draws=0).blocks
+    known = [_read(last, blocks, candidate, float(f)) for f in tried]
+    if not known:
+        return None
+    found = min(known, key=lambda one: one.cost)
+    for finer in (step / 3.0, step / 9.0):
+        about = [_read(last, blocks, candidate, found.hertz + side * finer) for side in (-1.0, 1.0)]
+        found = min([found, *about], key=lambda one: one.cost)
+    for _ in range(ROUNDS - 1):
+        numbers = replace(last.fit, linear=last.linear + found.change[: len(last.linear)])
+        found = _read(replace(last, fit=numbers), blocks, candidate, found.hertz)
+    judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
+    before, after = last.judged_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
+    whole, left = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
+    return OwnSway(found.hertz, np.array(found.parts), before, after) if left <= (1.0 - rules.leading) * whole else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """The model with a sway at one frequency: squared error of the fitted recordings, the change of the model's
+    numbers, the parts of the sway, and what is left (J, K) of every recording.
+    """
+
+    hertz: float
+    cost: float
+    change: Float
+    parts: list[Float]
+    left: list[Float]
+
+
+def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: Candidate, hertz: float) -> _Reading:
+    """Fit the model's numbers and the sway together; `blocks` are the recordings beside the model, `carrier` the masses
+    that sway.
+    """
+    prepared, scale = carrier.prepared, np.maximum(carrier.train_rms, 1e-12)
+    nodes, count = np.array([[hertz]]), len(prepared.train)
+    swings = [candidate_columns(candidate, nodes, one, carrier).full(0, len(scale)) for one in prepared.all]
+    weights = [block.use / scale[:, None] for block in blocks]
+    rows, rest = [], []
+    for swing, block, weight in zip(swings[:count], blocks, weights, strict=False):
+        both = _flat(np.concatenate([block.columns, block.residual[:, :, None]], axis=2), weight)
+        own = _flat(swing, weight)
+        both = both - own @ _solved(own, both)  # whatever sway it has of its own
+        rows.append(both[:, :-1])
+        rest.append(both[:, -1])
+    change = _solved(np.concatenate(rows), np.concatenate(rest))
+    cost = float(sum(np.sum((y - x @ change) ** 2) for x, y in zip(rows, rest, strict=True)))
+    parts, left = [], []
+    for swing, block, weight in zip(swings, blocks, weights, strict=True):
+        wanted = block.residual - block.columns @ change
+        parts.append(_solved(_flat(swing, weight), (wanted * weight).ravel()))
+        left.append(wanted - _by_halves(swing, wanted, weight))
+    return _Reading(hertz, cost, change, parts, left)
+
+
+def _by_halves(swing: Float, wanted: Float, weight: Float) -> Float:
+    """Return the torque (J, K) of the sway, in each half of a recording as the other half shows it."""
+    out, middle = np.zeros_like(wanted), wanted.shape[1] // 2
+    for one, other in ((slice(0, middle), slice(middle, None)), (slice(middle, None), slice(0, middle))):
+        parts = _solved(_flat(swing[:, other], weight[:, other]), (wanted * weight)[:, other].ravel())
+        out[:, one] = swing[:, one] @ parts
+    return out
+
+
+def _flat(columns: Float, weight: Float) -> Float:
+    """Return weighted columns (J·K, m) of columns (J, K, m)."""
+    return (columns * weight[:, :, None]).reshape(-1, columns.shape[2])
+
+
+def _solved(columns: Float, wanted: Float) -> Float:
+    """Return the least-squares solution, columns of any size and of none."""
+    length = np.linalg.norm(columns, axis=0)
+    length[length == 0.0] = 1.0
+    even = columns / length
+    found = np.linalg.pinv(even.T @ even, rcond=1e-12, hermitian=True) @ (even.T @ wanted)
+    return np.asarray(found / (length if found.ndim == 1 else length[:, None]))
