@@ -139,7 +139,9 @@ class Recording:
             return self
         unnamed = all(joint.name == f"{UNNAMED}{k}" for k, joint in enumerate(self.joints, start=1))
         if unnamed and len(self.joints) == len(joints):
-            return replace(self, joints=joints)
+            called = {one.name: other.name for one, other in zip(self.joints, joints, strict=True)}
+            kept = ("-".join(called.get(part, part) for part in one.split("-")) for one in self.conventions)
+            return replace(self, joints=joints, conventions=tuple(kept))
         mine, wanted = ", ".join(self.joint_names), ", ".join(names(joints))
         raise RecordingError(
             f"the recording is of a machine with {mine}, the model has {wanted}",

@@ -1,30 +1,31 @@
-"""Which convention do recordings keep? Judged by physics: a leg fits a pendulum one way round only.
+"""Which convention do recordings keep? Judged by physics: a machine fits a pendulum one way round only.
 
 Angles and torques are read in every usual way and combination; for each reading a rough pendulum (`rough.py`) with
-inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole leg mirrored (all
-angles and torques negated) is the same leg, so such pairs of readings count as one. A reading is only named where the
+inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
+(angles and torques negated) is the same one, so such pairs of readings count as one. A reading is only named where the
 recordings as they stand contradict the pendulum and the other reading fits far better.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ground.minimum import minimum
 from ground.thresholds import Threshold
 from measurement.auditing.channels import place
 from measurement.auditing.non_negative import non_negative
-from measurement.auditing.rough import Smooth, columns, smooth
+from measurement.auditing.rough import Smooth, machine_columns, smooth
 from measurement.finding import Finding
-from measurement.reading.conventions import Convention, Map, combined_map, conventions, gear
+from measurement.reading.conventions import Convention, Map, combined_map, conventions, conventions_of_machine, gear
 from measurement.recording import Recording
-from symbolic.joints import is_leg
+from symbolic.joints import LEG, Joint, is_leg, parents
 from symbolic.motion import Float
 
 CHECK = "convention"
@@ -40,7 +41,7 @@ DOUBTS = ((DOUBT, TIMES), (SLIGHT_DOUBT, SLIGHT_TIMES))
 LEAST = float(min(least for least, _ in DOUBTS))
 QUIET = Threshold(
     0.1,
-    "variation of a torque, of the other's, below which it counts as so much: noise of a light joint would "
+    "variation of a torque, of its neighbour's, below which it counts as so much: noise of a light joint would "
     "choose the reading",
 )
 PASSIVE = Threshold(
@@ -57,6 +58,8 @@ AS_GOOD = Threshold(
 )
 FEW, MOST = 2, 4
 """Readings of few names are tried first; those of more only where the recordings as they stand leave `WRONG`."""
+FEW_JOINTS, BEAM = 2, 16
+"""Joints up to which every combination is tried; beyond, how many readings get one name more."""
 WRONG = Threshold(0.4, "share of power left, from which readings of three and four names are tried: chance fits some")
 ROUNDING = 1e-13
 """Power of a column, relative to the largest, below which it is rounding."""
@@ -100,21 +103,27 @@ class Better:
     rivals: tuple[ConventionHypothesis, ...]
 
 
-def check_conventions(recordings: Sequence[Recording]) -> tuple[Finding, ...]:
+def check_conventions(recordings: Sequence[Recording], weighs: bool = True) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions.
+    `weighs` says whether the machine moves under gravity.
     """
-    if not all(is_leg(one.joints) for one in recordings):
+    if not all(_known(one.joints) for one in recordings):
         return ()
-    sets = _groups(recordings)
+    sets = _groups(recordings, weighs)
     if not sets or _stands(sets) < LEAST:
         return ()
-    found = better_reading(recordings)
+    found = better_reading(recordings, weighs)
     if found is None and len(recordings) > 1:
-        alone = ((one, better_reading([one])) for one in recordings)
+        alone = ((one, better_reading([one], weighs)) for one in recordings)
         return tuple(_finding([one], better, f"{_file(one)}=") for one, better in alone if better is not None)
     return () if found is None else (_finding(recordings, found),)
+
+
+def _known(joints: Sequence[Joint]) -> bool:
+    """Whether the lengths of a machine are known, or need not be: joints that nobody named have none."""
+    return is_leg(joints) or all(above is None or joints[above].length is not None for above in parents(joints))
 
 
 def _file(recording: Recording) -> str:
@@ -123,13 +132,14 @@ def _file(recording: Recording) -> str:
 
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
     option = ",".join(one.name for one in found.reading.names)
-    joints = len(recordings[0].joints)
+    joints = recordings[0].joints
+    machine = "leg" if is_leg(joints) else "machine"
     text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
     return Finding(
         "sign" if found.reading.sides and len(recordings) == 1 else CHECK,
         "warning",
-        f"{text}: a leg so read leaves {found.then / joints:.1%} of the torques' variance unexplained, "
-        f"as it stands {found.now / joints:.0%}",
+        f"{text}: a {machine} so read leaves {found.then / len(joints):.1%} of the torques' variance unexplained, "
+        f"as it stands {found.now / len(joints):.0%}",
         place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together",
         found.now,
         LEAST,
@@ -139,21 +149,25 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     )
 
 
-def better_reading(recordings: Sequence[Recording]) -> Better | None:
+def better_reading(recordings: Sequence[Recording], weighs: bool = True) -> Better | None:
     """Return the reading that explains all `recordings` far better than they stand; None where none does."""
-    sets = _groups(recordings)
+    sets = _groups(recordings, weighs)
     if not sets:
         return None
+    joints = recordings[0].joints
     now = _stands(sets)
     if now < LEAST:
         return None
     kept = {one.conventions for one in recordings}
     if len(kept) == 1:  # the option to give is looked for from what the files hold
         sets = [[_undone(motion, *kept) for motion in group] for group in sets]
-    enough = min(GOOD, now / min(times for least, times in DOUBTS if now >= least))
+    doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
+    enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     kinds: list[ConventionHypothesis] = []
     left = np.zeros(0)
-    for more in _stages(now, _turning(sets)):
+    still = all(motion.base is None for group in sets for motion in group)
+    for stage in _stages(now, _turning(sets), joints, still):
+        more = stage([kinds[k] for k in np.argsort(left, kind="stable")[:BEAM]])
         kinds = [*kinds, *more]
         left = np.concatenate([left, _left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
@@ -172,47 +186,107 @@ def better_reading(recordings: Sequence[Recording]) -> Better | None:
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
     """Return the share that is left of the torques' power as the recordings stand."""
-    return float(_left(sets, [ConventionHypothesis((), combined_map(()))])[0])
+    return float(_left(sets, [_reading((), sets[0][0].joints)])[0])
 
 
-def _stages(now: float, turning: Sequence[int]) -> Iterator[Sequence[ConventionHypothesis]]:
+Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
+"""What is tried next, given the best readings so far."""
+
+
+def _stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True) -> Iterator[Stage]:
     """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
-    they stand leave very much (`now`), degrees and all combinations too.
+    they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
+    the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
+    mirrored is another one.
     """
-    yield readings(FEW)
-    yield [*(_in_degrees() if now > WRONG else ()), *_geared_readings(turning)]
-    if now > WRONG:
-        yield [one for one in readings(MOST) if len(one.names) > FEW]
+    all_tried = len(joints) <= FEW_JOINTS
+    yield lambda best: readings(FEW if all_tried else 1, joints, still)
+    if now > WRONG and not all_tried:
+        yield lambda best: _extended(best, joints, still)
+    yield lambda best: [*(_in_degrees(joints) if now > WRONG else ()), *_geared_readings(turning, joints)]
+    if now > WRONG and all_tried:
+        yield lambda best: [one for one in readings(MOST, joints, still) if len(one.names) > FEW]
+    if now > WRONG and not all_tried:
+        for _ in range(MOST - FEW):
+            yield lambda best: _extended(best, joints, still)
+
+
+def _extended(
+    best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
+) -> Sequence[ConventionHypothesis]:
+    """Return `best` with one name more each, mirrored ones once."""
+    found: dict[tuple[float, ...], ConventionHypothesis] = {_key(one.map, joints, still): one for one in best}
+    known = set(found)
+    for one, group in product(best, _groups_of_names(joints)):
+        if not any(named.name in option for named in one.names for option in group):
+            for option in group:
+                longer = _reading((*(named.name for named in one.names), *option), joints)
+                found.setdefault(_key(longer.map, joints, still), longer)
+    return [one for key, one in found.items() if key not in known]
 
 
 def _turning(sets: Sequence[Sequence[Smooth]]) -> list[int]:
     """Return the joints that move so far that their angles may be those of motors."""
     reach = np.max([np.ptp(motion.q, axis=0) for group in sets for motion in group], axis=0)
-    return [joint for joint in (0, 1) if reach[joint] > TURNING]
+    return [k for k, joint in enumerate(sets[0][0].joints) if joint.turns and reach[k] > TURNING]
+
+
+Options = list[tuple[str, ...]]
+LEG_OPTIONS: tuple[Options, ...] = (
+    [("swapped-joints",), ("swapped-torques",), ("swapped-angles",)],
+    [("flexion-positive",), ("hip-extension-positive",)],
+    [("hip-angle-negated",), ("knee-angle-negated",)],
+    [("knee-torque-negated",), ("hip-torque-negated",), ("load-torque",)],
+    [("hip-from-upright",), ("hip-from-horizontal",), ("hip-from-horizontal-backwards",)],
+    [("included-knee-angle",), ("shank-from-horizontal",), ("shank-from-horizontal-backwards",)],
+    [("absolute-shank",)],
+    [("base-driven-shank",)],
+)
+"""Names of which one reading has at most one each."""
+
+
+def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
+    """Return the names of a machine's conventions, in groups of which one reading has at most one each."""
+    if is_leg(joints):
+        return LEG_OPTIONS
+    found: dict[str, Options] = {}
+    for name, one in conventions_of_machine(joints).items():
+        if name != "degrees":
+            found.setdefault(_group(name, one.order, joints), []).append((name,))
+    return list(found.values())
+
+
+def _group(name: str, order: int, joints: Sequence[Joint]) -> str:
+    """Return what is the same for conventions that exclude each other: all channels once, a joint's sign, its zero."""
+    if order == 0 or name == "load-torque":
+        return name.partition("-")[0]
+    if name == "absolute-angles":
+        return name
+    own = next(joint.name for joint in joints if joint.name in name.split("-"))
+    return f"{min(order, 4)} {own} {name.startswith('base-driven')}"
 
 
 @cache
-def readings(most: int = MOST) -> tuple[ConventionHypothesis, ...]:
-    """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once, the
-    simplest name of each.
+def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = True) -> tuple[ConventionHypothesis, ...]:
+    """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once where
+    the base is `still`, the simplest name of each.
     """
-    none: tuple[str, ...] = ()
-    choices: list[list[tuple[str, ...]]] = [
-        [none, ("swapped-joints",), ("swapped-torques",), ("swapped-angles",)],
-        [none, ("flexion-positive",), ("hip-extension-positive",)],
-        [none, ("hip-angle-negated",), ("knee-angle-negated",)],
-        [none, ("knee-torque-negated",), ("hip-torque-negated",), ("load-torque",)],
-        [none, ("hip-from-upright",), ("hip-from-horizontal",), ("hip-from-horizontal-backwards",)],
-        [none, ("included-knee-angle",), ("shank-from-horizontal",), ("shank-from-horizontal-backwards",)],
-        [none, ("absolute-shank",)],
-        [none, ("base-driven-shank",)],
-    ]
-    every = (tuple(name for part in parts for name in part) for parts in product(*choices))
-    possible = (_reading(names) for names in every if len(names) <= most and _makes_sense(names))
+    possible = [_reading(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
     found: dict[tuple[float, ...], ConventionHypothesis] = {}
     for one in sorted(possible, key=_cost):
-        found.setdefault(_key(one.map), one)
+        found.setdefault(_key(one.map, joints, still), one)
     return tuple(found.values())
+
+
+def _chosen(groups: Sequence[Options], most: int) -> Iterator[tuple[str, ...]]:
+    """Yield every choice of at most one of each group, of at most so many in all."""
+    if not groups:
+        yield ()
+        return
+    for option in ((), *groups[0]):
+        if len(option) <= most:
+            for rest in _chosen(groups[1:], most - len(option)):
+                yield option + rest
 
 
 def _makes_sense(names: tuple[str, ...]) -> bool:
@@ -220,93 +294,113 @@ def _makes_sense(names: tuple[str, ...]) -> bool:
     return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
 
 
-def _reading(names: Iterable[str]) -> ConventionHypothesis:
-    chosen = conventions(tuple(names))
-    return ConventionHypothesis(chosen, combined_map(chosen))
+def _reading(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> ConventionHypothesis:
+    chosen = conventions(tuple(names), joints)
+    return ConventionHypothesis(chosen, combined_map(chosen, joints))
 
 
 def _cost(one: ConventionHypothesis) -> float:
     """Return how many changes a reading needs; among equals the usual ones cost a little less."""
-    unusual = {"hip-extension-positive": 0.2, "base-driven-shank": 0.1, "hip-from-horizontal-backwards": 0.1}
-    return round(len(one.names) + sum(unusual.get(c.name, 0.0) for c in one.names), 6)
+    return round(len(one.names) + sum(c.unusual for c in one.names), 6)
 
 
-def _key(to: Map) -> tuple[float, ...]:
-    """Return what is the same for two maps of which one is the other's mirror image."""
+def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, ...]:
+    """Return what is the same for two maps of which one is the other's mirror image, where the base is `still`.
+
+    A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
+    """
+    turns = np.array([float(joint.turns) for joint in joints])
+    mirror = 1.0 - 2.0 * (turns if turns.any() else 1.0)
     keys = []
-    for sign in (1.0, -1.0):
+    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 2 if still else 1]:
         zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
-        parts = np.concatenate([np.round(sign * to.angle, 6).ravel(), zero, np.round(sign * to.torque, 6).ravel()])
-        keys.append(tuple(float(x) for x in parts + 0.0))
+        parts = [np.round(sign[:, None] * rows, 6).ravel() for rows in (to.angle, to.torque)]
+        keys.append(tuple(float(x) for x in np.concatenate([parts[0], zero, parts[1]]) + 0.0))
     return max(keys)
 
 
 @cache
-def _in_degrees() -> tuple[ConventionHypothesis, ...]:
-    return tuple(_reading(("degrees", *(c.name for c in one.names))) for one in readings(FEW))
+def _in_degrees(joints: tuple[Joint, ...]) -> tuple[ConventionHypothesis, ...]:
+    if not any(joint.turns for joint in joints):
+        return ()
+    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints)
+    return tuple(_reading(("degrees", *(c.name for c in one.names)), joints) for one in some)
 
 
-def _geared_readings(turning: Sequence[int]) -> list[ConventionHypothesis]:
+def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
     """Return readings on the motor's side of a gear, with the usual signs."""
+    signs = ((), ("flexion-positive",)) if is_leg(joints) else ((),)
     out = []
-    for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), ((), ("flexion-positive",))):
-        names = (gear(joint, part, float(ratio)), *conventions(sign))
-        out.append(ConventionHypothesis(names, combined_map(names)))
-    if len(turning) == 2:
+    for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), signs):
+        names = (gear(joint, part, float(ratio), joints), *conventions(sign, joints))
+        out.append(ConventionHypothesis(names, combined_map(names, joints)))
+    if len(turning) > 1:
         for ratio, part in product(RATIOS, ("", "angle")):
-            names = (gear(0, part, float(ratio)), gear(1, part, float(ratio)))
-            out.append(ConventionHypothesis(names, combined_map(names)))
+            names = tuple(gear(joint, part, float(ratio), joints) for joint in turning)
+            out.append(ConventionHypothesis(names, combined_map(names, joints)))
     return out
 
 
 def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> ConventionHypothesis:
     """Return a reading with gears whose ratio is searched between its neighbours on the grid."""
+    joints = sets[0][0].joints
 
     def at(change: float) -> ConventionHypothesis:
         names = []
         for old in one.names:
             stem, equals, ratio = old.name.partition("=")
-            names.append(_geared(stem, float(ratio) * change) if equals else old)
-        return ConventionHypothesis(tuple(names), combined_map(names))
+            names.append(_geared(stem, float(ratio) * change, joints) if equals else old)
+        return ConventionHypothesis(tuple(names), combined_map(names, joints))
 
     step = float(np.log(RATIOS[-1] / RATIOS[-2]))
     grid = np.linspace(-step, step, 41)
-    left = [float(_left(sets, [at(float(np.exp(x)))])[0]) for x in grid]
+
+    def share(x: float) -> float:
+        return float(_left(sets, [at(float(np.exp(x)))])[0])
+
+    left = [share(float(x)) for x in grid]
     near, wide = float(grid[int(np.argmin(left))]), float(grid[1] - grid[0])
-    change, least = minimum(lambda x: float(_left(sets, [at(float(np.exp(x)))])[0]), near - wide, near + wide, 1e-5)
+    change, least = minimum(share, near - wide, near + wide, 1e-5)
     best = at(float(np.exp(change)))
-    rounded = _rounded(best)
+    rounded = _rounded(best, joints)
     return rounded if _left(sets, [rounded])[0] <= AS_GOOD * least else best
 
 
-def _rounded(one: ConventionHypothesis) -> ConventionHypothesis:
+def _rounded(one: ConventionHypothesis, joints: tuple[Joint, ...]) -> ConventionHypothesis:
     """Return a reading whose gear ratios are whole numbers, of two digits at most."""
     names = []
     for old in one.names:
         stem, equals, ratio = old.name.partition("=")
         names.append(
-            _geared(stem, float(f"{float(ratio):.2g}") if float(ratio) > 10 else round(float(ratio))) if equals else old
+            _geared(stem, float(f"{float(ratio):.2g}") if float(ratio) > 10 else round(float(ratio)), joints)
+            if equals
+            else old
         )
-    return ConventionHypothesis(tuple(names), combined_map(names))
+    return ConventionHypothesis(tuple(names), combined_map(names, joints))
 
 
-def _geared(stem: str, ratio: float) -> Convention:
-    return conventions(f"{stem}={ratio:.4f}".rstrip("0").rstrip("."))[0]
+def _geared(stem: str, ratio: float, joints: tuple[Joint, ...]) -> Convention:
+    return conventions(f"{stem}={ratio:.4f}".rstrip("0").rstrip("."), joints)[0]
 
 
-def _groups(recordings: Sequence[Recording]) -> list[list[Smooth]]:
+def _groups(recordings: Sequence[Recording], weighs: bool = True) -> list[list[Smooth]]:
     """Return the smoothed recordings that move and carry torque, those with the same known masses together."""
     groups: dict[object, list[Smooth]] = {}
     for one in recordings:
         motion = smooth(one)
-        if motion is not None and np.any(motion.q.std(axis=0) > 0.02) and np.any(motion.tau.std(axis=0) > 0.0):
-            groups.setdefault(one.payloads, []).append(motion)
+        reach = [joint.reach for joint in one.joints]
+        if (
+            motion is not None
+            and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
+            and np.any(motion.tau.std(axis=0) > 0.0)
+        ):
+            groups.setdefault(one.payloads, []).append(motion if weighs else replace(motion, weighs=False))
     return list(groups.values())
 
 
 def _undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
     """Return `motion` as it was before the conventions `names` were taken into account."""
-    to = combined_map(conventions(names))
+    to = combined_map(conventions(names, motion.joints), motion.joints)
     back = np.linalg.inv(to.angle).T
     q, tau = (motion.q - to.zero) @ back, motion.tau @ np.linalg.inv(to.torque).T
     return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
@@ -320,7 +414,8 @@ def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis
     samples = sum(len(range(m.q.shape[0])[m.keep]) for group in sets for m in group)
     thin = max(1, samples // ROWS)
     thinned = [[_rows(m, thin) for m in group] for group in sets]
-    moves = [[m.q[m.keep].std(axis=0) > STANDS for m in group] for group in sets]
+    stands = STANDS * np.array([joint.reach for joint in sets[0][0].joints])
+    moves = [[m.q[m.keep].std(axis=0) > stands for m in group] for group in sets]
     alike: dict[bytes, list[int]] = {}
     for k, kind in enumerate(kinds):
         alike.setdefault(np.concatenate([kind.map.angle.ravel(), kind.map.zero]).tobytes(), []).append(k)
@@ -331,46 +426,58 @@ def _left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis
     return out
 
 
-def _rows(motion: Smooth, thin: int) -> tuple[Float, Float, Float, Float]:
+def _rows(motion: Smooth, thin: int) -> Smooth:
     keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
-    return motion.q[keep], motion.dq[keep], motion.ddq[keep], motion.tau[keep]
+    q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
+    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=None if motion.base is None else motion.base[keep])
 
 
 @dataclass(frozen=True, eq=False)
 class _Sums:
     """Sums over the samples of recordings in which the joint of torque k moves: `gram` (K, J, J, P, P) of two joints'
     columns, `slope` (J, K, P) of joint j's columns with torque k, `power` (K,) of the torques around their means.
+    `near` (K, K) says which joints are neighbours (None: all).
     """
 
     gram: Float
     slope: Float
     power: Float
+    near: NDArray[np.bool_] | None = None
 
 
-def _sums(group: Sequence[tuple[Float, Float, Float, Float]], moves: Sequence[np.ndarray], to: Map) -> _Sums:
-    q, dq, ddq, tau = (np.concatenate(parts) for parts in zip(*group, strict=True))
-    counts = np.concatenate([np.repeat(m[None], len(rows[0]), axis=0) for m, rows in zip(moves, group, strict=True)])
+def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
+    tau = np.concatenate([motion.tau for motion in group])
+    counts = np.concatenate([np.repeat(m[None], len(one.q), axis=0) for m, one in zip(moves, group, strict=True)])
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
-    angle = q @ to.angle.T + to.zero
-    y = np.concatenate([columns(angle, dq @ to.angle.T, ddq @ to.angle.T), _stops(angle)], axis=2)
+    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
+    known = [one.base for one in group if one.base is not None]
+    base = np.concatenate(known) if len(known) == len(group) else None
+    turn = to.angle.T
+    whole = replace(group[0], q=q @ turn + to.zero, dq=dq @ turn, ddq=ddq @ turn, tau=tau, base=base)
+    y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
-    size, joints = y.shape[2], tau.shape[1]
+    size, count = y.shape[2], tau.shape[1]
     grams = [
-        (part.T @ part).reshape(joints, size, joints, size).transpose(0, 2, 1, 3)
-        for part in (flat[counts[:, k]] for k in range(joints))
+        (part.T @ part).reshape(count, size, count, size).transpose(0, 2, 1, 3)
+        for part in (flat[counts[:, k]] for k in range(count))
     ]
-    slope = (flat.T @ tau).reshape(joints, size, joints).transpose(0, 2, 1)
-    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0))
+    slope = (flat.T @ tau).reshape(count, size, count).transpose(0, 2, 1)
+    near = np.eye(count, dtype=bool)
+    for k, above in enumerate(parents(whole.joints)):
+        if above is not None:
+            near[k, above] = near[above, k] = True
+    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), near)
 
 
 def _stops(q: Float) -> Float:
-    """Return columns (J, K, 4) of what pushes back near the ends of each joint's range: stops, tendons, straps.
+    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range: stops, tendons, straps.
 
-    Without them a leg that runs into its stop would look like one that is read wrongly.
+    Without them a machine that runs into its stop would look like one that is read wrongly.
     """
-    out = np.zeros((2, len(q), 4))
-    for joint in (0, 1):
+    joints = q.shape[1]
+    out = np.zeros((joints, len(q), 2 * joints))
+    for joint in range(joints):
         low, high = np.quantile(q[:, joint], STOP)
         out[joint, :, 2 * joint] = np.maximum(q[:, joint] - high, 0.0)
         out[joint, :, 2 * joint + 1] = np.minimum(q[:, joint] - low, 0.0)
@@ -393,7 +500,9 @@ def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
     What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
     """
     power = np.sum([s.power for s in groups], axis=0)
-    least = np.where(power < PASSIVE**2 * power.max(), 1.0, QUIET**2) * power.max()
+    near = groups[0].near
+    largest = np.full(power.shape, power.max()) if near is None else np.where(near, power, 0.0).max(axis=1)
+    least = np.where(power < PASSIVE**2 * largest, 1.0, QUIET**2) * largest
     weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
     back = np.linalg.inv(torques)
     squares = np.einsum("k,mkj,mkl->mkjl", weight, back, back)

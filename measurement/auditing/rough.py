@@ -1,4 +1,4 @@
-"""A rough two-link pendulum for the audit: good enough to tell a sign or a swapped channel, not to identify.
+"""A rough pendulum for the audit: good enough to tell a sign or a swapped channel, not to identify. Of the leg:
 
     tau1 = a θ1'' + b (θ1'' + θ2'') + c (cos θ2 (2 θ1'' + θ2'') - sin θ2 (2 θ1' θ2' + θ2'²))
            + g1 sin θ1 + g2 sin θ12 + friction
@@ -6,7 +6,7 @@
 
 Inertias (r: of the knee drive's rotor), weights and frictions are free but not negative, so neither thigh length
 nor gravity nor the scale of the torque need be known, and a leg turned upside down does not fit (non-negative least
-squares).
+squares). Of any other machine, whose lengths are known, every link's mass, first moment and inertia in the same way.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from measurement.auditing.non_negative import non_negative
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import both_ways, low_pass_filter
+from symbolic.joints import LEG, Joint, is_leg, parents
+from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from symbolic.motion import Float
 
 CUTOFF = 5.0
@@ -33,7 +35,9 @@ MOST_SECONDS, ROWS = 120.0, 1500
 @dataclass(frozen=True, eq=False)
 class Smooth:
     """Evenly sampled, smoothed motion: `q`, `dq`, `ddq`, `tau` (K, J) at `step` s; `keep` picks rows for
-    fitting."""
+    fitting. `base` (K, 5) is the angle of a measured base, its two derivatives, its acceleration forwards and upwards.
+    `weighs` says whether the machine moves under gravity.
+    """
 
     q: Float
     dq: Float
@@ -41,6 +45,9 @@ class Smooth:
     tau: Float
     step: float
     keep: slice
+    base: Float | None = None
+    joints: tuple[Joint, ...] = LEG
+    weighs: bool = True
 
     @cached_property
     def sums(self) -> tuple[Float, Float, NDArray[np.int_]]:
@@ -77,15 +84,20 @@ def _smoothed(recording: Recording) -> Smooth | None:
     step = max(1.0 / recording.rate, 0.005)
     even = np.arange(t[0], t[-1], step)
     pairs = []
-    for pair in (recording.q, recording.tau):
+    for pair in (recording.q, recording.tau, *(() if recording.base is None else (recording.base,))):
         # the running median takes out single outliers, which a filter would smear over its whole length
         values = np.column_stack([np.interp(even, t, running_median(column, 7)) for column in pair[valid].T])
         pairs.append(both_ways(low_pass_filter(2, 2.0 * CUTOFF * step), values, 9))
-    q, tau = pairs
+    q, tau, *others = pairs
     dq = np.gradient(q, step, axis=0)
+    base = None
+    if others:
+        angle = others[0][:, 0]
+        rate = np.gradient(angle, step)
+        base = np.column_stack([angle, rate, np.gradient(rate, step), others[0][:, 1:]])
     edge = round(0.5 / step)
     thin = max(1, (even.size - 2 * edge) // ROWS)
-    return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin))
+    return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin), base, recording.joints)
 
 
 def unexplained(
@@ -152,3 +164,37 @@ def columns(q: Float, dq: Float, ddq: Float) -> Float:
     hip += [none, soft1, v1, none, none, one, -one, none, none]
     knee += [a2, none, none, soft2, v2, none, none, one, -one]
     return np.stack([np.column_stack(hip), np.column_stack(knee)])
+
+
+def machine_columns(motion: Smooth) -> Float:
+    """Return the columns (J, K, P) of any machine: links, their weights, rotors, friction, and offsets of either sign.
+
+    A weight has a number of its own, since the scale of gravity need not be known. Where there is none, and where a
+    joint slides, a spring may be all that pulls: moved at one frequency, it would be the mass of a force with the
+    other sign.
+    """
+    joints, q, dq, ddq, base = motion.joints, motion.q, motion.dq, motion.ddq, motion.base
+    if is_leg(joints) and base is None:
+        return columns(q, dq, ddq)
+    count, still = range(len(joints)), list(np.zeros_like(q).T)
+    links = link_torques(
+        joints, 0.0, list(q.T), list(dq.T), list(ddq.T), np, STILL if base is None else BaseMotion(*base.T)
+    )
+    turned = STILL if base is None else BaseMotion(angle=base[:, 0])
+    weights = link_torques(joints, 1.0, list(q.T), still, still, np, turned) if motion.weighs else []
+    found = [one[kind] for one in links for kind in ("J", "X", "m")]
+    found += [one[kind] for one in weights for kind in ("X", "m")]
+    # Where a link slides, the zero of its position is anybody's, and its first moment of either sign.
+    found += [[-x for x in of[k]["X"]] for k in count if not joints[k].turns for of in (links, weights) if of]
+    out = [[row[k] + np.zeros(len(q)) for row in found] for k in count]
+    for k, (joint, above) in enumerate(zip(joints, parents(joints), strict=True)):
+        own = [np.tanh(dq[:, k] / (width * joint.reach)) for width in (0.05, 0.005)] + [
+            dq[:, k],
+            np.ones(len(q)),
+            -np.ones(len(q)),
+        ]
+        own += [ddq[:, k]] if above is not None else []
+        own += [] if joint.turns and motion.weighs else [q[:, k] - q[:, k].mean()]
+        for other in count:
+            out[other] += [column if other == k else np.zeros(len(q)) for column in own]
+    return np.stack([np.column_stack(row) for row in out])

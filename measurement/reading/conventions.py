@@ -1,27 +1,29 @@
 """The usual ways of counting angles and torques, by name, and how each becomes exoid's own.
 
 exoid's hip angle counts from the downward vertical, its knee angle is relative to the thigh with flexion negative,
-and each torque is what the drive of that joint exerts. A convention is an affine map of both angles and a linear map of
-both torques; a change of sign or of the side of a gear maps both so that power stays the same.
+and each torque is what the drive of that joint exerts. A convention is an affine map of the angles and a linear map of
+the torques; a change of sign or of the side of a gear maps both so that power stays the same. The leg's have the words
+of the leg; those of any other machine are made from its joints' names.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations
 
 import numpy as np
 
 from ground.errors import RecordingError
 from ground.suggest import did_you_mean
 from measurement.recording import Recording
-from symbolic.joints import is_leg
+from symbolic.joints import LEG, Joint, ancestors, is_leg, names
 from symbolic.motion import Float
-from symbolic.quantity import JOINTS
 
-Rows = tuple[tuple[float, float], tuple[float, float]]
+Rows = tuple[tuple[float, ...], ...]
 SAME: Rows = ((1.0, 0.0), (0.0, 1.0))
 OTHER: Rows = ((0.0, 1.0), (1.0, 0.0))
 HIP: Rows = ((-1.0, 0.0), (0.0, 1.0))
@@ -33,9 +35,11 @@ QUARTER = 0.5 * math.pi
 
 @dataclass(frozen=True)
 class Convention:
-    """q = `angle` q_file + `zero` and tau = `torque` tau_file (rad, N·m); `order`: lower ones are applied first.
+    """q = `angle` q_file + `zero` and tau = `torque` tau_file (rad, N·m; m, N where a joint slides); `order`: lower
+    ones are applied first.
 
-    `what` completes "it looks as if ...", `explains` says to a user what recordings of this convention hold.
+    `what` completes "it looks as if ...", `explains` says to a user what recordings of this convention hold. `unusual`
+    counts, beside another reading with as many names, against it.
     """
 
     name: str
@@ -43,8 +47,9 @@ class Convention:
     what: str
     explains: str
     angle: Rows = SAME
-    zero: tuple[float, float] = (0.0, 0.0)
+    zero: tuple[float, ...] = (0.0, 0.0)
     torque: Rows = SAME
+    unusual: float = 0.0
 
 
 CONVENTIONS: Mapping[str, Convention] = {
@@ -73,6 +78,7 @@ CONVENTIONS: Mapping[str, Convention] = {
             "hip angle and hip torque have the other sign",
             HIP,
             torque=HIP,
+            unusual=0.2,
         ),
         Convention("hip-angle-negated", 2, "the hip angle has the wrong sign", "only the hip angle has", HIP),
         Convention("knee-angle-negated", 2, "the knee angle has the wrong sign", "only the knee angle has", KNEE),
@@ -107,6 +113,7 @@ CONVENTIONS: Mapping[str, Convention] = {
             "the hip angle counts from the horizontal behind",
             "q1 = 0 where the thigh points backwards, +90° where it hangs",
             zero=(-QUARTER, 0.0),
+            unusual=0.1,
         ),
         Convention(
             "included-knee-angle",
@@ -143,51 +150,185 @@ CONVENTIONS: Mapping[str, Convention] = {
             "a drive on the base pulls the shank by a belt or rod; with absolute-shank: generalised torques of the "
             "absolute angles",
             torque=((1.0, 1.0), (0.0, 1.0)),
+            unusual=0.1,
         ),
     )
 }
-"""Every convention that has a name, in the order in which it is applied."""
+"""Every convention of the leg that has a name, in the order in which it is applied."""
 
-_GEAR = re.compile(rf"({'|'.join(JOINTS)})-motor(|-angle|-torque)=(\d{{1,4}}(?:\.\d{{1,4}})?)")
+
+@lru_cache(maxsize=64)
+def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Convention]:
+    """Return every convention with a name that recordings of a machine with these `joints` may keep, by name."""
+    if is_leg(joints):
+        return CONVENTIONS
+    found = [*_swaps(joints), *_signs(joints), *_zeros(joints), *_absolute(joints)]
+    if any(joint.turns for joint in joints):
+        degrees = _rows(joints, {(k, k): DEGREE for k, joint in enumerate(joints) if joint.turns})
+        found.append(
+            _convention(joints, "degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
+        )
+    return {one.name: one for one in sorted(found, key=lambda one: one.order)}
+
+
+def _rows(joints: Sequence[Joint], changed: Mapping[tuple[int, int], float]) -> Rows:
+    """Return the identity (J, J) with the entries `changed`."""
+    count = range(len(joints))
+    return tuple(tuple(changed.get((k, m), float(k == m)) for m in count) for k in count)
+
+
+def _convention(
+    joints: Sequence[Joint], name: str, order: int, what: str, explains: str, angle: Rows | None = None,
+    torque: Rows | None = None, unusual: float = 0.0,
+) -> Convention:  # fmt: skip
+    same, zero = _rows(joints, {}), (0.0,) * len(joints)
+    return Convention(name, order, what, explains, angle or same, zero, torque or same, unusual)
+
+
+def _swaps(joints: Sequence[Joint]) -> list[Convention]:
+    """Return the conventions that exchange the channels of two joints of one kind."""
+    found = []
+    for a, b in combinations(range(len(joints)), 2):
+        if joints[a].turns == joints[b].turns:
+            other = _rows(joints, {(a, a): 0.0, (b, b): 0.0, (a, b): 1.0, (b, a): 1.0})
+            pair = f"{joints[a].name} and {joints[b].name}"
+            for part, angle, torque in (("angles", other, None), ("torques", None, other), ("joints", other, other)):
+                name = f"swapped-{part}-{joints[a].name}-{joints[b].name}"
+                what = f"{pair} are swapped" if part == "joints" else f"the {part} of {pair} are swapped"
+                found.append(_convention(joints, name, 0, what, "each is in the other's column", angle, torque))
+    return found
+
+
+def _signs(joints: Sequence[Joint]) -> list[Convention]:
+    found = []
+    for k, joint in enumerate(joints):
+        angle, torque = ("angle", "torque") if joint.turns else ("position", "force")
+        other = _rows(joints, {(k, k): -1.0})
+        # A single joint whose angle is negated is the mirror image of one whose torque is.
+        either = f" (or its {angle})" if len(joints) == 1 else ""
+        for name, order, what, turned, forced in (
+            ("torque-negated", 2, f"the {joint.name} {torque} has the wrong sign{either}", None, other),
+            ("angle-negated", 2, f"the {joint.name} {angle} has the wrong sign", other, None),
+            ("negated", 2, f"{angle} and {torque} of {joint.name} have the wrong sign", other, other),
+        ):
+            explains = f"{what.partition(' has ')[0].partition(' have ')[0]}: counted the other way"
+            found.append(_convention(joints, f"{joint.name}-{name}", order, what, explains, turned, forced))
+    if len(joints) > 1:
+        every = _rows(joints, {(k, k): -1.0 for k in range(len(joints))})
+        what = "all torques (or all angles) have the wrong sign"
+        explains = "torques are what the load exerts on the drives"
+        found.append(_convention(joints, "load-torque", 2, what, explains, torque=every))
+    return found
+
+
+def _zeros(joints: Sequence[Joint]) -> list[Convention]:
+    """Return the other zeros of angles: of a first link against the vertical, of a further one against its parent."""
+    found = []
+    for k, joint in enumerate(joints):
+        if not joint.turns:
+            continue
+        name, hangs = joint.name, not any(joints[m].turns for m in ancestors(joints, k)[:-1])
+        kinds: tuple[tuple[str, str, str, float], ...] = (
+            (f"{name}-from-upright", "from upright", "zero where its link points upwards", math.pi),
+            (f"{name}-from-horizontal", "from the horizontal", "zero where its link points forwards", QUARTER),
+            (f"{name}-from-horizontal-backwards", "from the horizontal behind", "zero where its link points backwards",
+             -QUARTER),
+        ) if hangs else (
+            (f"included-{name}-angle", "as the one between its link and the one before",
+             "180° where the two are in line", -math.pi),
+            (f"{name}-from-square", "from a right angle to the link before",
+             f"zero where its link is square to the one before, turned forwards; with absolute-{name}: where it "
+             "points forwards", QUARTER),
+            (f"{name}-from-square-backwards", "from a right angle behind to the link before",
+             f"zero where its link is square to the one before, turned backwards; with absolute-{name}: where it "
+             "points backwards", -QUARTER),
+        )  # fmt: skip
+        for title, counts, explains, zero in kinds:
+            one = _convention(joints, title, 3, f"the {name} angle counts {counts}", explains)
+            shift = tuple(zero if m == k else 0.0 for m in range(len(joints)))
+            found.append(replace(one, zero=shift, unusual=0.1 * title.endswith("-backwards")))
+    return found
+
+
+def _absolute(joints: Sequence[Joint]) -> list[Convention]:
+    """Return the conventions of links whose angles, or whose drives, are against the base instead of the link before.
+
+    From the base outwards: the angles of the links before are relative ones by then.
+    """
+    above = {k: [m for m in ancestors(joints, k)[:-1] if joints[m].turns] for k in range(len(joints))}
+    further = [k for k, joint in enumerate(joints) if joint.turns and above[k]]
+    found = []
+    for k in further:
+        name = joints[k].name
+        what = f"the {name} angle is that of its link against the vertical, not against the link before"
+        found.append(
+            _convention(
+                joints, f"absolute-{name}", 4 + k, what, "the sum of the angles from the base to it",
+                _rows(joints, {(k, m): -1.0 for m in above[k]}),
+            )
+        )  # fmt: skip
+        what = f"the {name} torque acts between base and link, not between its link and the one before"
+        found.append(
+            _convention(
+                joints, f"base-driven-{name}", 4 + len(joints) + k, what,
+                "a drive on the base moves it by a belt or rod",
+                torque=_rows(joints, {(m, k): 1.0 for m in above[k]}), unusual=0.1,
+            )
+        )  # fmt: skip
+    if len(further) > 1:
+        # rel = A⁻¹ abs, where abs = A rel sums the angles from the base outwards
+        sums = np.eye(len(joints))
+        for k in further:
+            sums[k, above[k]] = 1.0
+        relative = tuple(tuple(float(x) for x in row) for row in np.round(np.linalg.inv(sums)))
+        what = "every angle is that of its link against the vertical, not against the link before"
+        found.append(_convention(joints, "absolute-angles", 4, what, "as motion capture gives them", relative))
+    return found
+
+
+_GEAR = re.compile(r"([A-Za-z][A-Za-z0-9_]*)-motor(|-angle|-torque)=(\d{1,4}(?:\.\d{1,4})?)")
 GEARS = "JOINT-motor=N, JOINT-motor-angle=N, JOINT-motor-torque=N"
 """Conventions with a number: angle and torque, or only one of them, on the motor's side of a gear of ratio N."""
 
 
-def gear(joint: int, part: str, ratio: float) -> Convention:
+def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> Convention:
     """Return the convention of a joint whose angle and torque (`part` "", "angle" or "torque") are the motor's."""
-    size = [1.0, 1.0]
-    size[joint] = ratio
-    turn: Rows = ((1.0 / size[0], 0.0), (0.0, 1.0 / size[1]))
-    force: Rows = ((size[0], 0.0), (0.0, size[1]))
+    of = joints[joint].name
+    turn = _rows(joints, {(joint, joint): 1.0 / ratio})
+    force = _rows(joints, {(joint, joint): ratio})
     kind = {"": "angle and torque are", "angle": "angle is", "torque": "torque is"}[part]
-    what = f"the {JOINTS[joint]} {kind} on the motor's side of a gear of about {ratio:.4g}"
-    name = f"{JOINTS[joint]}-motor{part and f'-{part}'}={ratio:.4g}"
-    return Convention(name, 1, what, "", SAME if part == "torque" else turn, torque=SAME if part == "angle" else force)
+    what = f"the {of} {kind} on the motor's side of a gear of about {ratio:.4g}"
+    name = f"{of}-motor{part and f'-{part}'}={ratio:.4g}"
+    return _convention(
+        joints, name, 1, what, "", None if part == "torque" else turn, None if part == "angle" else force
+    )
 
 
-def conventions(names: str | Iterable[str]) -> tuple[Convention, ...]:
-    """Return the conventions called `names` ("a,b" or ["a", "b"]), in the order of application.
+def conventions(called: str | Iterable[str], joints: tuple[Joint, ...] = LEG) -> tuple[Convention, ...]:
+    """Return the conventions `called` so ("a,b" or ["a", "b"]) of a machine with `joints`, in the order of application.
 
     Raises RecordingError for a name that does not exist and for one given twice.
     """
-    given = [n.strip() for text in ([names] if isinstance(names, str) else names) for n in text.split(",")]
-    found = [_named(name) for name in given if name]
+    given = [n.strip() for text in ([called] if isinstance(called, str) else called) for n in text.split(",")]
+    found = [_named(name, joints) for name in given if name]
     twice = [name for name in given if name and given.count(name) > 1]
     if twice:
         raise RecordingError(f"the convention {twice[0]} is given twice", remedy="name it once")
     return tuple(sorted(found, key=lambda one: one.order))
 
 
-def _named(name: str) -> Convention:
+def _named(name: str, joints: tuple[Joint, ...]) -> Convention:
     geared = _GEAR.fullmatch(name)
-    if geared and float(geared[3]) > 0.0:
-        return gear(JOINTS.index(geared[1]), geared[2].removeprefix("-"), float(geared[3]))
-    if name not in CONVENTIONS:
+    if geared and geared[1] in names(joints) and float(geared[3]) > 0.0:
+        return gear(names(joints).index(geared[1]), geared[2].removeprefix("-"), float(geared[3]), joints)
+    known = conventions_of_machine(joints)
+    if name not in known:
+        whose = "" if is_leg(joints) else f" of a machine with {', '.join(names(joints))}"
         raise RecordingError(
-            f"there is no convention called {name!r}",
-            remedy=did_you_mean(name, list(CONVENTIONS)) or f"known: {', '.join(CONVENTIONS)}, {GEARS}",
+            f"there is no convention called {name!r}{whose}",
+            remedy=did_you_mean(name, list(known)) or f"known: {', '.join(known)}, {GEARS}",
         )
-    return CONVENTIONS[name]
+    return known[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,37 +340,28 @@ class Map:
     torque: Float
 
 
-def combined_map(chosen: Iterable[Convention]) -> Map:
+def combined_map(chosen: Iterable[Convention], joints: Sequence[Joint] = LEG) -> Map:
     """Return the one map that applying `chosen` one after the other makes."""
-    angle, zero, torque = np.eye(2), np.zeros(2), np.eye(2)
+    angle, zero, torque = np.eye(len(joints)), np.zeros(len(joints)), np.eye(len(joints))
     for one in chosen:
         step = np.array(one.angle)
         angle, zero, torque = step @ angle, step @ zero + one.zero, np.array(one.torque) @ torque
     return Map(angle, zero, torque)
 
 
-def read_as(recording: Recording, names: str | Iterable[str]) -> Recording:
-    """Return `recording`, taken for one that keeps the conventions `names`, in exoid's own.
+def read_as(recording: Recording, called: str | Iterable[str]) -> Recording:
+    """Return `recording`, taken for one that keeps the conventions `called` so, in exoid's own.
 
     Whole turns that a new zero adds are taken off. Raises RecordingError for a name that does not exist.
     """
-    chosen = conventions(names)
+    chosen = conventions(called, recording.joints)
     if not chosen:
         return recording
-    if not is_leg(recording.joints):
-        raise RecordingError(
-            f"the convention {chosen[0].name} is one of legs; this machine has {', '.join(recording.joint_names)}",
-            where=recording.source.path or recording.name,
-            remedy="change signs with --units, as in q1=-rad or tau1=-Nm",
-        )
-    to = combined_map(chosen)
+    to = combined_map(chosen, recording.joints)
     q = recording.q @ to.angle.T + to.zero
-    if np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle))):
-        q = (
-            q - 2 * np.pi * np.round(np.median(q[recording.valid], axis=0) / (2 * np.pi))
-            if recording.valid.any()
-            else q
-        )
+    if (np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle)))) and recording.valid.any():
+        turns = np.array([joint.turns for joint in recording.joints])
+        q = q - 2 * np.pi * turns * np.round(np.median(q[recording.valid], axis=0) / (2 * np.pi))
     return replace(
         recording,
         q=q,

@@ -125,7 +125,8 @@ def prepare(
     else:
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
-    misread = (*check_conventions(recordings), *check_conventions(verify)) or check_scales(recordings)
+    weighs = model.gravity > 0.0
+    misread = (*check_conventions(recordings, weighs), *check_conventions(verify, weighs)) or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))

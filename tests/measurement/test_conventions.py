@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -299,11 +300,11 @@ def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, move
 def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_well(plain, named, monkeypatch):
     """The better of two readings needs two names and leaves a hundredth; the other needs one."""
     kinds = [convention._reading(names) for names in (["flexion-positive", "absolute-shank"], ["load-torque"])]
-    monkeypatch.setattr(convention, "_groups", lambda recordings: [[None]])
+    monkeypatch.setattr(convention, "_groups", lambda recordings, weighs: [[SimpleNamespace(base=None)]])
     monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
     monkeypatch.setattr(convention, "_undone", lambda motion, names: motion)
     monkeypatch.setattr(convention, "_turning", lambda sets: [])
-    monkeypatch.setattr(convention, "_stages", lambda now, turning: [kinds])
+    monkeypatch.setattr(convention, "_stages", lambda now, turning, joints, still: [lambda best: kinds])
     monkeypatch.setattr(convention, "_left", lambda sets, kinds, most: np.array([0.01, plain]))
     assert len(better_reading([motion()]).reading.names) == named
 
@@ -312,4 +313,4 @@ def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_w
 @pytest.mark.parametrize(("now", "tried"), [(0.35, False), (0.45, True)])
 def test_readings_of_many_names_are_tried_where_the_recordings_are_very_wrong(now, tried):
     stages = convention._stages(now, [])
-    assert any(len(one.names) > 2 and "degrees" not in str(one.names) for stage in stages for one in stage) is tried
+    assert any(len(one.names) > 2 and "degrees" not in str(one.names) for stage in stages for one in stage([])) is tried

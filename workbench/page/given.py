@@ -95,7 +95,7 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
     from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, numbered, required
-    from measurement.reading.conventions import CONVENTIONS
+    from measurement.reading.conventions import conventions_of_machine
     from measurement.reading.names import kind_of
     from measurement.reading.read import open_table
 
@@ -122,7 +122,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "told": {"columns": columns, "units": units, "leg": leg},
         "legs": list(legs(table, joints)),
         "convention": given.convention,
-        "conventions": [{"name": one.name, "what": one.what} for one in CONVENTIONS.values()],
+        "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
         "findings": [f.to_json() for one in given.recordings for f in one.findings],
     }
