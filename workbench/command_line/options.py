@@ -109,7 +109,8 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--convention", metavar="NAME", action="append", default=[],
         help="how angles and torques are counted, where not as exoid does: flexion-positive, absolute-shank, "
-        "hip-from-upright, hip-from-horizontal, ... (docs/file_formats.md; other machines: docs/machines.md); several as A,B",
+        "hip-from-upright, ... (docs/file_formats.md), of other machines knee-negated, absolute-angles, ... "
+        "(docs/machines.md); several as A,B",
     )  # fmt: skip
     group.add_argument(
         "--passive", metavar="[FILE=]JOINT", action="append", default=[],
