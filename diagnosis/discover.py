@@ -22,7 +22,7 @@ from diagnosis.search.context import Progress, SearchContext, silent
 from diagnosis.search.doubt import DELAY
 from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
-from diagnosis.settings import ALL, DiscoveryOptions, DiscoverySettings
+from diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from diagnosis.splits import from_scratch
 from diagnosis.verdict import behind, conclude, doubted, swayed
 from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
@@ -134,19 +134,19 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
     return filtered(context.without(state.last, late).fitted, joints, rules)
 
 
-@spelt_out(DiscoverySettings)
+@spelt_out(DiagnosisSettings)
 def diagnose(
     model: Model | Fit,
     recordings: Sequence[Recording],
     verify: Sequence[Recording] = (),
-    settings: DiscoverySettings | None = None,
+    settings: DiagnosisSettings | None = None,
     *,
     progress: Progress | None = None,
-    **changes: Unpack[DiscoveryOptions],
+    **changes: Unpack[DiagnosisOptions],
 ) -> Diagnosis:
     """Find the effect that `model` misses most: `discover` that stops after one step."""
-    asked = replace(DiscoverySettings.chosen(settings, changes), most=1)
-    return discover(model, recordings, verify, asked, progress=progress)
+    asked = vars(DiagnosisSettings.chosen(settings, changes))
+    return discover(model, recordings, verify, DiscoverySettings(**asked | {"most": 1}), progress=progress)
 
 
 def _part(tick: Progress, low: float, high: float) -> Progress:

@@ -17,21 +17,26 @@ LINEARISED, ALL = "linearised", "all"
 """Ways to repeat the decision over splits of the recordings."""
 
 
-class DiscoveryOptions(TypedDict, total=False):
-    """`DiscoverySettings` as keywords."""
+class DiagnosisOptions(TypedDict, total=False):
+    """`DiagnosisSettings` as keywords."""
 
     seed: int
     cutoff: float | None
     derivative: str
     extra: Sequence[Effect]
     rules: Rules
+
+
+class DiscoveryOptions(DiagnosisOptions, total=False):
+    """`DiscoverySettings` as keywords."""
+
     most: int | None
     splits: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DiscoverySettings(VerbSettings):
-    """How recordings are prepared and searched."""
+class DiagnosisSettings(VerbSettings):
+    """How recordings are prepared, and by which rules suspects are weighed."""
 
     cutoff: float | None = setting(None, "Hz of the common filter; without it, chosen from the recordings")
     derivative: str = setting(
@@ -44,6 +49,12 @@ class DiscoverySettings(VerbSettings):
         (), "effects beyond the catalogue and the model's own, which are suspected anyway"
     )
     rules: Rules = setting(RULES, "the thresholds that decide")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiscoverySettings(DiagnosisSettings):
+    """How far a search goes, and how its decision is repeated."""
+
     most: int | None = setting(None, "effects that are added at most; without it, what the rules say")
     splits: str = setting(
         LINEARISED,

@@ -12,7 +12,7 @@ from symbolic.joints import Joint, parents
 from symbolic.term import Term
 from workbench.identified import ExportError, Ready
 
-ASIDE = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
+OFF_AXIS = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
 """Effects that are a mass beside a link's axis, and the link, None where the joint says it."""
 
 
@@ -39,8 +39,8 @@ def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[L
     phi = np.array([ready.linear[p.name] for p in model.inertial])
     across = np.zeros(len(model.joints))
     for term in model.terms:
-        if term.effect.id in ASIDE:
-            link = ASIDE[term.effect.id]
+        if term.effect.id in OFF_AXIS:
+            link = OFF_AXIS[term.effect.id]
             across[term.first if link is None else link] = ready.linear[f"{term.name}.m_y"]
     found = nearest_links(model, phi, across, near)
     if found is None:
@@ -57,7 +57,7 @@ def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[L
 
 def left_out(ready: Ready, carried: Sequence[str] = ()) -> str:
     """Return the effects that a file cannot carry, for a comment; `carried` are ids of those it does."""
-    names = [term.name for term in ready.model.terms if term.effect.id not in (*ASIDE, *carried)]
+    names = [term.name for term in ready.model.terms if term.effect.id not in (*OFF_AXIS, *carried)]
     return ", ".join(in_comment(name) for name in names) or "nothing"
 
 

@@ -110,7 +110,7 @@ def _known(
     import numpy as np
 
     along, side = machine.along[k], np.cross(machine.normal, machine.along[k])
-    inertia = first = aside = mass = 0.0
+    inertia = first = across = mass = 0.0
     for link in group:
         if link not in robot.masses:
             continue
@@ -119,8 +119,8 @@ def _known(
         x, y = float(step @ along), float(step @ side)
         turned = _tensor(robot, link, where)
         inertia += float(machine.normal @ turned @ machine.normal) + own * (x**2 + y**2)
-        first, aside, mass = first + own * x, aside + own * y, mass + own
-    body = LinkInertia(inertia, first, aside, mass)
+        first, across, mass = first + own * x, across + own * y, mass + own
+    body = LinkInertia(inertia, first, across, mass)
     return body if mass > 0.0 and body.about_centre > 0.0 else None
 
 

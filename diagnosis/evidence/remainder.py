@@ -129,11 +129,11 @@ def remainders(
     """Return every remainder tried at `joints` (default: all), the most telling first, the best `placebos` of them with
     p-values.
 
-    A curve is tried twice: common to all recordings and judged on held-out recordings; and with each recording having
-    its own, judged on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
+    A curve is tried twice: common to all recordings and evaluated on held-out recordings; and with each recording
+    having its own, evaluated on held-out blocks of it (where an effect sits may move with strapping and encoder zero).
     """
-    common = [Judge(evidence, tuple(range(len(evidence.blocks))))]
-    owns = own_judges(now, evidence)
+    common = [CurveData(evidence, tuple(range(len(evidence.blocks))))]
+    owns = curve_data_per_recording(now, evidence)
     seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
     places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
     asked = [(place, variable, factor) for place in places for variable, factor in tried_curves(now.model.joints)]
@@ -143,7 +143,7 @@ def remainders(
         place, variable, factor = asked[k]
         splines = splines_along(now, variable, place, factor, evidence.rules.knots)
         modes = _modes(variable, factor, common, owns) if splines is not None else ()
-        return [_weigh(judges, splines, place, own) for own, judges in modes if splines is not None]
+        return [_weigh(parts, splines, place, own) for own, parts in modes if splines is not None]
 
     many = allowed_processes()
     share_out(weighed, range(len(asked)), answers.__setitem__, many)
@@ -170,14 +170,16 @@ def remainders(
     return found
 
 
-def _modes(variable: str, factor: str, common: list[Judge], owns: list[Judge]) -> tuple[tuple[bool, list[Judge]], ...]:
-    """Return the ways to judge a curve."""
+def _modes(
+    variable: str, factor: str, common: list[CurveData], owns: list[CurveData]
+) -> tuple[tuple[bool, list[CurveData]], ...]:
+    """Return the ways to evaluate a curve: common to all recordings, and, where it may move, one in each."""
     return ((False, common), (True, owns)) if may_move(variable, factor) else ((False, common),)
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
-    """Evidence on some of the recordings (`which`, indices)."""
+class CurveData:
+    """What curves are evaluated on: the evidence on some of the recordings (`which`, indices)."""
 
     evidence: Evidence
     which: tuple[int, ...]
@@ -197,8 +199,8 @@ class Judge:
         return self.evidence.gain(self.evidence.plain(self.columns(splines)), self.curve_ridge)
 
 
-def own_judges(now: FittedModel, evidence: Evidence) -> list[Judge]:
-    """Return a judge for each recording, to whom the zeros of its torque sensors are no news."""
+def curve_data_per_recording(now: FittedModel, evidence: Evidence) -> list[CurveData]:
+    """Return the evidence of each recording alone, with a torque offset of its own among the columns."""
     out = []
     joints = len(now.model.joints)
     prior = np.append(evidence.prior, np.zeros(joints))
@@ -210,25 +212,25 @@ def own_judges(now: FittedModel, evidence: Evidence) -> list[Judge]:
         alone = Evidence(
             [folded], [], seed=index, draws=evidence.draws, sigma=evidence.sigma, prior=prior, rules=evidence.rules
         )
-        out.append(Judge(alone, (index,), index < len(now.prepared.train)))
+        out.append(CurveData(alone, (index,), index < len(now.prepared.train)))
     return out
 
 
-def _weigh(judges: Sequence[Judge], splines: Splines, index: int, own: bool) -> dict[str, Any]:
-    """Return what judges say of a curve at the joint `index`, as JSON can write it."""
-    gains = [j.gain(splines.columns) for j in judges]
-    fall = sum(float(g.total[0]) for g, j in zip(gains, judges, strict=True) if j.trained)
-    loss = sum(float(j.evidence.fold_losses.sum()) for j in judges if j.trained)
-    each = np.sum([j.evidence.joint_losses for j in judges if j.trained], axis=0)
+def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) -> dict[str, Any]:
+    """Return what a curve gains on the `parts`, at the joint `index`, as JSON can write it."""
+    gains = [j.gain(splines.columns) for j in parts]
+    fall = sum(float(g.total[0]) for g, j in zip(gains, parts, strict=True) if j.trained)
+    loss = sum(float(j.evidence.fold_losses.sum()) for j in parts if j.trained)
+    each = np.sum([j.evidence.joint_losses for j in parts if j.trained], axis=0)
     if own:
-        fresh = [(float(g.total[0]), float(j.evidence.fold_losses.sum())) for g, j in zip(gains, judges, strict=True)]
-        unseen = sum(f for (f, _), j in zip(fresh, judges, strict=True) if not j.trained)
-        against = sum(w for (_, w), j in zip(fresh, judges, strict=True) if not j.trained)
-        best = max(range(len(judges)), key=lambda i: fresh[i][0])
+        fresh = [(float(g.total[0]), float(j.evidence.fold_losses.sum())) for g, j in zip(gains, parts, strict=True)]
+        unseen = sum(f for (f, _), j in zip(fresh, parts, strict=True) if not j.trained)
+        against = sum(w for (_, w), j in zip(fresh, parts, strict=True) if not j.trained)
+        best = max(range(len(parts)), key=lambda i: fresh[i][0])
     else:
-        unseen, against, best = float(gains[0].unseen[0]), judges[0].evidence.unseen_loss, 0
+        unseen, against, best = float(gains[0].unseen[0]), parts[0].evidence.unseen_loss, 0
     share = fall / loss if loss else 0.0
-    y, band = _curve(judges[best], splines)
+    y, band = _curve(parts[best], splines)
     return {
         "own": own,
         "share": share,
@@ -240,8 +242,8 @@ def _weigh(judges: Sequence[Judge], splines: Splines, index: int, own: bool) -> 
     }
 
 
-def _p_value(judges: Sequence[Judge], columns: Sequence[Columns], share: float) -> float:
-    trained = [j for j in judges if j.trained]
+def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: float) -> float:
+    trained = [j for j in parts if j.trained]
     null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), j.curve_ridge).total[1:] for j in trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
@@ -253,11 +255,11 @@ def significant(one: Remainder, rules: Rules = RULES) -> bool:
     return one.p_value is not None and one.p_value <= rules.curve_level and one.share >= rules.curve_share and fresh
 
 
-def _curve(judge: Judge, splines: Splines) -> tuple[Float, Float]:
+def _curve(part: CurveData, splines: Splines) -> tuple[Float, Float]:
     """Return the learnt curve and the half-width of its 95 % band from the spread over held-out fits (jackknife)."""
-    grams = judge.evidence.plain(judge.columns(splines.columns))
-    curves = judge.evidence.leave_one_out(grams, judge.curve_ridge) @ splines.basis.T
-    y = splines.basis @ judge.evidence.gain(grams, judge.curve_ridge).coefficients[0]
+    grams = part.evidence.plain(part.columns(splines.columns))
+    curves = part.evidence.leave_one_out(grams, part.curve_ridge) @ splines.basis.T
+    y = splines.basis @ part.evidence.gain(grams, part.curve_ridge).coefficients[0]
     count = len(curves)
     spread = np.sqrt((count - 1) / count * np.sum((curves - curves.mean(axis=0)) ** 2, axis=0))
     return y - y.mean(), 1.96 * spread

@@ -28,21 +28,21 @@ MOST_AGAINST = 3
 """Splits whose recordings are named where they disagree."""
 
 
-def splits_of(recordings: int, aside: int, rules: Rules, seed: int = 0) -> tuple[tuple[int, ...], ...]:
+def splits_of(recordings: int, held_out: int, rules: Rules, seed: int = 0) -> tuple[tuple[int, ...], ...]:
     """Return which recordings are held out in each split; () where there is only one recording.
 
-    `aside` of them at a time (a third where that is 0, never more than half): all combinations where there are few,
+    `held_out` of them at a time (a third where that is 0, never more than half): all combinations where there are few,
     otherwise `rules.most_splits` of them at random.
     """
     if recordings < 2:
         return ()
-    aside = min(aside or max(1, recordings // 3), recordings // 2)
-    if comb(recordings, aside) <= rules.most_splits:
-        return tuple(itertools.combinations(range(recordings), aside))
+    held_out = min(held_out or max(1, recordings // 3), recordings // 2)
+    if comb(recordings, held_out) <= rules.most_splits:
+        return tuple(itertools.combinations(range(recordings), held_out))
     rng = np.random.default_rng(seed)
     drawn: set[tuple[int, ...]] = set()
     while len(drawn) < rules.most_splits:
-        drawn.add(tuple(sorted(rng.choice(recordings, aside, replace=False).tolist())))
+        drawn.add(tuple(sorted(rng.choice(recordings, held_out, replace=False).tolist())))
     return tuple(sorted(drawn))
 
 
@@ -53,9 +53,9 @@ class Splits:
     """
 
     def __init__(self, evidence: Evidence) -> None:
-        self.aside = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
+        self.held_out = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
         self.evidence, self.rules = evidence, evidence.rules
-        held = np.array([np.isin(evidence.of, aside) for aside in self.aside], dtype=bool).reshape(-1, evidence.count)
+        held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, evidence.count)
         self.fits, self.judged = evidence.fits(~held), evidence.judged(held)
         self.losses = self.judged.loss(self.fits.step[:, :, None])[:, 0]
 
@@ -66,7 +66,7 @@ class Splits:
 
     def candidate(self, score: Score, columns: Sequence[Columns]) -> Agreement:
         """Return in how many splits the candidate of `score`, with its columns (one node), helps."""
-        if not self.aside:
+        if not self.held_out:
             return self._agreement(np.zeros((0, 3)), {})
         grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
         pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
@@ -134,7 +134,7 @@ class Splits:
         agrees = gain >= np.maximum(self.rules.split_keeps * expected, 0.0)
         order = np.argsort(gain)
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
-        against = tuple(dict.fromkeys(r for k in worst for r in self.aside[k]))
+        against = tuple(dict.fromkeys(r for k in worst for r in self.held_out[k]))
         return Agreement(int((tells & agrees).sum()), int(tells.sum()), ranges, against)
 
 

@@ -1,6 +1,6 @@
 """Beside rivals: where an accepted term may as well be another one, every lesser term must help beside that one too.
 
-What only helps beside one of two that these data cannot tell apart takes up what the wrong one of them leaves.
+What only helps beside one of two that these data cannot distinguish takes up what the wrong one of them leaves.
 """
 
 from __future__ import annotations

@@ -18,9 +18,9 @@ from symbolic.motion import Float
 EXACT = 1e-8
 """Share of a squared torque up to which two are the same but for rounding."""
 UNCLEAR = 1e-6
-"""Share by which sums of products may be wrong where columns are told apart: so near to a limit samples decide."""
+"""Share by which sums of products may be wrong where columns are distinguished: so near to a limit samples decide."""
 TOLD = 1e-7
-"""Smallest eigenvalue of what is new in columns of length one, from which sums of products tell them apart."""
+"""Smallest eigenvalue of what is new in columns of length one, from which sums of products distinguish them."""
 
 
 class _Beside:

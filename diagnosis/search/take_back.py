@@ -11,9 +11,9 @@ import numpy as np
 
 from diagnosis.evidence.columns import stacked
 from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.proxies import BetterCurve, beaten
 from diagnosis.evidence.remainder import Remainder, remainders, significant
 from diagnosis.evidence.suggestions import suggest
-from diagnosis.evidence.unmasking import Winner, beaten
 from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext, as_fitted
 from diagnosis.search.doubt import too_short
@@ -23,10 +23,10 @@ from diagnosis.search.state import Extension, State
 def take_back(context: SearchContext, state: State) -> State:
     """Return the state with what is left, and without the proxies among its terms; these are banned."""
     left = left_over(context, state.last)
-    unmasked = proxies(context, state, left) | impossible(state.last)
-    if not unmasked:
+    taken = proxies(context, state, left) | impossible(state.last)
+    if not taken:
         return replace(state, left=left)
-    shorter = replace(state, banned=state.banned | unmasked, left=left)
+    shorter = replace(state, banned=state.banned | taken, left=left)
     return context.replay(shorter, [name for name in state.names if name not in shorter.banned])
 
 
@@ -75,7 +75,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
 
 
 def _superseded(
-    context: SearchContext, extension: Extension, evidence: Evidence, winner: Winner, joint: str
+    context: SearchContext, extension: Extension, evidence: Evidence, winner: BetterCurve, joint: str
 ) -> set[str]:
     """Return the candidates that touch `joint` and add little to the curve that won there."""
     out = set()

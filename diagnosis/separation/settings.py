@@ -18,6 +18,6 @@ class SeparationOptions(MotionOptions, total=False):
 class SeparationSettings(MotionSettings):
     """A motion that distinguishes rivals."""
 
-    offsets: str = setting("free", "where the motion is centred", choices=OFFSETS)
+    offsets: str = setting("free", "where the motion is centred: paper, middle or free", choices=OFFSETS)
     generations: int = setting(40, "generations of NFO", 0, 100_000)
     cutoff: float | None = setting(None, "Hz of the filter; without it, chosen from the recordings")

@@ -155,7 +155,7 @@ class Session:
         return Step(label, now.train_rms, now.verify_rms)
 
     def compare(self, names: Names = ()) -> Comparison:
-        """Hold the model with these effects against the recordings."""
+        """Compare the model with these effects with the recordings."""
         return compare_prepared(self.fitted(names).fit, self.prepared)
 
     def error(self, names: Names = ()) -> ModelError | None:

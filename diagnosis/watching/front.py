@@ -153,7 +153,7 @@ class FrontEnd:
     """The last sample (1 + 2 J,) of the stream as it came."""
     begin: float = 0.0
     count: int = 0
-    """Samples of the even clock so far, since `begin`."""
+    """Samples of the uniform clock so far, since `begin`."""
     raw: Float = field(default_factory=lambda: np.zeros((0, 0)))
     state: Float | None = None
     before: Float = field(default_factory=lambda: np.zeros((0, 0)))
@@ -215,11 +215,11 @@ class FrontEnd:
         self.before = np.zeros((0, 1 + 3 * self.joints))
 
     def even_samples(self, samples: Float) -> Samples:
-        """Return the working samples that samples (N, 1 + 2 J) of an even clock complete, none of which is missing."""
+        """Return the working samples that samples (N, 1 + 2 J) of a uniform clock, none missing, complete."""
         return self._filter(np.column_stack([samples, np.zeros(len(samples))]))
 
     def _on_clock(self, samples: Float) -> Samples:
-        """Put samples on the even clock; those that do not come after the ones before are passed over."""
+        """Put samples on the uniform clock; those that do not come after the ones before are passed over."""
         assert self.filters is not None
         rows = samples if self.last is None else np.concatenate([self.last[None], samples])
         highest = np.maximum.accumulate(rows[:, 0])
@@ -244,7 +244,7 @@ class FrontEnd:
         return self._filter(np.column_stack([grid, even, hole]))
 
     def _filter(self, even: Float) -> Samples:
-        """Filter samples (N, 2 + 2 J) of the even clock: t, q, tau, hole."""
+        """Filter samples (N, 2 + 2 J) of the uniform clock: t, q, tau, hole."""
         assert self.filters is not None
         filters, joints = self.filters, self.joints
         rows = np.concatenate([self.raw, even])

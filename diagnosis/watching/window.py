@@ -106,8 +106,8 @@ def _joined(group: Sequence[Window]) -> Window:
 
 
 def prepared(joints: Sequence[Joint], before: Sequence[Window], after: Sequence[Window] = ()) -> Prepared:
-    """Return windows as the question of a diagnosis: `before` to be fitted, `after` held against them."""
+    """Return windows as the question of a diagnosis: `before` to be fitted, `after` compared with them."""
     count = len(joints)
-    choice = CutoffChoice(before[0].cutoff, "that of the causal filters", automatic=False)
+    choice = CutoffChoice(before[0].cutoff, "that of the causal filters")
     none = np.zeros(count)
     return Prepared(tuple(before), tuple(after), choice, none, none, 0.0, joints=tuple(joints))

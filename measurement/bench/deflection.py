@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
-    """Return the motion that encoders see, for that of the links on an even clock; itself where nothing gives way.
+    """Return the motion that encoders see, for that of the links on a uniform clock; itself where nothing gives way.
 
     `mechanical` is the model that the links obey.
     """

@@ -85,7 +85,7 @@ def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = 
 
 
 def _even(t: Float, values: Float) -> tuple[Float, Float] | None:
-    """Return (clock, values) smoothed on an even clock, at most the first five minutes; None where too short."""
+    """Return (clock, values) smoothed on a uniform clock, at most the first five minutes; None where too short."""
     good = np.isfinite(t) & np.isfinite(values).all(axis=1)
     t, values = t[good], values[good]
     if t.size < 50 or t[-1] - t[0] < LEAST_SECONDS:

@@ -199,13 +199,13 @@ class MotionSearch:
     ) -> tuple[Float, Float]:  # fmt: skip
         """Return the population (I, n) after a stage, and what it searched for of each (I,)."""
 
-        def stand_in(y: Float) -> Float:
+        def proxy(y: Float) -> Float:
             return self.smooth(y, stage)
 
         price = -(-_differences(self.space.size) // self.asked.individuals)
         if stage.whitened and price + 1 <= DEAREST * generations:
-            best = x[int(np.argmin(stand_in(x)))]
-            axes = _whitening(stand_in, best)
+            best = x[int(np.argmin(proxy(x)))]
+            axes = _whitening(proxy, best)
             edge = self._edge(WIDE)
 
             def placed(z: Float) -> Float:
@@ -214,7 +214,7 @@ class MotionSearch:
             near = NEAR * rng.normal(size=x.shape)
             near[0] = 0.0
             far = np.full(self.space.size, 100.0 * NEAR)
-            inner = Problem(lambda z: stand_in(placed(z)), -far, far, self.space.names, ("1",) * self.space.size)
+            inner = Problem(lambda z: proxy(placed(z)), -far, far, self.space.names, ("1",) * self.space.size)
             plain = Remembering(WHITENED, lambda z: z)
             left = generations - price - 1
             run = minimise(inner, plain, individuals=self.asked.individuals, generations=left, seed=seed, start=near)
@@ -222,7 +222,7 @@ class MotionSearch:
             return form(placed(found)), f
         remember = Remembering(RECIPE, form)
         run = minimise(
-            self._problem(stand_in, WIDE), remember, individuals=self.asked.individuals, generations=generations,
+            self._problem(proxy, WIDE), remember, individuals=self.asked.individuals, generations=generations,
             seed=seed, start=x,
         )  # fmt: skip
         return _with(remember.last[0], run.x, run.fitness)

@@ -55,9 +55,9 @@ class MotionSettings(VerbSettings):
 
     refusal: ClassVar[type[ExoidError]] = DesignError
 
-    period: float = setting(10.0, "period", 0.01, 1e5, "s")
+    period: float = setting(10.0, "length of one period", 0.01, 1e5, "s")
     harmonics: int = setting(5, "number of harmonics", 1, 20)
-    offsets: str = setting("paper", "where the motion is centred", choices=OFFSETS)
+    offsets: str = setting("paper", "where the motion is centred: paper, middle or free", choices=OFFSETS)
     rest: bool = setting(False, "start and end at rest: no velocity, no acceleration")
     use: float = setting(1.0, "share of the limits that may be used; 0.9 leaves room for tracking errors")
     noise: Noise | None = setting(None, "standard deviation of a torque sample; without it, that of the bench")

@@ -86,7 +86,6 @@ class CutoffChoice:
 
     cutoff: float
     reason: str
-    automatic: bool = True
     table: tuple[tuple[float, float, float], ...] = field(default=())
 
 

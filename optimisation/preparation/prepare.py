@@ -123,7 +123,7 @@ def prepare(
     if cutoff is None:
         choice = choose_cutoff(base, judged, beta, derivative)
     else:
-        choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for", automatic=False)
+        choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for")
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     weighs = model.gravity > 0.0
     misread = (*check_conventions(recordings, weighs), *check_conventions(verify, weighs)) or check_scales(recordings)

@@ -9,12 +9,12 @@ import pytest
 from synthetic import search, state_with
 from test_rules_of_evidence import block, candidate, noise
 
-from diagnosis.evidence import channels, remainder, soft_drive, unmasking
+from diagnosis.evidence import channels, proxies, remainder, soft_drive
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.curves import splines_along
 from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.remainder import Judge, Remainder, remainders, significant
-from diagnosis.evidence.unmasking import Winner, beaten
+from diagnosis.evidence.proxies import BetterCurve, beaten
+from diagnosis.evidence.remainder import CurveData, Remainder, remainders, significant
 from diagnosis.rules import RULES
 
 CURVE, TERM, BOTH, BUMP = "curve", "term", "curve and term", "bump"
@@ -42,8 +42,8 @@ def test_a_part_of_a_curve_that_the_model_nearly_contains_is_held_back():
     new -= own * (own @ new)
     column = np.sqrt(0.97) * own + np.sqrt(0.03) * new / np.linalg.norm(new)
     evidence = Evidence([block(column)] * 2, [], seed=0, draws=0, sigma=np.full(1, 1e3))
-    judge = Judge(evidence, (0, 1))
-    gain = judge.gain([Columns((0,), column[None, None, :, None])] * 2)
+    part = CurveData(evidence, (0, 1))
+    gain = part.gain([Columns((0,), column[None, None, :, None])] * 2)
     assert gain.coefficients[0, 0] == pytest.approx(0.5, abs=0.05)
 
 
@@ -62,7 +62,7 @@ def test_a_curve_is_reported_that_explains_enough_and_is_not_chance(share, p_val
 def test_a_curve_of_its_own_for_each_recording_earns_that_freedom(own, first, bare, monkeypatch):
     """Half of what is left follows a common curve, a little more one of each recording's own."""
 
-    def weighs(judges, splines, index, of_its_own):
+    def weighs(parts, splines, index, of_its_own):
         share = own if of_its_own else 0.5
         return {key: [0.0] for key in ("x", "y", "band")} | {"own": of_its_own, "share": share, "unseen": share}
 
@@ -81,17 +81,17 @@ def contest(monkeypatch, shares, lead=0.0, numbers=1):
     def name(columns):
         return columns[0] if isinstance(columns[0], str) else named[id(columns[0])]
 
-    monkeypatch.setattr(unmasking, "own_judges", lambda now, evidence: [])
-    monkeypatch.setattr(unmasking, "tried_curves", lambda joints: (("dq1", ""),) if CURVE in shares else ())
-    monkeypatch.setattr(unmasking, "splines_along", lambda *asked: SimpleNamespace(columns=(CURVE,)))
-    monkeypatch.setattr(unmasking, "_share", lambda judges, columns, ridge=None: shares[name(columns)])
-    monkeypatch.setattr(unmasking, "_blocks", lambda judges, columns, ridge=None: losses[name(columns)])
-    monkeypatch.setattr(unmasking, "_beside", lambda curve, term: BOTH)
+    monkeypatch.setattr(proxies, "curve_data_per_recording", lambda now, evidence: [])
+    monkeypatch.setattr(proxies, "tried_curves", lambda joints: (("dq1", ""),) if CURVE in shares else ())
+    monkeypatch.setattr(proxies, "splines_along", lambda *asked: SimpleNamespace(columns=(CURVE,)))
+    monkeypatch.setattr(proxies, "_share", lambda parts, columns, ridge=None: shares[name(columns)])
+    monkeypatch.setattr(proxies, "_blocks", lambda parts, columns, ridge=None: losses[name(columns)])
+    monkeypatch.setattr(proxies, "_beside", lambda curve, term: BOTH)
     bump = candidate(numbers=1)
-    monkeypatch.setattr(unmasking, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
-    monkeypatch.setattr(unmasking, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
+    monkeypatch.setattr(proxies, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
+    monkeypatch.setattr(proxies, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
     found = SimpleNamespace(share=shares.get(BUMP), nodes=np.zeros(1, int))
-    monkeypatch.setattr(unmasking, "weigh", lambda *asked: found)
+    monkeypatch.setattr(proxies, "weigh", lambda *asked: found)
     now = SimpleNamespace(
         model=SimpleNamespace(joint_names=("hip",), joints=()), prepared=SimpleNamespace(all=[None])
     )  # fmt: skip
@@ -127,10 +127,10 @@ def test_a_bump_of_fewer_numbers_unmasks_a_term_that_gains_no_more(share, number
 @pytest.mark.shows("near")
 @pytest.mark.parametrize(("share", "gone"), [(0.3, True), (0.45, False)])
 def test_a_curve_takes_the_place_of_a_constant_only_where_it_gains_clearly_more(share, gone, monkeypatch):
-    monkeypatch.setattr(unmasking, "_share", lambda judges, columns, ridge=None: share)
+    monkeypatch.setattr(proxies, "_share", lambda parts, columns, ridge=None: share)
     judge = SimpleNamespace(evidence=SimpleNamespace(rules=RULES))
     constant = SimpleNamespace(values=np.ones((1, 1, 8, 1)))
-    assert Winner((), (judge,), None, 0.5).supersedes([constant]) is gone
+    assert BetterCurve((), (judge,), None, 0.5).supersedes([constant]) is gone
 
 
 # -- channels -------------------------------------------------------------------------------------------------

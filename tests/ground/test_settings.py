@@ -9,7 +9,7 @@ import pytest
 
 import exoid
 from diagnosis.separation.settings import SeparationOptions, SeparationSettings
-from diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from diagnosis.settings import DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from ground.errors import ExoidError
 from ground.settings import SettingError, settings_in
 from optimisation.contest.settings import ContestOptions, ContestSettings
@@ -24,7 +24,7 @@ PAIRS = {
     "rivals": (ContestSettings, ContestOptions),
     "identify": (FitSettings, FitOptions),
     "discover": (DiscoverySettings, DiscoveryOptions),
-    "diagnose": (DiscoverySettings, DiscoveryOptions),
+    "diagnose": (DiagnosisSettings, DiagnosisOptions),
 }
 
 
@@ -51,6 +51,8 @@ def test_a_wrong_name_is_answered_with_the_right_one():
         exoid.design(harmonic=3)
     with pytest.raises(TypeError, match="no setting 'xyz'"):
         exoid.discover(exoid.Model.standard(), [], xyz=1)
+    with pytest.raises(SettingError, match="no setting 'most'"):
+        exoid.diagnose(exoid.Model.standard(), [], most=3)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +86,7 @@ def test_an_option_is_what_its_setting_is(capsys):
     with pytest.raises(SystemExit):
         parser.parse_args(["--period", "0"])
     assert "give a period of 0.01 to 100000 s" in capsys.readouterr().err
-    assert "period (10 s)" in parser.format_help()
+    assert "length of one period (10 s)" in parser.format_help()
 
 
 def test_the_names_of_criteria_are_those_that_are_computed():

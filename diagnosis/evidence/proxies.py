@@ -1,5 +1,5 @@
 """Is an accepted term only the nearest thing in the catalogue? A curve without physics, or a single bump, that clearly
-beats it, judged alike, unmasks it.
+beats it on the same data shows that it is a proxy for something else.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import block_losses
-from diagnosis.evidence.remainder import Judge, own_judges
+from diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from diagnosis.evidence.score import weigh
 from ground.engines.forks import allowed_processes, first_passing
 from symbolic.effect import Coefficient, Effect, Shape
@@ -31,18 +31,18 @@ CONSTANT = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Winner:
-    """A curve without physics that beat a term: its columns (one node) on every recording, and who judged it."""
+class BetterCurve:
+    """A curve without physics that beat a term: its columns (one node) on every recording, on which data."""
 
     columns: tuple[Columns, ...]
-    judges: tuple[Judge, ...]
+    parts: tuple[CurveData, ...]
     ridge: float | None
     share: float
 
     def leaves(self, term: Sequence[Columns]) -> float:
         """Return the share of the loss that a term (one node) still explains beside the curve."""
         both = [_beside(c, t) for c, t in zip(self.columns, term, strict=True)]
-        return _share(self.judges, both, self.ridge) - self.share
+        return _share(self.parts, both, self.ridge) - self.share
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
         """Whether a term adds less than half of its own gain to the curve.
@@ -50,37 +50,39 @@ class Winner:
         A constant adds nothing to any curve, each of which contains it: there the curve has to gain clearly more; and
         where recordings have offsets of their own, a constant says nothing.
         """
-        rules, alone = self.judges[0].evidence.rules, _share(self.judges, term)
+        rules, alone = self.parts[0].evidence.rules, _share(self.parts, term)
         if all(np.ptp(one.values, axis=2).max() < CONSTANT * np.abs(one.values).max() for one in term):
             return rules.least_share <= alone < rules.near * self.share
         return self.leaves(term) < rules.superseded * alone
 
 
-def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int) -> Winner | None:
-    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term, judged alike.
+def beaten(
+    now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Columns], numbers: int
+) -> BetterCurve | None:
+    """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term on the same data.
 
     Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
     fewer numbers than the `numbers` of the term gains as much as; and that adds little to that curve: it was a
-    stand-in. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    proxy. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
     `evidence` are of the model without the term.
     """
     rules = evidence.rules
-    common = (Judge(evidence, tuple(range(len(evidence.blocks)))),)
-    contests: list[Callable[[], Winner | None]] = []
-    for judges, own in ((common, False), (tuple(own_judges(now, evidence)), True)):
-        mine, losses = _share(judges, term), _blocks(judges, term)
+    common = (CurveData(evidence, tuple(range(len(evidence.blocks)))),)
+    contests: list[Callable[[], BetterCurve | None]] = []
+    for parts, own in ((common, False), (tuple(curve_data_per_recording(now, evidence)), True)):
+        mine, losses = _share(parts, term), _blocks(parts, term)
 
         def by_curve(
-            variable: str, factor: str, judges: Sequence[Judge] = judges, mine: float = mine, losses: Float = losses
-        ) -> Winner | None:
+            variable: str, factor: str, parts: Sequence[CurveData] = parts, mine: float = mine, losses: Float = losses
+        ) -> BetterCurve | None:
             splines = splines_along(now, variable, now.model.joint_names.index(joint), factor, rules.knots)
             if splines is None:
                 return None
-            share = _share(judges, splines.columns, rules.curve_ridge)
-            curve = Winner(splines.columns, tuple(judges), rules.curve_ridge, share)
+            share = _share(parts, splines.columns, rules.curve_ridge)
+            curve = BetterCurve(splines.columns, tuple(parts), rules.curve_ridge, share)
             if curve.share <= mine + rules.beaten_share:
                 return None
-            lead = losses - _blocks(judges, splines.columns, rules.curve_ridge)
+            lead = losses - _blocks(parts, splines.columns, rules.curve_ridge)
             clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
             return curve if clear and curve.supersedes(term) else None
 
@@ -88,14 +90,14 @@ def beaten(now: FittedModel, evidence: Evidence, joint: str, term: Sequence[Colu
         contests += [partial(by_curve, variable, factor) for variable, factor in tried]
     alone = _share(common, term)
 
-    def by_bump(candidate: Candidate) -> Winner | None:
+    def by_bump(candidate: Candidate) -> BetterCurve | None:
         columns = [
             candidate_columns(candidate, nodes, one, now)
             for nodes, one in zip(candidate.nodes, now.prepared.all, strict=True)
         ]
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
-        bump = Winner(best, common, None, score.share)
+        bump = BetterCurve(best, common, None, score.share)
         as_good = score.share >= rules.as_good * alone and candidate.numbers < numbers
         return bump if as_good and bump.supersedes(term) else None
 
@@ -138,9 +140,9 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
     return out
 
 
-def _blocks(judges: Sequence[Judge], columns: Sequence[Columns], ridge: float | None = None) -> Float:
-    """Return the losses of columns (one node) in blocks of time, on all that the judges hold out."""
-    trained = [(j.evidence, j.columns(columns)) for j in judges if j.trained]
+def _blocks(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> Float:
+    """Return the losses of columns (one node) in blocks of time, on all that is held out."""
+    trained = [(j.evidence, j.columns(columns)) for j in parts if j.trained]
     return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
 
 
@@ -152,8 +154,8 @@ def _beside(curve: Columns, term: Columns) -> Columns:
     return Columns(tuple(range(len(both))), both[None])
 
 
-def _share(judges: Sequence[Judge], columns: Sequence[Columns], ridge: float | None = None) -> float:
+def _share(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> float:
     """Return the share of the loss on held-out units that columns (one node) explain."""
-    trained = [j for j in judges if j.trained]
+    trained = [j for j in parts if j.trained]
     fall = sum(float(j.evidence.gain(j.evidence.plain(j.columns(columns)), ridge).total[0]) for j in trained)
     return fall / sum(float(j.evidence.fold_losses.sum()) for j in trained)
