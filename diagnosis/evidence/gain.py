@@ -174,7 +174,7 @@ class Evidence:
             # Plain products: for so many small ones the overhead of einsum was the larger part.
             for at in range(0, nodes, some):
                 each, now = x[at : at + some], slice(at, at + some)
-                both[now] = (each.reshape(-1, samples) @ own).reshape(-1, width, own.shape[1])
+                both[now] = (each.reshape(len(each) * width, samples) @ own).reshape(both[now].shape)
                 np.matmul(each * weight, np.swapaxes(each, 1, 2), out=square[now])
             g.append(both[:, :, :-1].transpose(2, 1, 0))
             a.append(both[:, :, -1].T)

@@ -27,6 +27,7 @@ from diagnosis.rules import RULES, Rules
 from ground.engines.forks import allowed_processes, share_out
 from measurement.signals.conditioning import derivatives
 from optimisation.fitting.identify import identify
+from optimisation.linear.factor import factorise
 from symbolic.catalogue import find_effect
 from symbolic.columns import slopes_of
 from symbolic.evaluation import carrying
@@ -249,11 +250,9 @@ def _left(
         weights = [link.one.use.T / scale[:, None] for link in links[:count]]
         rows = [(x * w[:, :, None])[:, :, free].reshape(w.size, -1) for (x, _), w in zip(pairs, weights, strict=False)]
         right = [(y * w).ravel() for (_, y), w in zip(pairs, weights, strict=False)]
-        matrix = np.concatenate(rows)
-        length = np.linalg.norm(matrix, axis=0)
-        length[length == 0.0] = 1.0
+        factor = factorise(np.concatenate(rows))
         linear = np.zeros(len(linear))
-        linear[free] = np.linalg.lstsq(matrix / length, np.concatenate(right), rcond=1e-10)[0] / length
+        linear[free] = factor.backward @ (factor.basis.T @ np.concatenate(right))
     return [wanted - columns @ linear for columns, wanted in pairs]
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
+from ground.engines.forks import allowed_processes, share_out
 from measurement.signals.conditioning import median_outliers
+from optimisation.linear.factor import factorise
 from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
 from symbolic.language.torque import is_transform
 from symbolic.motion import Float
@@ -154,10 +156,8 @@ class _Readings:
         parts = [np.moveaxis(p.smooth(np.moveaxis(x, 0, 1)), 0, 1) for p, x in zip(self.train, self.raw, strict=True)]
         self.use = np.concatenate([p.use for p in self.train]).T
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
-        flat = self.columns.reshape(-1, self.columns.shape[2])
-        length = np.sqrt(np.sum(flat**2, axis=0))
-        scale = np.where(length > 0.0, length, 1.0)
-        self.solve = np.linalg.pinv(flat / scale, rcond=1e-10) / scale[:, None]
+        factor = factorise(self.columns.reshape(-1, self.columns.shape[2]))
+        self.solve = factor.backward @ factor.basis.T
         self.linear = base.linear
 
     @cached_property
@@ -167,8 +167,20 @@ class _Readings:
 
     @cached_property
     def coarse(self) -> dict[str, dict[float, Float]]:
-        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried."""
-        return {kind: {v: self.left(undo, v, None, 1) for v in values} for kind, (undo, values) in CHANGES.items()}
+        """What is left (J,) with all torques changed, of every kind and at the seconds that are tried; shared with
+        copies of this process.
+        """
+        tried = [(kind, undo, value) for kind, (undo, values) in CHANGES.items() for value in values]
+        out: dict[str, dict[float, Float]] = {kind: {} for kind in CHANGES}
+
+        def heard(k: int, left: list[float]) -> None:
+            out[tried[k][0]][tried[k][2]] = np.array(left)
+
+        def work(k: int) -> list[float]:
+            return [float(one) for one in self.left(*tried[k][1:], None, 1)]
+
+        share_out(work, range(len(tried)), heard, allowed_processes())
+        return {kind: dict(sorted(found.items())) for kind, found in out.items()}
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them."""
