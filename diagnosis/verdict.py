@@ -75,6 +75,17 @@ def conclude(
     early = next((one for one in possible if one.early), None)
     if not accepted and left is None and early is not None:
         return _early(early, first, where, stopped)
+    only = _on_fitted_motion_only(last, possible, rules) if not accepted and left is None else ""
+    if only:
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is near the noise, that on fitted ones is not, and an entry explains part of it there",
+            f"Something is missing that the recordings held out do not show: {only}.{_nearest(possible, rules)}",
+            stopped,
+            "hold out a recording that shows it too, or more recordings of that motion: what is met in no recording "
+            "held out cannot be verified",
+            error,
+        )
     short = too_short(last.prepared, rules)
     if not accepted and left is None:
         return Conclusion(
@@ -126,6 +137,23 @@ def conclude(
             error,
         )
     return Conclusion("missing", rule, text, stopped, advice, error)
+
+
+def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rules: Rules) -> str:
+    """Return that the error is far above the noise on fitted motion alone, where an entry explains part; "" if not."""
+    floor = np.maximum(sensor_noise(last.prepared), 1e-6)
+    times = last.train_rms / floor
+    j = int(np.argmax(times))
+    told = max((one.explained_share for one in possible), default=0.0) >= rules.small_gain
+    unseen = last.judged_rms[j] > rules.near_noise * floor[j]
+    if not last.verified or not told or unseen or times[j] <= rules.near_noise:
+        return ""
+    names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
+    unit = last.model.joints[j].unit("tau")
+    return (
+        f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
+        f"{times[j]:.2g} times the noise, and {last.judged_rms[j]:.3g} {unit} on unseen motion"
+    )
 
 
 def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:

@@ -124,6 +124,21 @@ def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
     assert conclude((), None, last, last, True, 4, possible=(replace(early, early=False),)).verdict == "adequate"
 
 
+def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recordings_only():
+    context = search({"torque_offset:knee": ([1.0], [])}, ["torque_offset:knee"], scales=(1.0, -1.0, 1.0, 0.0))
+    last = state_with(context).last.fitted
+    near = replace(last, prepared=replace(last.prepared, noise_floor=np.maximum(last.judged_rms, 0.1) / 2.0))
+    assert np.any(near.train_rms > 3.0 * near.prepared.noise_floor)
+    offset = Possible("torque_offset", "knee", Agreement(1, 2), {}, 0.48, "supported by 1 of 2 splits")
+    found = conclude((), None, near, near, True, 4, possible=(offset,))
+    assert found.verdict == "unexplained"
+    assert "the knee keeps" in found.sentence and "(run_0, run_1, run_2)" in found.sentence
+    assert "torque_offset:knee, 48 %" in found.sentence and "hold out a recording" in found.next_experiment
+    little = replace(offset, explained_share=0.1)
+    assert conclude((), None, near, near, True, 4, possible=(little,)).verdict == "adequate"
+    assert conclude((), None, near, near, True, 4).verdict == "adequate"
+
+
 @pytest.mark.shows("at_bound")
 @pytest.mark.parametrize(("width", "doubted"), [(0.1015, False), (0.1007, True)])
 def test_a_value_on_its_bound_is_another_effect(width, doubted):
