@@ -19,7 +19,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gram import Fits, Gain, Gram, Judged, inverse_of, largest_eigenvalue
+from diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
 from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
 
@@ -85,8 +85,8 @@ class Evidence:
         self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
         bases = [self._unit_base(index, weight) for index, weight in self._units]
         self._base = [np.array(part) for part in zip(*bases, strict=True)]
-        self._fits, self._judged = self._make_splits()
-        self._losses = self._judged.loss(self._fits.step[:, :, None])[:, 0]
+        self._fits, self._held_out = self._make_splits()
+        self._losses = self._held_out.loss(self._fits.step[:, :, None])[:, 0]
 
     # -- the present model ------------------------------------------------------------------------------------
 
@@ -101,9 +101,9 @@ class Evidence:
         gram, slope, constant = (np.tensordot(units * 1.0, part, 1) for part in self._base)
         return gram, slope, constant
 
-    def judged(self, units: np.ndarray) -> Judged:
-        """Return the units that are one in each of `units` (S, U) as what is judged."""
-        return Judged(units * 1.0, *self.pooled(units))
+    def held_out(self, units: np.ndarray) -> HeldOut:
+        """Return the units that are one in each of `units` (S, U) as what is held out."""
+        return HeldOut(units * 1.0, *self.pooled(units))
 
     def fits(self, units: np.ndarray) -> Fits:
         """Return the present model fitted to the units that are one in each of `units` (S, U)."""
@@ -111,15 +111,15 @@ class Evidence:
         inverse = inverse_of(gram + np.diag(self.prior))
         return Fits(units * 1.0, inverse, (inverse @ slope[:, :, None])[:, :, 0])
 
-    def _make_splits(self) -> tuple[Fits, Judged]:
-        """Return what is fitted and what is judged in every split; the last are the verification recordings."""
+    def _make_splits(self) -> tuple[Fits, HeldOut]:
+        """Return what is fitted and what is held out in every split; the last are the verification recordings."""
         training = np.flatnonzero(self.is_train)
         self.folds = min(len(training), self.rules.most_folds)
         held = np.zeros((self.folds + (not self.is_train.all()), len(self._units)))
         for k in range(self.folds):
             held[k, training[k :: self.folds]] = 1.0
         held[self.folds :] = ~self.is_train
-        return self.fits(self.is_train * (1.0 - held)), self.judged(held)
+        return self.fits(self.is_train * (1.0 - held)), self.held_out(held)
 
     @cached_property
     def _together(self) -> Fits:
@@ -214,27 +214,27 @@ class Evidence:
         On what it was not fitted to a model loses no less than on the same units when they are fitted with the rest.
         So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
         """
-        (pooled, whole), (fits, judged), losses = self._training
+        (pooled, whole), (fits, unseen), losses = self._training
         coefficients, step, _ = pooled.candidate(grams, self.ridge())
         room = losses.sum() - whole.loss_beside(grams, coefficients, step)[0]
         out = np.asarray(allowed(coefficients[0].T) & (room >= least - ROUNDING * abs(least)))
         if out.any():
             some = grams.entries(out)
             coefficients, step, _ = fits.candidate(some, self.ridge())
-            falls = losses[:, None] - judged.loss_beside(some, coefficients, step)
+            falls = losses[:, None] - unseen.loss_beside(some, coefficients, step)
             out[out] = falls.sum(axis=0) >= least
         return out
 
     @cached_property
-    def _training(self) -> tuple[tuple[Fits, Judged], tuple[Fits, Judged], Float]:
-        """The fit to all training units and the same judged, the splits among them, and the model's losses in these."""
-        train, fits, judged, folds = self.is_train, self._fits, self._judged, slice(self.folds)
-        together, whole = self._together, self.judged(train[None])
+    def _training(self) -> tuple[tuple[Fits, HeldOut], tuple[Fits, HeldOut], Float]:
+        """The fit to all training units and the loss there, the splits among them, and the model's losses in these."""
+        train, fits, unseen, folds = self.is_train, self._fits, self._held_out, slice(self.folds)
+        together, whole = self._together, self.held_out(train[None])
         return (
             (replace(together, units=together.units[:, train]), replace(whole, units=whole.units[:, train])),
             (
                 Fits(fits.units[folds, train], fits.inverse[folds], fits.step[folds]),
-                Judged(judged.units[folds, train], judged.gram[folds], judged.slope[folds], judged.constant[folds]),
+                HeldOut(unseen.units[folds, train], unseen.gram[folds], unseen.slope[folds], unseen.constant[folds]),
             ),
             self.fold_losses,
         )
@@ -274,7 +274,7 @@ class Evidence:
         `ridge` is relative to the candidate's own Gram matrix, by default next to nothing.
         """
         coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
-        falls = self._losses[:, None] - self._judged.loss_beside(grams, coefficients, step)
+        falls = self._losses[:, None] - self._held_out.loss_beside(grams, coefficients, step)
         if len(falls) > self.folds:
             return Gain(falls[:-1], falls[-1], coefficients[-1].T)
         return Gain(falls, np.zeros(falls.shape[1]), self._together.candidate(grams, self.ridge(ridge))[0][0].T)
@@ -289,9 +289,9 @@ class Evidence:
         return self._units[number]
 
     def held_out_fits(self, grams: Gram, ridge: float | None = None) -> list[tuple[int, Float, Float]]:
-        """Return (unit, base step (P,), candidate coefficients (m,)) for every judged unit, fitted on the others."""
+        """Return (unit, base step (P,), candidate coefficients (m,)) for every held-out unit, fitted on the others."""
         coefficients, step, _ = self._fits.candidate(grams, self.ridge(ridge))
-        return [(int(u), step[s, :, 0], coefficients[s, :, 0]) for s, u in np.argwhere(self._judged.units)]
+        return [(int(u), step[s, :, 0], coefficients[s, :, 0]) for s, u in np.argwhere(self._held_out.units)]
 
     def leave_one_out(self, grams: Gram, ridge: float | None = None) -> Float:
         """Return the candidate's coefficients (F, m) fitted without each training unit in turn (first entry of D)."""

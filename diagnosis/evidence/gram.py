@@ -61,7 +61,7 @@ class Fits:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class HeldOut:
     """What was not fitted, each of S times: the `units` (S, U) that are one, with G (S, P, P), b (S, P) and c (S,)."""
 
     units: Float

@@ -1,9 +1,9 @@
 """Is it the same answer on other recordings? The decision repeated over splits of the recordings.
 
-Each split fits the model, with and without a term, to some of the recordings and judges both on the others;
+Each split fits the model, with and without a term, to some of the recordings and evaluates both on the others;
 verification recordings take turns with all the rest. Everything is algebra on the Gram blocks that the evidence keeps
 of every recording; shape values are linearised about where the search found them. A split in which the term hardly
-shows, in what is fitted or in what is judged, cannot tell and does not count.
+shows, in what is fitted or in what is held out, cannot tell and does not count.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def splits_of(recordings: int, held_out: int, rules: Rules, seed: int = 0) -> tu
 
 
 class Splits:
-    """The model of `evidence` fitted in every split, ready to judge terms in each of them.
+    """The model of `evidence` fitted in every split, ready to evaluate terms in each of them.
 
     As many recordings are held out as there are for verification.
     """
@@ -56,8 +56,8 @@ class Splits:
         self.held_out = splits_of(len(evidence.blocks), len(evidence.verify), evidence.rules)
         self.evidence, self.rules = evidence, evidence.rules
         held = np.array([np.isin(evidence.of, k) for k in self.held_out], dtype=bool).reshape(-1, evidence.count)
-        self.fits, self.judged = evidence.fits(~held), evidence.judged(held)
-        self.losses = self.judged.loss(self.fits.step[:, :, None])[:, 0]
+        self.fits, self.unseen = evidence.fits(~held), evidence.held_out(held)
+        self.losses = self.unseen.loss(self.fits.step[:, :, None])[:, 0]
 
     @cached_property
     def _pooled(self) -> Fits:
@@ -71,16 +71,16 @@ class Splits:
         grams, ridge = self.evidence.plain(columns), self.evidence.ridge()
         pooled = self._pooled.candidate(grams, ridge)[0][0, :, 0]
         own, step, _ = self.fits.candidate(grams, ridge)
-        gain = self.losses - self.judged.loss_beside(grams, own, step)[:, 0]
+        gain = self.losses - self.unseen.loss_beside(grams, own, step)[:, 0]
         right = admissible(score.candidate, own[:, :, 0], self.rules)
-        fitted, held = grams.of(self.fits.units), grams.of(self.judged.units)
+        fitted, held = grams.of(self.fits.units), grams.of(self.unseen.units)
         torque = fitted.g[..., 0] @ pooled
         taken = np.einsum("spq,sq->sp", self.fits.inverse, torque)  # by the model's own numbers
         seen = np.einsum("m,smn,n->s", pooled, fitted.h[..., 0], pooled) - np.einsum("sp,sp->s", taken, torque)
         expected = (
             np.einsum("m,smn,n->s", pooled, held.h[..., 0], pooled)
             - 2.0 * np.einsum("sp,sp->s", taken, held.g[..., 0] @ pooled)
-            + np.einsum("sp,spq,sq->s", taken, self.judged.gram, taken)
+            + np.einsum("sp,spq,sq->s", taken, self.unseen.gram, taken)
         )
         rows = np.column_stack([np.where(right, gain, -np.inf), expected, seen])
         return self._agreement(rows, _ranges(tuple(score.candidate.term.effect.coefficients), own[:, :, 0]))
@@ -105,10 +105,10 @@ class Splits:
             lean = np.zeros(now.size)
             lean[mine] = now[mine] * off[mine]
             lean[rest] = -reduced @ gram[np.ix_(rest, mine)] @ lean[mine]
-            gain = self.judged.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
+            gain = self.unseen.loss(np.tile(without, (len(grams), 1))[:, :, None])[number, 0] - self.losses[number]
             numbers = now + self.fits.step[number]
             admitted = self._possible(fitted, name, numbers)
-            rows.append((gain if admitted else -np.inf, lean @ self.judged.gram[number] @ lean, lean @ gram @ lean))
+            rows.append((gain if admitted else -np.inf, lean @ self.unseen.gram[number] @ lean, lean @ gram @ lean))
             values.append(numbers)
         known = [p.name.removeprefix(f"{name}.") for p in model.parameters]
         known += [s.name.removeprefix(f"{name}.") for s in model.shapes]
@@ -125,7 +125,7 @@ class Splits:
         )
 
     def _agreement(self, rows: Float, ranges: Mapping[str, tuple[float, float]]) -> Agreement:
-        """Count rows of (gain on what is judged, gain expected there, how much the fitted ones show)."""
+        """Count rows of (gain on what is held out, gain expected there, how much the fitted ones show)."""
         if not rows.size:
             return Agreement(0, 0)
         gain, expected, seen = rows.T

@@ -2,7 +2,7 @@
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
 the place of two, `exchange` compares each with its rivals, `drop_unsteady` drops terms that only some splits of the
-recordings support, `take_back` takes back proxies. At the end `beside_rivals` drops what helps beside one of two
+recordings support, `take_back` takes back proxies. At the end `drop_dependent` drops what helps beside one of two
 look-alikes only, and `outweighed` what explains little beside something that nobody knows. A new move is a file with
 one function, and a place in `run`.
 """
@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from diagnosis.evidence.score import Score
-from diagnosis.search.beside_rivals import beside_rivals
 from diagnosis.search.context import SearchContext
+from diagnosis.search.drop_dependent import drop_dependent
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
@@ -38,13 +38,13 @@ class Found:
 def run_search(context: SearchContext, start: Extension) -> Found:
     """Search from the fitted model `start` until nothing that helps on unseen motion is left."""
     rules, begun = context.rules, State((start,))
-    state = until_no_proxy(context, begun)
+    state = search_without_proxies(context, begun)
     first = tuple(context.rank(start, 1)[1])
     for score in state.accepted:
         if score.candidate.numbers < rules.many_numbers:
             continue
         # So many numbers can build what two plain effects make; see whether plain ones do as well.
-        others = until_no_proxy(context, replace(begun, banned=state.banned | {score.name}))
+        others = search_without_proxies(context, replace(begun, banned=state.banned | {score.name}))
         as_well = context.unseen_gain(state.last, others.last) > -rules.least_share
         if others.numbers <= state.numbers and as_well:
             return Found(_doubted(context, others), first)
@@ -53,17 +53,17 @@ def run_search(context: SearchContext, start: Extension) -> Found:
 
 def _doubted(context: SearchContext, state: State) -> State:
     """Return the state without the terms that the last moves drop, and what is left then."""
-    for move in (beside_rivals, outweighed):
+    for move in (drop_dependent, outweighed):
         shorter = move(context, state)
         if shorter.names != state.names:
             state = replace(shorter, left=left_over(context, shorter.last))
     return state
 
 
-def until_no_proxy(context: SearchContext, state: State) -> State:
+def search_without_proxies(context: SearchContext, state: State) -> State:
     """Search, take back proxies, and search on without them: what they stood in front of may now be seen."""
     for _ in range(context.rules.rounds):
-        state = to_and_fro(context, state)
+        state = add_and_drop(context, state)
         shorter = drop_unsteady(context, state)
         if shorter.unsteady == state.unsteady:
             shorter = take_back(context, state)
@@ -73,7 +73,7 @@ def until_no_proxy(context: SearchContext, state: State) -> State:
     return replace(state, left=left_over(context, state.last))
 
 
-def to_and_fro(context: SearchContext, state: State) -> State:
+def add_and_drop(context: SearchContext, state: State) -> State:
     """Go forward, then apply the backward moves, and again, until nothing is dropped."""
     state = replace(state, dropped=frozenset())
     while True:

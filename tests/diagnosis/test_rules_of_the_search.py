@@ -171,7 +171,9 @@ def test_an_effect_of_many_numbers_is_compared_with_plainer_ones(numbers, found,
         return State((SimpleNamespace(added=None), SimpleNamespace(added=score(name, 0.5, count))))
 
     monkeypatch.setattr(
-        engine, "until_no_proxy", lambda context, begun: state("plain", 2) if begun.banned else state("many", numbers)
+        engine,
+        "search_without_proxies",
+        lambda context, begun: state("plain", 2) if begun.banned else state("many", numbers),
     )
     context = SimpleNamespace(rules=RULES, rank=lambda start, step: (None, ()), unseen_gain=lambda before, after: 0.0)
     assert engine.run_search(context, SimpleNamespace(added=None)).state.names == (found,)
@@ -183,11 +185,11 @@ def test_the_search_goes_on_four_times_after_it_took_back_a_proxy(proxies, ended
     """A search that ends by itself has looked at what is left in its last round; one that is cut short looks then."""
     start = State((SimpleNamespace(added=None), SimpleNamespace(added=score("it", 0.5))))
     taken = iter([*(replace(start, extensions=start.extensions[:1]) for _ in range(proxies)), *[start] * 9])
-    monkeypatch.setattr(engine, "to_and_fro", lambda context, state: start)
+    monkeypatch.setattr(engine, "add_and_drop", lambda context, state: start)
     monkeypatch.setattr(engine, "drop_unsteady", lambda context, state: state)
     monkeypatch.setattr(engine, "take_back", lambda context, state: next(taken))
     monkeypatch.setattr(engine, "left_over", lambda context, extension: "cut short")
-    assert (engine.until_no_proxy(SimpleNamespace(rules=RULES), start).left is None) is ended
+    assert (engine.search_without_proxies(SimpleNamespace(rules=RULES), start).left is None) is ended
 
 
 @pytest.mark.shows("filter_error")

@@ -11,9 +11,9 @@ from synthetic import search, state_with
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.rules import RULES
 from diagnosis.search import choice
-from diagnosis.search.beside_rivals import beside_rivals
 from diagnosis.search.choice import choose, contains
 from diagnosis.search.doubt import small_while_far
+from diagnosis.search.drop_dependent import drop_dependent
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.engine import run_search
 from diagnosis.search.exchange import exchange
@@ -230,8 +230,8 @@ def test_what_helps_beside_one_of_two_look_alikes_only_is_not_accepted():
     context = search({"hardening_spring:hip": ([6.0], [0.3]), "torque_offset:knee": ([0.5], [])}, names, noise=0.3)
     state = state_with(context, "joint_spring:hip", "end_stop:hip", "torque_offset:knee")
     start, spring, *others = state.extensions
-    assert beside_rivals(context, state) is state  # nothing else may be in its place
-    found = beside_rivals(context, state.grown(start, replace(spring, alike=("hardening_spring:hip",)), *others))
+    assert drop_dependent(context, state) is state  # nothing else may be in its place
+    found = drop_dependent(context, state.grown(start, replace(spring, alike=("hardening_spring:hip",)), *others))
     assert set(found.names) == {"joint_spring:hip", "torque_offset:knee"}
     assert "but not beside hardening_spring:hip" in "".join(one.reason for one in context.doubts.values())
 

@@ -11,7 +11,7 @@ from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension, State
 
 
-def beside_rivals(context: SearchContext, state: State) -> State:
+def drop_dependent(context: SearchContext, state: State) -> State:
     """Return the state without the terms that help beside an accepted term, and not beside a look-alike of it."""
     for extension in state.extensions:
         if extension.added is None:
@@ -24,7 +24,7 @@ def beside_rivals(context: SearchContext, state: State) -> State:
                 shorter = context.replay(state, names)
                 reason = f"helps beside {extension.added.name}, but not beside {rival}, which it may be"
                 context.note_doubt(shorter.last, score.name, reason)
-                return beside_rivals(context, shorter)
+                return drop_dependent(context, shorter)
     return state
 
 
