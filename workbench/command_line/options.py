@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from diagnosis.settings import DiscoverySettings
-from ground.settings import Setting, VerbSettings, default_of, settings_in
 from workbench.command_line.parser import UsageError
+
+if TYPE_CHECKING:
+    from ground.settings import Setting, VerbSettings
 
 
 def add_common(parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR") -> None:
@@ -25,6 +26,8 @@ def add_settings(
     group: argparse._ActionsContainer, record: type[VerbSettings], *names: str, **named: dict[str, Any]
 ) -> None:
     """Add an option for each setting called in `names`, as its record has it; in `named` with other words for it."""
+    from ground.settings import default_of, settings_in
+
     known = {entry.name: (entry, about) for entry, about in settings_in(record)}
     for name in (*names, *named):
         entry, about = known[name]
@@ -41,6 +44,8 @@ def add_settings(
 
 def settings_given(args: argparse.Namespace, record: type[VerbSettings], *but: str) -> dict[str, Any]:
     """Return {setting: value} of the settings of `record` that `args` know, but for some of them."""
+    from ground.settings import settings_in
+
     names = [entry.name for entry, _ in settings_in(record) if entry.name not in but]
     return {name: getattr(args, name) for name in names if hasattr(args, name)}
 
@@ -126,6 +131,8 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 
 def add_derivative(parser: argparse.ArgumentParser) -> None:
     """Add --derivative, how velocities and accelerations come from angles, and --payload."""
+    from diagnosis.settings import DiscoverySettings
+
     parser.add_argument(
         "--payload", metavar="FILE=KG@M", action="append", default=[],
         help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from diagnosis.separation.settings import SeparationSettings
-from optimisation.excitation.settings import DesignSettings
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import add_common, add_reading, add_settings, between, finite_number, settings_given
@@ -25,6 +23,9 @@ exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    from diagnosis.separation.settings import SeparationSettings
+    from optimisation.excitation.settings import DesignSettings
+
     parser.add_argument(
         "inputs", metavar="MODEL|REC", nargs="*",
         help="model file (TOML; without it, the standard leg); with --separate, the present recordings",
@@ -119,6 +120,7 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     """Return the Excitation that `args` ask for."""
     from optimisation.excitation.criteria import Noise
     from optimisation.excitation.design import design, evaluate
+    from optimisation.excitation.settings import DesignSettings
 
     noise = Noise.white(args.noise, args.rate, model.joints)
     if args.check:
@@ -234,6 +236,7 @@ def _separate(args: argparse.Namespace) -> int:
     given = load(args)
     with progress("designing the motion", quiet=args.quiet) as report:
         from diagnosis.separation.design import separate
+        from diagnosis.separation.settings import SeparationSettings
 
         found = separate(
             given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from diagnosis.settings import DiscoverySettings
 from workbench.command_line.asking import answer_question
 from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, add_settings
 
@@ -15,6 +14,8 @@ exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_exte
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    from diagnosis.settings import DiscoverySettings
+
     add_recordings(parser)
     add_derivative(parser)
     add_model(parser)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from optimisation.fitting.settings import FitSettings
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import (
     add_common,
@@ -25,6 +24,8 @@ exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    from optimisation.fitting.settings import FitSettings
+
     add_recordings(parser)
     add_derivative(parser)
     add_model(parser)
@@ -48,6 +49,7 @@ def run(args: argparse.Namespace) -> int:
     given = load(args)
     with progress("identifying", quiet=args.quiet) as report:
         from optimisation.fitting.identify import identify
+        from optimisation.fitting.settings import FitSettings
         from optimisation.preparation.prepare import prepare
 
         prepared = prepare(given.model, given.recordings, given.verify, **given.filter)

@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from optimisation.contest.settings import ContestSettings
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
 from workbench.command_line.parser import UsageError
@@ -26,6 +25,8 @@ with --out, what was stopped goes on where it was: give the same command again""
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    from optimisation.contest.settings import ContestSettings
+
     add_recordings(parser, verify=False, required=False)
     add_model(parser)
     group = parser.add_argument_group("the comparison")
@@ -41,6 +42,7 @@ def run(args: argparse.Namespace) -> int:
     given = _given(args)
     with progress("optimising", quiet=args.quiet) as report:
         from optimisation.contest.rivals import entrants, rivals
+        from optimisation.contest.settings import ContestSettings
 
         competing = _chosen(entrants(args.whitened or bool(args.only)), args)
         found = rivals(
