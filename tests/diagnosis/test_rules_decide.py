@@ -41,7 +41,7 @@ def test_a_tangent_may_reach_beyond_a_bound_for_it_shows_only_the_direction(valu
 
 
 def counted(rows):
-    splits = SimpleNamespace(rules=RULES, aside=tuple((k,) for k in range(len(rows))))
+    splits = SimpleNamespace(rules=RULES, held_out=tuple((k,) for k in range(len(rows))))
     found = Splits._agreement(splits, np.array(rows), {})
     return found.accepted, found.of
 
