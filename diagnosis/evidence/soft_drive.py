@@ -25,6 +25,8 @@ from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
 from ground.engines.forks import allowed_processes, share_out
+from ground.minimum import minimum
+from measurement.signals.compiled import solved_banded
 from measurement.signals.conditioning import derivatives
 from optimisation.fitting.identify import identify
 from optimisation.linear.factor import factorise
@@ -141,8 +143,6 @@ def _sought(fitted: FittedModel, joint: int) -> float | None:
 
     None as well where the model has terms that change its mechanism or its whole torque.
     """
-    from scipy.optimize import minimize_scalar
-
     train = fitted.prepared.train
     if fitted.model.derived or any(is_transform(term) for term in fitted.model.terms):
         return None
@@ -162,13 +162,8 @@ def _sought(fitted: FittedModel, joint: int) -> float | None:
     least, coarse = min((cost(compliance, 1), compliance) for compliance in tried)
     if least > NO_BETTER:
         return None
-    logarithm = minimize_scalar(
-        lambda x: cost(float(np.exp(x))),
-        bounds=(np.log(coarse / REACH), np.log(coarse * REACH)),
-        method="bounded",
-        options={"xatol": CLOSE},
-    )
-    return float(np.exp(logarithm.x))
+    low, high = float(np.log(coarse / REACH)), float(np.log(coarse * REACH))
+    return float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
 
 
 def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
@@ -262,8 +257,6 @@ def twist(load: Float, rigid: Float, slopes: tuple[Float, Float, Float], complia
     `rigid` (N,) is the rigid-body torque at the encoder's motion, `slopes` its derivatives (N,) by angle, velocity and
     acceleration, `compliance` in rad/(N·m), `rate` in Hz.
     """
-    from scipy.linalg import solveh_banded
-
     by_angle, by_speed, by_acceleration = (compliance * slope for slope in slopes)
     below, above = (by_acceleration * rate**2 + side * 0.5 * by_speed * rate for side in (-1.0, 1.0))
     middle, wanted = 1.0 + by_angle - 2.0 * by_acceleration * rate**2, compliance * rigid
@@ -278,4 +271,4 @@ def twist(load: Float, rigid: Float, slopes: tuple[Float, Float, Float], complia
     right = compliance * load + middle * wanted
     right[:-1] += below[1:] * wanted[1:]
     right[1:] += above[:-1] * wanted[:-1]
-    return np.asarray(solveh_banded(banded, right))
+    return solved_banded(banded, right)

@@ -1,11 +1,18 @@
-"""What is done to rows of samples in C where there is a compiler: filtering both ways, bridging."""
+"""What is done to rows of samples in C where there is a compiler: filtering both ways, bridging, banded equations."""
 
 from __future__ import annotations
 
+from ctypes import c_long, c_void_p
 from functools import lru_cache
+
+import numpy as np
 
 from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import FAST
+from symbolic.motion import Float
+
+POLES = 2
+"""Pairs of poles of the filter that everything goes through."""
 
 LANES = 8
 """Rows that are filtered side by side in C; fewer are filtered by products."""
@@ -82,6 +89,29 @@ int exoid_both_ways_at(long rows, long samples, long first, long step, long coun
   return 0;
 }
 
+/* Solves A x = right in place, A symmetric and positive definite with two diagonals beside its own (LDL'). */
+void exoid_pentadiagonal(long n, double *own, double *next, double *second, double *x) {
+  for (long i = 0; i < n; ++i) {
+    const double by_one = i + 1 < n ? next[i] / own[i] : 0.0, by_two = i + 2 < n ? second[i] / own[i] : 0.0;
+    if (i + 1 < n) {
+      own[i + 1] -= by_one * next[i];
+      x[i + 1] -= by_one * x[i];
+    }
+    if (i + 2 < n) {
+      next[i + 1] -= by_one * second[i];
+      own[i + 2] -= by_two * second[i];
+      x[i + 2] -= by_two * x[i];
+    }
+    next[i] = by_one;
+    second[i] = by_two;
+  }
+  for (long i = n - 1; i >= 0; --i) {
+    x[i] /= own[i];
+    if (i + 1 < n) x[i] -= next[i] * x[i + 1];
+    if (i + 2 < n) x[i] -= second[i] * x[i + 2];
+  }
+}
+
 /* Puts lines across hidden samples; the ends of a line are means of `beside`, end after end from `begins` on. */
 void exoid_bridge(long rows, long stride, long hidden, const long *at, const long *ends, const double *share,
                   long means, const long *begins, const long *beside, double *level, double *x) {
@@ -104,6 +134,21 @@ carried backwards, mode by mode. Reflections beyond the ends are as many as prod
 
 @lru_cache
 def row_library(poles: int) -> CompiledLibrary | None:
-    """Return `exoid_both_ways_at` for filters of so many poles, and `exoid_bridge`; None without a compiler."""
+    """Return `exoid_both_ways_at` for filters of so many poles, and the other functions; None without a compiler."""
     text = f"#define POLES {poles}\n#define LANES {LANES}\n{_SOURCE}"
     return load_library("rows", text, FAST, lambda: GeneratedC(text, FAST, {}))
+
+
+def solved_banded(bands: Float, right: Float) -> Float:
+    """Return x (N,) of A x = `right` (N,), A symmetric and positive definite with `bands` (3, N): the second diagonal
+    from place 2 on, the first from place 1 on, its own. SciPy does it without a compiler; its import takes longer.
+    """
+    library = row_library(POLES)
+    if library is None:
+        from scipy.linalg import solveh_banded
+
+        return np.asarray(solveh_banded(bands, right))
+    second, first, own = (np.append(band[k:], np.zeros(k)) for k, band in zip((2, 1, 0), bands, strict=True))
+    x = np.array(right, dtype=float)
+    library.c.exoid_pentadiagonal(c_long(x.size), *(c_void_p(each.ctypes.data) for each in (own, first, second, x)))
+    return x

@@ -17,11 +17,11 @@ from ground.errors import NotEnoughDataError
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import Filter, both_ways, both_ways_at, low_pass_filter
-from measurement.signals.compiled import LANES, row_library
+from measurement.signals.compiled import LANES, POLES, row_library
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
 
-ORDER = 4
+ORDER = 2 * POLES
 BRIDGE_ENDS = 0.03
 """Seconds beside a bridged run over which its ends are averaged."""
 MOST_APART = 0.9
@@ -196,7 +196,7 @@ class Bridge:
 
     def _compiled(self, x: Float) -> bool:
         """Do it in C; False where that cannot be done."""
-        library, rows = row_library(ORDER // 2), x.view()
+        library, rows = row_library(POLES), x.view()
         try:
             rows.shape = -1, x.shape[-1]
         except AttributeError:  # rows that do not lie evenly

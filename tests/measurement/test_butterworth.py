@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from measurement.signals import butterworth, conditioning
+from measurement.signals import butterworth, compiled, conditioning
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
 from measurement.signals.conditioning import bridging, low_pass, low_pass_at, welch
 
@@ -65,6 +65,19 @@ def test_c_bridges_as_numpy_does(hidden, shape, monkeypatch):
     monkeypatch.setattr(conditioning, "row_library", lambda poles: None)
     one.across(wanted[..., 1, :])
     np.testing.assert_allclose(found, wanted, atol=1e-13)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 200])
+def test_banded_equations_are_solved_as_scipy_does(size, monkeypatch):
+    bands = np.stack([RNG.uniform(-1.0, 1.0, size), RNG.uniform(-1.0, 1.0, size), RNG.uniform(4.5, 6.0, size)])
+    right = RNG.standard_normal(size)
+    upper = sum((np.diag(bands[2 - k, k:], k) for k in (1, 2) if k < size), np.zeros((size, size)))
+    full = np.diag(bands[2]) + upper + upper.T
+    np.testing.assert_allclose(full @ compiled.solved_banded(bands, right), right, atol=1e-12)
+    if size > 2:
+        found = compiled.solved_banded(bands, right)
+        monkeypatch.setattr(compiled, "row_library", lambda poles: None)
+        np.testing.assert_allclose(found, compiled.solved_banded(bands, right), atol=1e-12)
 
 
 def test_a_recording_shorter_than_the_response_is_filtered_as_a_whole():
