@@ -129,7 +129,8 @@ def refitted(
         more = np.sum(losses[than.name]) - np.sum(losses[rival.name]) if known else 0.0
         tied = not known or lag(losses[than.name], losses[rival.name]) < rules.tied
         little = tied or bool(more < rules.least_share * np.sum(losses[than.name]))
-        return little and contains(context, extension, evidence, rival.candidate, than)
+        # With all its nodes: what was refined for each recording has its best alone.
+        return little and contains(context, extension, evidence, context.library.find(rival.name), than)
 
     plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
