@@ -37,19 +37,7 @@ def check(recording: Recording) -> list[Finding]:
             what = f"the {channel.joint.name} {state} ({moved:.2g} {channel.unit})"
             consequence = "this recording alone cannot distinguish friction from inertia at this joint"
             remedy = "add a recording in which every joint moves"
-            found.append(
-                Finding(
-                    "motion",
-                    "warning",
-                    what,
-                    place(recording, channel.name),
-                    size,
-                    LITTLE,
-                    remedy,
-                    False,
-                    consequence,
-                )
-            )
+            found.append(_warning(what, place(recording, channel.name), size, LITTLE, remedy, consequence))
     constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) == 0.0]
     if len(constant) == len(angles):
         held = [f"{channel.values[0] + 0.0:.4g} {channel.unit}" for channel in constant]
@@ -69,20 +57,12 @@ def check(recording: Recording) -> list[Finding]:
         what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} {channel.unit} throughout, as of a {kind}"
         consequence = "right for a joint without a drive; otherwise this joint's parameters mean nothing"
         remedy = f"if the joint has a drive, check the sensor and --map {channel.name}=COLUMN"
-        found.append(
-            Finding(
-                "motion",
-                "warning",
-                what,
-                place(recording, channel.name),
-                0.0,
-                0.0,
-                remedy,
-                False,
-                consequence,
-            )
-        )
+        found.append(_warning(what, place(recording, channel.name), 0.0, 0.0, remedy, consequence))
     return found
+
+
+def _warning(what: str, where: str, value: float, limit: float, remedy: str, consequence: str) -> Finding:
+    return Finding("motion", "warning", what, where, value, limit, remedy, False, consequence)
 
 
 def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Finding]:
