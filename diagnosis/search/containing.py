@@ -101,6 +101,7 @@ def contains(
     Two effects that merely resemble each other on this motion do not contain each other.
     """
     limit = evidence.rules.contained if limit is None else limit
+    rival = context.library.find(rival.name)  # with all its nodes, also where one of them was refined
     beside, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
     torque = beside.samples(context.columns_of(plain, extension.fitted), 0)[1] @ np.asarray(plain.coefficients)
     nodes, whole = rival.nodes, np.sum(torque**2)

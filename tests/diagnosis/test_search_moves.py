@@ -211,6 +211,9 @@ def test_a_drift_and_a_spring_contain_an_offset_and_friction_does_not():
     assert contains(context, start, evidence, drift.candidate, offset)
     assert contains(context, start, evidence, spring.candidate, offset)
     assert not contains(context, start, evidence, friction.candidate, offset)
+    refined, _ = context.refined(evidence, start, drift)
+    assert refined.candidate.nodes.shape[1] == 1
+    assert contains(context, start, evidence, refined.candidate, offset)
     found = forward(context, state_with(context))
     assert found.names == ("torque_offset:knee",)
     assert found.last.alike == ()
