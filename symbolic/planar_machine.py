@@ -120,10 +120,20 @@ def _check_names(robot: RobotFile, chosen: Sequence[str], where: str) -> None:
                 where=where,
                 remedy=f"choose among {', '.join(movable) or 'nothing: no joint moves'}",
             )
+        follows = robot.joints[name].element.find("mimic")
+        if follows is not None:
+            raise RobotFileError(
+                f"joint {name!r} does not move by itself: it mimics {follows.get('joint', '')[:60]!r}",
+                where=where,
+                remedy="leave it out with --joints: it then stands still at zero",
+            )
         if name in chosen[:k]:
             raise RobotFileError(f"joint {name!r} is named twice", where=where, remedy="name each once")
     if not chosen:
-        raise RobotFileError("has no joint that moves", where=where, remedy="give the URDF of a machine with joints")
+        macros = any("xacro" in str(one.tag) for one in robot.root.iter())
+        expand = "expand it first: xacro robot.xacro > robot.urdf"
+        remedy = expand if macros else "give the URDF of a machine with joints"
+        raise RobotFileError("has no joint that moves", where=where, remedy=remedy)
 
 
 def _parents(robot: RobotFile, joints: Sequence[RobotJoint], where: str) -> list[int | None]:

@@ -73,11 +73,24 @@ def test_a_flat_plane_has_no_gravity(tmp_path):
         ('xyz="0 0 -0.4"', 'xyz="0 0 a"', "hip", "is not 3 numbers"),
         ('<mass value="3"/>', '<mass value="-3"/>', "hip,knee", "'shank' has a negative mass, -3 kg"),
         ("<robot", "<model", "hip", "not valid XML"),
+        (
+            '</joint>\n  <joint name="plate"',
+            '<mimic joint="hip"/></joint>\n  <joint name="plate"',
+            "hip,knee",
+            "'knee' does not move by itself: it mimics 'hip'",
+        ),
     ],
 )
 def test_what_is_no_planar_machine_is_refused_in_words(tmp_path, old, new, joints, message):
     with pytest.raises(RobotFileError, match=message):
         planar_machine(robot(tmp_path, LEG.replace(old, new, 1)), [name for name in joints.split(",") if name])
+
+
+def test_a_file_of_macros_is_to_be_expanded_first(tmp_path):
+    text = '<robot xmlns:xacro="http://ros.org/xacro" name="x"><xacro:leg side="left"/></robot>'
+    with pytest.raises(RobotFileError) as refused:
+        planar_machine(robot(tmp_path, text))
+    assert "expand it first: xacro" in refused.value.remedy
 
 
 def test_a_zero_that_is_elsewhere_is_told_with_the_angle_to_add(tmp_path):
