@@ -106,9 +106,8 @@ def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(mis
     rival.candidate.nodes = np.array([[[0.0], [1.0], [2.0]]])
     nodes = np.array([np.sqrt(1.0 - missed) * own + np.sqrt(missed) * other, noise(3), noise(4)])
     columns = [choice.Columns((0,), nodes[:, None, :, None])]
-    context = SimpleNamespace(
-        library=SimpleNamespace(columns=lambda one, fitted: columns), columns_of=lambda one, fitted: at(own)
-    )
+    library = SimpleNamespace(columns=lambda one, fitted: columns, find=lambda name: rival.candidate)
+    context = SimpleNamespace(library=library, columns_of=lambda one, fitted: at(own))
     evidence = Evidence([block(noise(5))], [], seed=0, draws=0)
     assert contains(context, SimpleNamespace(fitted=None), evidence, rival.candidate, plain) is inside
 
