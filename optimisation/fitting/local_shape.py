@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 SWEEPS = 10
 """Rounds of a descent at most."""
+MOST_OWN = 40
+"""Values that recordings have to themselves at most that take part in a Gauss-Newton step, for speed."""
 HALVINGS = 5
 """Times a step is halved before it is given up."""
 DIFFERENCE = 1e-4
@@ -115,8 +117,8 @@ def descend(
 ) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
-    What a recording has to itself is fitted to that recording with the linear parameters held; the others by
-    Gauss-Newton steps taken together with the linear parameters (variable projection).
+    What a recording has to itself is fitted to that recording with the linear parameters held, then all of them, unless
+    they are too many, by Gauss-Newton steps taken together with the linear parameters (variable projection).
     """
     far = reach(model, prepared)
     own = own_shapes(model)
@@ -131,8 +133,9 @@ def descend(
             )
             if (reached := problem.loss(moved)) < value:
                 best, value = moved, reached
-        if shared:
-            best, value = _step(problem, model, best, value, shared, far, delta)
+        together = own if len(best) * len(own) <= MOST_OWN else ()
+        if shared or together:
+            best, value = _step(problem, model, best, value, (shared, together), far, delta)
         if before - value <= SETTLED * max(before, 1e-300):
             break
     return best
@@ -143,21 +146,29 @@ def _step(
     model: FittableModel,
     shapes: Float,
     value: float,
-    shared: Sequence[int],
+    moving: tuple[Sequence[int], Sequence[int]],
     far: Float,
     delta: Float,
 ) -> tuple[Float, float]:
-    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does."""
+    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does.
+
+    `moving` are the indices of shape values that all recordings share, and of those that each has to itself.
+    """
     linear = problem.linear(shapes)
     here = problem.data(shapes, linear)
     residual = here.residual(linear)
-    slopes = []
-    for index in shared:
+    slopes, places, (shared, own) = [], [], moving
+    for index in (*shared, *own):
         entry = model.shapes[index].shape
         h = DIFFERENCE * (entry.max - entry.min)
-        up, down = _all(shapes, index, min, entry.max, h), _all(shapes, index, max, entry.min, -h)
+        up, down = shapes.copy(), shapes.copy()
+        up[:, index] = np.minimum(shapes[:, index] + h, entry.max)
+        down[:, index] = np.maximum(shapes[:, index] - h, entry.min)
         rise = problem.data(down, linear).residual(linear) - problem.data(up, linear).residual(linear)
-        slopes.append(rise / (up[0, index] - down[0, index]))
+        slope = rise / (up - down)[here.groups if index in own else 0, index]
+        for row in range(len(shapes)) if index in own else (slice(None),):
+            slopes.append(slope if index in shared else np.where(here.groups == row, slope, 0.0))
+            places.append((row, index))
     jacobian = np.concatenate([here.columns, np.stack(slopes, axis=2)], axis=2)
     weight = np.sqrt(np.minimum(1.0, delta[:, None] / np.maximum(np.abs(residual), 1e-300)))
     scale = np.sqrt(np.sum(jacobian**2, axis=(0, 1)))
@@ -165,24 +176,18 @@ def _step(
     matrix = (jacobian / scale * weight[:, :, None]).reshape(-1, jacobian.shape[2])
     gram, right = matrix.T @ matrix, matrix.T @ (weight * residual).ravel()
     step = (np.linalg.lstsq(gram, right, rcond=1e-10)[0] / scale)[here.columns.shape[2] :]
-    step = np.clip(step, -2.0 * far[shared], 2.0 * far[shared])
+    most = 2.0 * far[[index for _, index in places]]
+    step = np.clip(step, -most, most)
     for _ in range(HALVINGS):
         trial = shapes.copy()
-        for index, change in zip(shared, step, strict=True):
+        for (row, index), change in zip(places, step, strict=True):
             entry = model.shapes[index].shape
-            trial[:, index] = np.clip(shapes[:, index] + change, entry.min, entry.max)
+            trial[row, index] = np.clip(shapes[row, index] + change, entry.min, entry.max)
         reached = problem.loss(trial)
         if reached < value:
             return trial, reached
         step = 0.5 * step
     return shapes, value
-
-
-def _all(shapes: Float, index: int, bound: Callable[[float, float], float], edge: float, change: float) -> Float:
-    """Return `shapes` with value `index` of every row changed, not beyond `edge`."""
-    out = shapes.copy()
-    out[:, index] = bound(float(shapes[0, index]) + change, edge)
-    return out
 
 
 def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
