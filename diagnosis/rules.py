@@ -78,6 +78,12 @@ class Rules:
         "part of what is more than noise that a torque before its motion, or a base that sways with its own phase in "
         "every recording, must explain: what swings behind a soft drive is called early",
     )
+    beyond_standstill: float = _rule(
+        ACCEPTANCE,
+        0.2,
+        "part of what a term gains that must be further than 0.05 s from standstill, where it follows the model's own "
+        "torque: friction at low speed is called an elastic drive",
+    )
     at_bound: float = _rule(
         ACCEPTANCE,
         1e-3,

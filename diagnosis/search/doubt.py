@@ -10,11 +10,15 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.rules import Rules
 from diagnosis.search.state import Extension
+from measurement.signals.conditioning import widen
 from optimisation.fitting.shapes import to_unit
 from optimisation.preparation.prepare import Prepared
+from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
+BESIDE = 0.05
+"""Seconds beside samples that are left out, since a joint may stick there, in which friction at low speed still shows."""
 DELAY = "time_delay"
 """The entry that has torque come at another moment."""
 
@@ -41,6 +45,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
         or small_while_far(before, after, floor, rules)
+        or beside_standstill(before, after, rules)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
@@ -158,6 +163,29 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     return (
         f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise: "
         "something larger is missing, and small terms may only take up part of it"
+    )
+
+
+def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
+    """Return that a term which follows the model's own torque gains next to nothing but where its joint has just stood
+    still, or is about to.
+
+    An elastic or late torque shows wherever torque varies, friction at low speed there.
+    """
+    if after.added is None or not is_transform(after.added.candidate.term):
+        return ""
+    everywhere = beyond = 0.0
+    recordings = after.fitted.prepared.all
+    for j in after.added.candidate.term.reaches:
+        for one, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
+            gained = np.where(one.use[:, j], old[j] ** 2 - new[j] ** 2, 0.0)
+            far = ~widen(one.stuck[:, j], int(np.ceil(BESIDE * one.rate)))[one.kept]
+            everywhere, beyond = everywhere + float(gained.sum()), beyond + float(gained[far].sum())
+    if everywhere <= 0.0 or beyond > rules.beyond_standstill * everywhere:
+        return ""
+    return (
+        f"explains next to nothing further than {BESIDE:g} s from where the joint stands still: friction at low speed, "
+        "or its direction, may be what is missing, and this only takes up part of it"
     )
 
 
