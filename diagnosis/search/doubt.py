@@ -18,7 +18,7 @@ from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
 BESIDE = 0.05
-"""Seconds beside samples that are left out, since a joint may stick there, in which friction at low speed still shows."""
+"""Seconds beside samples that are left out, since a joint may stick there, in which slow friction still shows."""
 DELAY = "time_delay"
 """The entry that has torque come at another moment."""
 

@@ -1,33 +1,41 @@
-"""Outweighed: terms that explain little while the error stays far above the noise and a curve without physics more.
+"""Outweighed: terms that explain little beside a curve without physics that explains more.
 
 Something larger is missing then, and what comes nearest to it in the catalogue is not known to be there.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
+from diagnosis.evidence.remainder import Remainder
 from diagnosis.search.context import SearchContext
-from diagnosis.search.state import State
+from diagnosis.search.state import Extension, State
+from symbolic.language.torque import is_transform
+from symbolic.motion import Float
 
 
 def outweighed(context: SearchContext, state: State) -> State:
-    """Return the state without the terms at whose joints all terms together explain little of what is more than noise,
-    where a curve explains more than they do and the error is far above the noise; they are possible.
+    """Return the state without the terms that a curve outweighs; they are possible.
+
+    These are terms at whose joints all terms together explain little of what is more than noise, where the curve
+    explains more than they do and the error is far above the noise. At any distance from the noise it is a term that
+    follows the model's own torque (elastic, late) and explains less than the curve at its joint: such torque takes up
+    part of nearly anything.
     """
-    left, rules = state.left, context.rules
+    left = state.left
     if left is None or not state.accepted:
         return state
-    first, last = state.extensions[0].fitted.judged_rms ** 2, state.last.fitted.judged_rms**2
-    noise = context.noise(state.last) ** 2
-    far, taken, whole = last > rules.far_above**2 * noise, first - last, np.maximum(first - noise, 0.0)
-    if not far[left.index] or left.joint_share * last[left.index] <= taken[left.index]:
-        return state
-
-    def little(at: list[int]) -> bool:
-        return bool(far[at].any() and taken[at].sum() < rules.outweighed * whole[at].sum())
-
-    names = [one.name for one in state.accepted if little(list(one.candidate.term.reaches))]
+    by_curve = left.joint_share * float(state.last.fitted.judged_rms[left.index] ** 2)
+    names = _far_from_the_noise(context, state, left, by_curve) or [
+        after.added.name
+        for before, after in pairwise(state.extensions)
+        if after.added is not None
+        and is_transform(after.added.candidate.term)
+        and left.index in after.added.candidate.term.reaches
+        and _taken(before, after)[left.index] < by_curve
+    ]
     if not names:
         return state
     shorter = context.replay(state, [name for name in state.names if name not in names])
@@ -39,3 +47,23 @@ def outweighed(context: SearchContext, state: State) -> State:
     for name in names:
         context.note_doubt(shorter.last, name, text)
     return shorter
+
+
+def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, by_curve: float) -> list[str]:
+    """Return the terms at whose joints all together explain little, the error being far above the noise."""
+    rules, first, last = context.rules, state.extensions[0], state.last
+    noise, taken = context.noise(last) ** 2, _taken(first, last)
+    far = last.fitted.judged_rms**2 > rules.far_above**2 * noise
+    whole = np.maximum(first.fitted.judged_rms**2 - noise, 0.0)
+    if not far[left.index] or by_curve <= taken[left.index]:
+        return []
+
+    def little(at: list[int]) -> bool:
+        return bool(far[at].any() and taken[at].sum() < rules.outweighed * whole[at].sum())
+
+    return [one.name for one in state.accepted if little(list(one.candidate.term.reaches))]
+
+
+def _taken(before: Extension, after: Extension) -> Float:
+    """Return by how much the squared error (J,) falls, N²·m²."""
+    return before.fitted.judged_rms**2 - after.fitted.judged_rms**2

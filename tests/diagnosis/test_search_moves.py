@@ -302,6 +302,15 @@ def test_what_explains_little_beside_something_larger_that_nobody_knows_is_only_
     assert outweighed(with_rules(context, outweighed=2 / 3), state).names == ()
 
 
+@pytest.mark.parametrize(("joint", "kept"), [("knee", ()), ("hip", ("joint_elasticity:hip",))])
+def test_an_elastic_torque_does_not_stand_beside_a_curve_that_explains_more_of_its_joint(joint, kept):
+    """Near the noise too, where other terms stay."""
+    name = f"joint_elasticity:{joint}"
+    context, state = with_rest({name: ([], [0.006])}, name)
+    assert state.left is not None and state.left.joint == "knee"
+    assert outweighed(with_rules(context, far_above=100.0), state).names == kept
+
+
 def test_what_explains_its_own_joint_stays_beside_what_nobody_knows_at_another():
     context, state = with_rest(STRIBECK, "stribeck:hip")
     assert state.left is not None and state.left.joint == "knee"
