@@ -227,7 +227,7 @@ class Rules:
     )
     soft_left: float = _rule(
         CHANNELS,
-        0.5,
+        0.4,
         "part of the squared error that one such drive leaves of what all accepted effects leave: effects named for it",
     )
     soft_beside: float = _rule(

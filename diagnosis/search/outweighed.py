@@ -50,16 +50,21 @@ def outweighed(context: SearchContext, state: State) -> State:
 
 
 def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, by_curve: float) -> list[str]:
-    """Return the terms at whose joints all together explain little, the error being far above the noise."""
+    """Return the terms at whose joints all together explain little, the error being far above the noise.
+
+    Of the fitted and the unseen motion together: where unseen motion is quiet it hardly shows a term.
+    """
     rules, first, last = context.rules, state.extensions[0], state.last
     noise, taken = context.noise(last) ** 2, _taken(first, last)
     far = last.fitted.judged_rms**2 > rules.far_above**2 * noise
-    whole = np.maximum(first.fitted.judged_rms**2 - noise, 0.0)
     if not far[left.index] or by_curve <= taken[left.index]:
         return []
+    pairs = [(first.fitted.train_rms, last.fitted.train_rms), (first.fitted.judged_rms, last.fitted.judged_rms)]
+    fallen = np.sum([before**2 - after**2 for before, after in pairs], axis=0)
+    whole = np.sum([np.maximum(before**2 - noise, 0.0) for before, _ in pairs], axis=0)
 
     def little(at: list[int]) -> bool:
-        return bool(far[at].any() and taken[at].sum() < rules.outweighed * whole[at].sum())
+        return bool(far[at].any() and fallen[at].sum() < rules.outweighed * whole[at].sum())
 
     return [one.name for one in state.accepted if little(list(one.candidate.term.reaches))]
 
