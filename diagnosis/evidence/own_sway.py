@@ -108,14 +108,32 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
 @dataclass(frozen=True, eq=False)
 class _Reading:
     """The model with a sway at one frequency: squared error of the fitted recordings, the change of the model's
-    numbers, the parts of the sway, and what is left (J, K) of every recording.
+    numbers, and of every recording the columns (J, K, 4) of the sway, its weights, and what it must explain (J, K).
     """
 
     hertz: float
     cost: float
     change: Float
-    parts: list[Float]
-    left: list[Float]
+    swings: list[Float]
+    weights: list[Float]
+    blocks: Sequence[RecordingEvidence]
+
+    @property
+    def wanted(self) -> list[Float]:
+        """What the changed model leaves (J, K) of every recording."""
+        return [block.residual - block.columns @ self.change for block in self.blocks]
+
+    @property
+    def parts(self) -> list[Float]:
+        """Sine and cosine parts (4,) of the sway in every recording."""
+        each = zip(self.swings, self.wanted, self.weights, strict=True)
+        return [_solved(_flat(swing, weight), (wanted * weight).ravel()) for swing, wanted, weight in each]
+
+    @property
+    def left(self) -> list[Float]:
+        """What is left (J, K) of every recording."""
+        each = zip(self.swings, self.wanted, self.weights, strict=True)
+        return [wanted - _by_halves(swing, wanted, weight) for swing, wanted, weight in each]
 
 
 def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: Candidate, hertz: float) -> _Reading:
@@ -135,12 +153,7 @@ def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: 
         rest.append(both[:, -1])
     change = _solved(np.concatenate(rows), np.concatenate(rest))
     cost = float(sum(np.sum((y - x @ change) ** 2) for x, y in zip(rows, rest, strict=True)))
-    parts, left = [], []
-    for swing, block, weight in zip(swings, blocks, weights, strict=True):
-        wanted = block.residual - block.columns @ change
-        parts.append(_solved(_flat(swing, weight), (wanted * weight).ravel()))
-        left.append(wanted - _by_halves(swing, wanted, weight))
-    return _Reading(hertz, cost, change, parts, left)
+    return _Reading(hertz, cost, change, swings, weights, blocks)
 
 
 def _by_halves(swing: Float, wanted: Float, weight: Float) -> Float:
