@@ -12,7 +12,7 @@ from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, l
 SLOW_TO_IMPORT = {
     "casadi", "cma", "cycler", "h5py", "iohinspector", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
     "numpy", "pandas", "platformdirs", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
-    "atexit", "dataclasses", "difflib", "distributed", "fcntl", "importlib", "shutil", "statsmodels",
+    "atexit", "dataclasses", "difflib", "distributed", "fcntl", "importlib", "shutil", "shtab", "statsmodels",
     "submitit", "traceback",
     "lz4", "matio", "nptdms", "polars", "python_calamine", "rosbags", "xarray",
 }  # fmt: skip

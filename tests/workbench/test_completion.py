@@ -8,8 +8,7 @@ import subprocess
 import pytest
 
 from workbench.command import find_verbs, main
-from workbench.command_line.completion import SHELLS
-from workbench.commands.completion import script
+from workbench.commands.completion import SHELLS, script
 
 ASK = """{script}
 COMP_WORDS=({words}); COMP_CWORD={place}; compopt() {{ :; }}; _exoid; printf '%s\\n' "${{COMPREPLY[@]}}"
