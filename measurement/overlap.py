@@ -31,6 +31,10 @@ STRETCH, STRETCHES, LEAST = 256, 8, 128
 """Samples of a stretch, stretches looked for, samples that an overlap needs at least."""
 SAME, RESAMPLED = 0.95, 0.85
 """Correlation of the fast parts from which on they are the same; where one recording was resampled."""
+LEAST_PIECES, LEAST_SHARE = 3, 0.05
+"""Pieces of 128 samples that have to agree, and their share: motion made again may start with the same jolt."""
+TONE, TONE_LAG = 0.8, 12
+"""Likeness of a fast part to itself, so many samples later or more, from which on it is a tone."""
 MOST_THINNED = 10
 """Largest n for which a copy of every n-th sample is looked for."""
 DIGITS = 0.6
@@ -120,7 +124,8 @@ def _shared_rows(first: Recording, second: Recording, known: dict[Recording, _Ev
 def _thinned(recording: Recording, phase: int, factor: int) -> Recording:
     """Return every `factor`-th row from the row `phase` on."""
     rows = slice(phase, None, factor)
-    return Recording(recording.name, recording.t[rows], recording.q[rows], recording.tau[rows])
+    columns = recording.t[rows], recording.q[rows], recording.tau[rows]
+    return Recording(recording.name, *columns, joints=recording.joints)
 
 
 def _filled(rows: Mask, factor: int) -> Mask:
@@ -248,18 +253,31 @@ def _shift(part: Float, long: _Even, channel: int, same: float) -> int | None:
 
 
 def _agreeing(short: _Even, long: _Even, shift: int, channels: Sequence[int], same: float) -> list[tuple[int, int]]:
-    """Return (first, last) of the stretches of `short` in which all `channels` are those of `long`, `shift` later."""
+    """Return (first, last) of the stretches of `short` in which all `channels` are those of `long`, `shift` later.
+
+    A few may agree where a jolt or a tone comes again with the motion.
+    """
     first, last = max(0, -shift), min(len(short.fast), len(long.fast) - shift)
-    out = []
+    pieces, plain = [], []
     size = min(LEAST, last - first)
     for start in range(first, last - size + 1, size) if size > 16 else ():
         # the last piece takes what is left over
         stop = last if last - (start + size) < size else start + size
         x, y = slice(start, stop), slice(start + shift, stop + shift)
         likes = [_alike(short, long, x, y, channel, same) for channel in channels]
-        if likes and all(like > 0 for like in likes) and max(likes) == 2:
-            out.append((start, stop))
-    return out
+        pieces.append((start, stop) if likes and all(like > 0 for like in likes) and max(likes) == 2 else None)
+        plain.append(not all(_is_tone(short.fast[x, c]) for c, like in zip(channels, likes, strict=True) if like == 2))
+    agreeing = [piece is not None for piece in pieces]
+    told = sum(agree and more for agree, more in zip(agreeing, plain, strict=True))
+    enough = told >= min(len(pieces), max(LEAST_PIECES, LEAST_SHARE * len(pieces)))
+    return [piece for piece in pieces if piece is not None] if enough else []
+
+
+def _is_tone(fast: Float) -> bool:
+    """Whether a fast part (N,) repeats itself: a grid of angles crossed at one speed sounds alike in any recording."""
+    lags = np.fft.irfft(np.abs(np.fft.rfft(fast, 2 * fast.size)) ** 2)[: fast.size // 2 + 1]
+    overlapping = 1.0 - np.arange(lags.size) / fast.size
+    return bool(np.max(np.abs(lags[TONE_LAG:] / overlapping[TONE_LAG:]), initial=0.0) > TONE * lags[0])
 
 
 def _alike(short: _Even, long: _Even, x: slice, y: slice, channel: int, same: float) -> int:

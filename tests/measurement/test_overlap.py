@@ -10,6 +10,7 @@ import pytest
 from ground.errors import RecordingError
 from measurement.overlap import held_apart, overlap
 from measurement.recording import Recording, Source
+from symbolic.joints import Joint
 
 COUNT = 2400
 
@@ -108,3 +109,26 @@ def test_little_or_dead_data_is_no_copy():
     still = Recording("still", ONE.t, ONE.q * 0.0, ONE.tau * 0.0)
     assert overlap(still, still) is None
     assert overlap(cut(ONE, slice(0, 20)), cut(ONE, slice(0, 20))) is None
+
+
+def bench(seed, count=25000):
+    """A drive at 1 kHz that makes the same strokes again: its encoder's grid sounds in the torque, each start jolts."""
+    rng, t = np.random.default_rng(seed), 1e-3 * np.arange(count)
+    speed = np.repeat([0.01515, -0.03, 0.1, -0.06, 0.02], count // 5)
+    q = np.round(np.cumsum(speed) * 1e-3 / 1e-6 + 0.3 * seed) * 1e-6
+    rough = np.gradient(q, t) - speed
+    jolts = 300.0 * np.gradient(speed) * (1.0 + 0.01 * seed)
+    tau = 20.0 * np.sign(speed) + 3e4 * rough + jolts + 0.3 * rng.standard_normal(count)
+    return Recording(f"bench{seed}", t, q[:, None], tau[:, None], joints=(Joint("axis", "prismatic"),))
+
+
+def test_strokes_made_again_by_a_drive_are_no_copy():
+    one, again = bench(0), bench(1)
+    assert overlap(one, again) is None
+    assert overlap(one, replace(one, name="copy")).share == 1.0
+
+
+def test_a_thinned_copy_is_recognised_of_any_machine():
+    one = bench(0)
+    rows = slice(0, None, 2)
+    assert overlap(one, Recording("half", one.t[rows], one.q[rows], one.tau[rows], joints=one.joints)).share > 0.9
