@@ -8,31 +8,27 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from diagnosis.compare import compare
-    from diagnosis.discover import diagnose, discover
-    from diagnosis.extend import add
-    from diagnosis.separation.design import separate
-    from diagnosis.session.session import Session
-    from diagnosis.watching.differences import compare_against
-    from diagnosis.watching.replay import replay
-    from diagnosis.watching.watch import follow, watch
+    from diagnosis.compare import compare as compare
+    from diagnosis.discover import diagnose as diagnose
+    from diagnosis.discover import discover as discover
+    from diagnosis.extend import add as add
+    from diagnosis.separation.design import separate as separate
+    from diagnosis.session.session import Session as Session
+    from diagnosis.watching.differences import compare_against as compare_against
+    from diagnosis.watching.replay import replay as replay
+    from diagnosis.watching.watch import follow as follow
+    from diagnosis.watching.watch import watch as watch
 
-__all__ = [
-    "Session", "add", "compare", "compare_against", "diagnose", "discover", "follow", "replay", "separate", "watch",
-]  # fmt: skip
-
-lend(
+__all__ = lend(
     __name__,
     {
-        "Session": "diagnosis.session.session",
-        "add": "diagnosis.extend",
-        "compare_against": "diagnosis.watching.differences",
-        "compare": "diagnosis.compare",
-        "diagnose": "diagnosis.discover",
-        "discover": "diagnosis.discover",
-        "follow": "diagnosis.watching.watch",
-        "replay": "diagnosis.watching.replay",
-        "separate": "diagnosis.separation.design",
-        "watch": "diagnosis.watching.watch",
+        "diagnosis.compare": "compare",
+        "diagnosis.discover": "diagnose discover",
+        "diagnosis.extend": "add",
+        "diagnosis.separation.design": "separate",
+        "diagnosis.session.session": "Session",
+        "diagnosis.watching.differences": "compare_against",
+        "diagnosis.watching.replay": "replay",
+        "diagnosis.watching.watch": "follow watch",
     },
 )

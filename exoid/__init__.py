@@ -36,10 +36,8 @@ if TYPE_CHECKING:
     from optimisation import *  # noqa: F403
     from symbolic import *  # noqa: F403
 
-_NAMES = {"ExoidError": "ground.errors"}
+_HOMES = {"ground.errors": "ExoidError"}
 for _package in (symbolic, measurement, optimisation, diagnosis):
-    _NAMES |= lent(_package)
+    _HOMES |= lent(_package)
 
-__all__ = list(_NAMES)
-
-lend(__name__, _NAMES)
+__all__ = lend(__name__, _HOMES)

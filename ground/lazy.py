@@ -43,11 +43,13 @@ class LazyPackage(ModuleType):
         return sorted({*super().__dir__(), *self._homes})
 
 
-def lend(package: str, homes: Mapping[str, str]) -> None:
-    """Let `package` hand out each short name of {name: module that defines it}."""
+def lend(package: str, homes: Mapping[str, str]) -> list[str]:
+    """Let `package` hand out the short names of {module: "the names it defines"}; return all of them."""
     module = sys.modules[package]
-    module.__dict__["_homes"] = homes
+    module.__dict__["_homes"] = {name: home for home, names in homes.items() for name in names.split()}
+    module.__dict__["_lent"] = homes
     module.__class__ = LazyPackage
+    return list(module.__dict__["_homes"])
 
 
 _METHODS: dict[str, Mapping[str, Any]] = {}
@@ -84,5 +86,5 @@ def _method(name: str, module: str, function: str) -> Callable[..., Any]:
 
 
 def lent(package: ModuleType) -> dict[str, str]:
-    """Return {short name: module that defines it} of a package that lends."""
-    return dict(package.__dict__["_homes"])
+    """Return {module: "the names it defines"} of a package that lends."""
+    return dict(package.__dict__["_lent"])

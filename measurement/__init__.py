@@ -8,57 +8,37 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from measurement.bench.control import track
-    from measurement.bench.hidden import Hidden
-    from measurement.bench.leg import paper_leg, standard_leg
-    from measurement.bench.seal import open_seal
-    from measurement.bench.simulation import Bench, simulate, simulate_runs
-    from measurement.finding import Finding
-    from measurement.reading.read import read_recording, read_recordings
-    from measurement.recording import Recording, write_recording
-    from measurement.trajectories.extremes import shortest_period
-    from measurement.trajectories.trajectory import paper_trajectory
-    from measurement.trajectories.trajectory_file import read_trajectory, write_trajectory
+    from measurement.bench.control import track as track
+    from measurement.bench.hidden import Hidden as Hidden
+    from measurement.bench.leg import paper_leg as paper_leg
+    from measurement.bench.leg import standard_leg as standard_leg
+    from measurement.bench.seal import open_seal as open_seal
+    from measurement.bench.simulation import Bench as Bench
+    from measurement.bench.simulation import simulate as simulate
+    from measurement.bench.simulation import simulate_runs as simulate_runs
+    from measurement.finding import Finding as Finding
+    from measurement.reading.read import read_recording as read_recording
+    from measurement.reading.read import read_recordings as read_recordings
+    from measurement.recording import Recording as Recording
+    from measurement.recording import write_recording as write_recording
+    from measurement.trajectories.extremes import shortest_period as shortest_period
+    from measurement.trajectories.trajectory import paper_trajectory as paper_trajectory
+    from measurement.trajectories.trajectory_file import read_trajectory as read_trajectory
+    from measurement.trajectories.trajectory_file import write_trajectory as write_trajectory
 
-__all__ = [
-    "Bench",
-    "Finding",
-    "Hidden",
-    "Recording",
-    "open_seal",
-    "paper_leg",
-    "paper_trajectory",
-    "read_recording",
-    "read_recordings",
-    "read_trajectory",
-    "shortest_period",
-    "simulate",
-    "simulate_runs",
-    "standard_leg",
-    "track",
-    "write_recording",
-    "write_trajectory",
-]
-
-lend(
+__all__ = lend(
     __name__,
     {
-        "Bench": "measurement.bench.simulation",
-        "Finding": "measurement.finding",
-        "Hidden": "measurement.bench.hidden",
-        "Recording": "measurement.recording",
-        "open_seal": "measurement.bench.seal",
-        "paper_leg": "measurement.bench.leg",
-        "paper_trajectory": "measurement.trajectories.trajectory",
-        "read_recording": "measurement.reading.read",
-        "read_recordings": "measurement.reading.read",
-        "read_trajectory": "measurement.trajectories.trajectory_file",
-        "shortest_period": "measurement.trajectories.extremes",
-        "simulate": "measurement.bench.simulation",
-        "simulate_runs": "measurement.bench.simulation",
-        "standard_leg": "measurement.bench.leg",
-        "track": "measurement.bench.control",
-        "write_recording": "measurement.recording",
-        "write_trajectory": "measurement.trajectories.trajectory_file",
+        "measurement.bench.control": "track",
+        "measurement.bench.hidden": "Hidden",
+        "measurement.bench.leg": "paper_leg standard_leg",
+        "measurement.bench.seal": "open_seal",
+        "measurement.bench.simulation": "Bench simulate simulate_runs",
+        "measurement.finding": "Finding",
+        "measurement.reading.read": "read_recording read_recordings",
+        "measurement.recording": "Recording write_recording",
+        "measurement.trajectories.extremes": "shortest_period",
+        "measurement.trajectories.trajectory": "paper_trajectory",
+        "measurement.trajectories.trajectory_file": "read_trajectory write_trajectory",
     },
 )

@@ -8,23 +8,21 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from optimisation.contest.rivals import rivals
-    from optimisation.excitation.design import design, evaluate, evaluate_paper
-    from optimisation.fitting.fit import Fit
-    from optimisation.fitting.identify import identify
-    from optimisation.preparation.prepare import prepare
+    from optimisation.contest.rivals import rivals as rivals
+    from optimisation.excitation.design import design as design
+    from optimisation.excitation.design import evaluate as evaluate
+    from optimisation.excitation.design import evaluate_paper as evaluate_paper
+    from optimisation.fitting.fit import Fit as Fit
+    from optimisation.fitting.identify import identify as identify
+    from optimisation.preparation.prepare import prepare as prepare
 
-__all__ = ["Fit", "design", "evaluate", "evaluate_paper", "identify", "prepare", "rivals"]
-
-lend(
+__all__ = lend(
     __name__,
     {
-        "Fit": "optimisation.fitting.fit",
-        "design": "optimisation.excitation.design",
-        "evaluate": "optimisation.excitation.design",
-        "evaluate_paper": "optimisation.excitation.design",
-        "identify": "optimisation.fitting.identify",
-        "prepare": "optimisation.preparation.prepare",
-        "rivals": "optimisation.contest.rivals",
+        "optimisation.contest.rivals": "rivals",
+        "optimisation.excitation.design": "design evaluate evaluate_paper",
+        "optimisation.fitting.fit": "Fit",
+        "optimisation.fitting.identify": "identify",
+        "optimisation.preparation.prepare": "prepare",
     },
 )

@@ -8,38 +8,25 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend, lend_methods
 
 if TYPE_CHECKING:
-    from symbolic.catalogue import catalogue, find_effect
-    from symbolic.effect import Coefficient, Effect, Shape
-    from symbolic.model import Limits, Model
-    from symbolic.model_file import read_model, write_model
-    from symbolic.motion import Motion
+    from symbolic.catalogue import catalogue as catalogue
+    from symbolic.catalogue import find_effect as find_effect
+    from symbolic.effect import Coefficient as Coefficient
+    from symbolic.effect import Effect as Effect
+    from symbolic.effect import Shape as Shape
+    from symbolic.model import Limits as Limits
+    from symbolic.model import Model as Model
+    from symbolic.model_file import read_model as read_model
+    from symbolic.model_file import write_model as write_model
+    from symbolic.motion import Motion as Motion
 
-__all__ = [
-    "Coefficient",
-    "Effect",
-    "Limits",
-    "Model",
-    "Motion",
-    "Shape",
-    "catalogue",
-    "find_effect",
-    "read_model",
-    "write_model",
-]
-
-lend(
+__all__ = lend(
     __name__,
     {
-        "Coefficient": "symbolic.effect",
-        "Effect": "symbolic.effect",
-        "Limits": "symbolic.model",
-        "Model": "symbolic.model",
-        "Motion": "symbolic.motion",
-        "Shape": "symbolic.effect",
-        "catalogue": "symbolic.catalogue",
-        "find_effect": "symbolic.catalogue",
-        "read_model": "symbolic.model_file",
-        "write_model": "symbolic.model_file",
+        "symbolic.catalogue": "catalogue find_effect",
+        "symbolic.effect": "Coefficient Effect Shape",
+        "symbolic.model": "Limits Model",
+        "symbolic.model_file": "read_model write_model",
+        "symbolic.motion": "Motion",
     },
 )
 

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
-    from workbench.command import main
+    from workbench.command import main as main
 
-__all__ = ["main"]
-
-lend(
+__all__ = lend(
     __name__,
     {
-        "main": "workbench.command",
+        "workbench.command": "main",
     },
 )
