@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import traceback
 from collections.abc import AsyncIterator, Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,8 @@ from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
 from ground.text import printable
-from workbench.page.given import FIT, error_json
+from workbench.page import numbers, takeaway, views
+from workbench.page.given import FIT, error_json, mapping_preview
 from workbench.page.guard import Guard
 
 if TYPE_CHECKING:
@@ -35,26 +37,13 @@ BEAT = 10.0
 def application(workspace: Workspace, token: str, port: int) -> Guard:
     """Return the guarded application."""
 
-    def ask(answer: Callable[[Workspace, Request], Response]) -> Callable[[Request], Response]:
-        return _asked(workspace, answer)
-
     routes = [
         Route("/", lambda request: FileResponse(STATIC / "index.html")),
         Route("/report.css", lambda request: FileResponse(REPORT_STYLE)),
-        Route("/api/state", ask(_state)),
-        Route("/api/events", _served(workspace, _events)),
-        Route("/api/details", ask(_details)),
-        Route("/api/motion", ask(_motion)),
-        Route("/api/error", ask(_error)),
-        Route("/api/preview", ask(_preview)),
-        Route("/api/columns", ask(_columns)),
-        Route("/api/takeaway", ask(_takeaway)),
-        Route("/api/watch", ask(_watch)),
-        Route("/api/report", ask(_report)),
-        Route("/api/model", ask(_model)),
-        Route("/api/export", ask(_export)),
-        Route("/api/file", _served(workspace, _upload), methods=["PUT"]),
-        Route("/api/session", _served(workspace, _upload_session), methods=["PUT"]),
+        Route("/api/events", partial(_events, workspace)),
+        *(Route(f"/api/{name}", _asked(workspace, ask)) for name, ask in ANSWERS.items()),
+        Route("/api/file", partial(_upload, workspace), methods=["PUT"]),
+        Route("/api/session", partial(_upload_session, workspace), methods=["PUT"]),
         *(Route(f"/api/{name}", _told(workspace, do), methods=["POST"]) for name, do in ACTIONS.items()),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
@@ -64,73 +53,37 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
 # -- what is asked -------------------------------------------------------------------------------------------------
 
 
-def _state(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.views import state
-
-    return JSONResponse(state(workspace))
-
-
-def _details(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.views import details
-
-    return JSONResponse(details(workspace, request.query_params.get("effect", "")))
-
-
-def _motion(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.numbers import motion_of
-
-    return _bytes(motion_of(_session(workspace), _number(request, "recording")))
-
-
-def _error(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.numbers import error_of
-
-    return _bytes(error_of(workspace, _session(workspace), _number(request, "recording")))
-
-
 def _preview(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.numbers import preview_of
-
     name = request.query_params.get("effect", "")
-    return _bytes(preview_of(workspace, _session(workspace), name, _number(request, "recording")))
-
-
-def _columns(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.given import mapping_preview
-
-    return JSONResponse(mapping_preview(workspace.find(_number(request, "file")), workspace.model.joints))
-
-
-def _takeaway(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import commands
-
-    return JSONResponse(commands(workspace))
-
-
-def _watch(workspace: Workspace, request: Request) -> Response:
-    return JSONResponse({} if workspace.playing is None else workspace.playing.whole())
-
-
-def _report(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import REPORT, report
-
-    return _download(report(workspace), REPORT, "text/html")
-
-
-def _model(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import MODEL, model_toml
-
-    return _download(model_toml(workspace), MODEL, "text/plain")
+    return _bytes(numbers.preview_of(workspace, _session(workspace), name, _number(request, "recording")))
 
 
 def _export(workspace: Workspace, request: Request) -> Response:
-    from workbench.page.takeaway import exported
+    archive = takeaway.exported(workspace, request.query_params.get("format", ""))
+    headers = {"content-disposition": 'attachment; filename="exoid-model.zip"'}
+    return Response(archive, media_type="application/zip", headers=headers)
 
-    return Response(
-        exported(workspace, request.query_params.get("format", "")),
-        media_type="application/zip",
-        headers={"content-disposition": 'attachment; filename="exoid-model.zip"'},
-    )
+
+ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
+    "state": lambda workspace, request: JSONResponse(views.state(workspace)),
+    "details": lambda workspace, request: JSONResponse(
+        views.details(workspace, request.query_params.get("effect", ""))
+    ),
+    "motion": lambda workspace, request: _bytes(numbers.motion_of(_session(workspace), _number(request, "recording"))),
+    "error": lambda workspace, request: _bytes(
+        numbers.error_of(workspace, _session(workspace), _number(request, "recording"))
+    ),
+    "preview": _preview,
+    "columns": lambda workspace, request: JSONResponse(
+        mapping_preview(workspace.find(_number(request, "file")), workspace.model.joints)
+    ),
+    "takeaway": lambda workspace, request: JSONResponse(takeaway.commands(workspace)),
+    "watch": lambda workspace, request: JSONResponse(workspace.playing.whole() if workspace.playing else {}),
+    "report": lambda workspace, request: _download(takeaway.report(workspace), takeaway.REPORT, "text/html"),
+    "model": lambda workspace, request: _download(takeaway.model_toml(workspace), takeaway.MODEL, "text/plain"),
+    "export": _export,
+}
+"""What the page asks for."""
 
 
 # -- what is done --------------------------------------------------------------------------------------------------
@@ -146,50 +99,6 @@ def _demo(workspace: Workspace, told: dict[str, Any]) -> None:
             workspace.add_file(path, path.name, role)
 
 
-def _add(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.add(str(told["effect"]))
-
-
-def _switch(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.change_history(lambda history: history.switch(str(told["effect"])))
-
-
-def _remove(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.change_history(lambda history: history.remove(str(told["effect"])))
-
-
-def _undo(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.change_history(lambda history: history.undo())
-
-
-def _redo(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.change_history(lambda history: history.redo())
-
-
-def _go(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.change_history(lambda history: history.go(int(told["at"])))
-
-
-def _discover(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.discover()
-
-
-def _play(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.play(int(told["recording"]))
-
-
-def _cancel(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.cancel()
-
-
-def _role(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.use_as(int(told["file"]), str(told["role"]))
-
-
-def _close(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.remove_file(int(told["file"]))
-
-
 def _map(workspace: Workspace, told: dict[str, Any]) -> None:
     from measurement.reading.mapping import StatedMapping
 
@@ -198,16 +107,11 @@ def _map(workspace: Workspace, told: dict[str, Any]) -> None:
     workspace.map_file(int(told["file"]), said, str(told.get("convention", "")))
 
 
-def _effect(workspace: Workspace, told: dict[str, Any]) -> None:
-    workspace.add_effect(dict(told["effect"]))
-
-
 def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
-    from workbench.page.numbers import explained
     from workbench.page.workspace import spans_of
 
     joint = told.get("joint")
-    found = explained(
+    found = numbers.explained(
         workspace, _session(workspace), spans_of(told.get("spans", [])), None if joint is None else int(joint),
         told.get("box"),
     )  # fmt: skip
@@ -215,27 +119,38 @@ def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
 
 
 def _save(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
-    from workbench.page.takeaway import save
-
-    return {"folder": str(save(workspace, Path(str(told["folder"]))))}
+    return {"folder": str(takeaway.save(workspace, Path(str(told["folder"]))))}
 
 
 def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
-    from workbench.page.takeaway import reopen
-
     if workspace.given:
         raise RecordingError("recordings are open already", remedy="close them first, or open the session by itself")
     if "drop" in told:
-        reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
+        takeaway.reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
     else:
-        reopen(workspace, Path(str(told["folder"])).expanduser())
+        takeaway.reopen(workspace, Path(str(told["folder"])).expanduser())
 
 
-ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], dict[str, Any] | None]] = {
-    "demo": _demo, "add": _add, "switch": _switch, "remove": _remove, "undo": _undo, "redo": _redo, "go": _go,
-    "discover": _discover, "cancel": _cancel, "role": _role, "close": _close, "map": _map, "effect": _effect,
-    "brush": _brush, "save": _save, "reopen": _reopen, "play": _play,
-}  # fmt: skip
+ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
+    "add": lambda workspace, told: workspace.add(str(told["effect"])),
+    "brush": _brush,
+    "cancel": lambda workspace, told: workspace.cancel(),
+    "close": lambda workspace, told: workspace.remove_file(int(told["file"])),
+    "demo": _demo,
+    "discover": lambda workspace, told: workspace.discover(),
+    "effect": lambda workspace, told: workspace.add_effect(dict(told["effect"])),
+    "go": lambda workspace, told: workspace.change_history(lambda history: history.go(int(told["at"]))),
+    "map": _map,
+    "play": lambda workspace, told: workspace.play(int(told["recording"])),
+    "redo": lambda workspace, told: workspace.change_history(lambda history: history.redo()),
+    "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
+    "reopen": _reopen,
+    "role": lambda workspace, told: workspace.use_as(int(told["file"]), str(told["role"])),
+    "save": _save,
+    "switch": lambda workspace, told: workspace.change_history(lambda history: history.switch(str(told["effect"]))),
+    "undo": lambda workspace, told: workspace.change_history(lambda history: history.undo()),
+}
+"""What the page may ask to be done, with what it says of it; a dict that comes back is the answer."""
 
 
 async def _upload(workspace: Workspace, request: Request) -> Response:
@@ -296,9 +211,7 @@ def _asked(workspace: Workspace, ask: Callable[[Workspace, Request], Response]) 
     return endpoint
 
 
-def _told(
-    workspace: Workspace, do: Callable[[Workspace, dict[str, Any]], dict[str, Any] | None]
-) -> Callable[[Request], Any]:
+def _told(workspace: Workspace, do: Callable[[Workspace, dict[str, Any]], Any]) -> Callable[[Request], Any]:
     async def endpoint(request: Request) -> Response:
         body = b""
         async for part in request.stream():
@@ -309,20 +222,14 @@ def _told(
             told = json.loads(body or b"{}")
             if not isinstance(told, dict):
                 raise TypeError("not an object")
-            return JSONResponse(await anyio.to_thread.run_sync(do, workspace, told) or {})
+            found = await anyio.to_thread.run_sync(do, workspace, told)
+            return JSONResponse(found if isinstance(found, dict) else {})
         except (KeyError, TypeError, ValueError) as error:
             if isinstance(error, ExoidError):
                 return _problem(error)
             return _problem(RecordingError(f"the message cannot be understood ({error})", remedy="reload the page"))
         except Exception as error:  # noqa: BLE001 - every answer is one that the page can show
             return _problem(error)
-
-    return endpoint
-
-
-def _served(workspace: Workspace, do: Callable[[Workspace, Request], Any]) -> Callable[[Request], Any]:
-    async def endpoint(request: Request) -> Response:
-        return await do(workspace, request)
 
     return endpoint
 
