@@ -15,7 +15,8 @@ import numpy as np
 
 from optimisation.excitation.criteria import Aim
 from optimisation.excitation.space import MotionSpace
-from symbolic.codegen.information import Information, products
+from symbolic.codegen.information import Information
+from symbolic.codegen.information_code import products
 from symbolic.motion import Float
 
 GRID = 200

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from ground.errors import RecordingError
-from measurement.auditing import convention
-from measurement.auditing.convention import better_reading, check_conventions, readings
+from measurement.auditing import convention, power_left
+from measurement.auditing.convention import better_reading, check_conventions
+from measurement.auditing.hypotheses import ConventionHypothesis, hypothesis, readings, stages
 from measurement.auditing.rough import Smooth
 from measurement.reading.conventions import combined_map, conventions, read_as
 from measurement.recording import Recording
@@ -255,7 +256,7 @@ def test_recordings_of_which_nearly_nothing_is_left_are_not_doubted(mass, named)
     assert (better_reading([kept(run, "absolute-shank")]) is not None) is named
 
 
-@pytest.mark.shows("convention.TURNING")
+@pytest.mark.shows("hypotheses.TURNING")
 @pytest.mark.parametrize(("ratio", "named"), [(5.0, False), (8.0, True)])
 def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
     t, q, dq, _ = moved(0)
@@ -269,29 +270,29 @@ def test_a_gear_is_looked_for_where_an_angle_turns_far(ratio, named):
 def shares(*powers):
     """What a reading leaves that explains nothing of torques of these powers (K,)."""
     count = len(powers)
-    sums = convention._Sums(
+    sums = power_left._Sums(
         np.ones((count, count, count, 1, 1)) * np.eye(count)[None, :, :, None, None],
         np.zeros((count, count, 1)), np.array(powers),
     )  # fmt: skip
-    return float(convention._shares([sums], np.eye(count)[None], np.inf)[0])
+    return float(power_left._shares([sums], np.eye(count)[None], np.inf)[0])
 
 
-@pytest.mark.shows("convention.QUIET", "convention.PASSIVE")
+@pytest.mark.shows("power_left.QUIET", "power_left.PASSIVE")
 @pytest.mark.parametrize(("size", "counts"), [(0.12, 1.0), (0.08, 0.64), (0.025, 0.0625), (0.015, 0.000225)])
 def test_the_noise_of_a_light_joint_chooses_no_reading(size, counts):
     """The torque of the other joint varies by 1 N·m and counts once."""
     assert shares(1.0, size**2) - 1.0 == pytest.approx(counts, rel=1e-3)
 
 
-@pytest.mark.shows("convention.STANDS")
+@pytest.mark.shows("power_left.STANDS")
 @pytest.mark.parametrize(("deviation", "moves"), [(0.007, False), (0.014, True)])
 def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, moves, monkeypatch):
     seen = []
-    monkeypatch.setattr(convention, "_sums", lambda group, moving, to: seen.append(moving[0].tolist()))
-    monkeypatch.setattr(convention, "_shares", lambda sums, torques, most: np.zeros(len(torques)))
+    monkeypatch.setattr(power_left, "_sums", lambda group, moving, to: seen.append(moving[0].tolist()))
+    monkeypatch.setattr(power_left, "_shares", lambda sums, torques, most: np.zeros(len(torques)))
     q = np.column_stack([np.sin(np.arange(400.0)), deviation * np.sqrt(2.0) * np.sin(np.arange(400.0))])
     one = Smooth(q, q, q, q, 0.01, slice(None))
-    convention._left([[one]], [convention.ConventionHypothesis((), combined_map(()))])
+    power_left.power_left([[one]], [ConventionHypothesis((), combined_map(()))])
     assert seen == [[True, moves]]
 
 
@@ -299,18 +300,18 @@ def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, move
 @pytest.mark.parametrize(("plain", "named"), [(0.013, 1), (0.017, 2)])
 def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_well(plain, named, monkeypatch):
     """The better of two readings needs two names and leaves a hundredth; the other needs one."""
-    kinds = [convention._reading(names) for names in (["flexion-positive", "absolute-shank"], ["load-torque"])]
-    monkeypatch.setattr(convention, "_groups", lambda recordings, weighs: [[SimpleNamespace(base=None)]])
+    kinds = [hypothesis(names) for names in (["flexion-positive", "absolute-shank"], ["load-torque"])]
+    monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs: [[SimpleNamespace(base=None)]])
     monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
-    monkeypatch.setattr(convention, "_undone", lambda motion, names: motion)
-    monkeypatch.setattr(convention, "_turning", lambda sets: [])
-    monkeypatch.setattr(convention, "_stages", lambda now, turning, joints, still: [lambda best: kinds])
-    monkeypatch.setattr(convention, "_left", lambda sets, kinds, most: np.array([0.01, plain]))
+    monkeypatch.setattr(convention, "undone", lambda motion, names: motion)
+    monkeypatch.setattr(convention, "turning_joints", lambda sets: [])
+    monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still: [lambda best: kinds])
+    monkeypatch.setattr(convention, "power_left", lambda sets, kinds, most: np.array([0.01, plain]))
     assert len(better_reading([motion()]).reading.names) == named
 
 
-@pytest.mark.shows("convention.WRONG")
+@pytest.mark.shows("hypotheses.WRONG")
 @pytest.mark.parametrize(("now", "tried"), [(0.35, False), (0.45, True)])
 def test_readings_of_many_names_are_tried_where_the_recordings_are_very_wrong(now, tried):
-    stages = convention._stages(now, [])
-    assert any(len(one.names) > 2 and "degrees" not in str(one.names) for stage in stages for one in stage([])) is tried
+    found = (one for stage in stages(now, []) for one in stage([]))
+    assert any(len(one.names) > 2 and "degrees" not in str(one.names) for one in found) is tried

@@ -1,0 +1,203 @@
+"""Which readings of recordings are tried: combinations of conventions, a machine and its mirror image once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+
+import numpy as np
+
+from ground.thresholds import Threshold
+from measurement.auditing.rough import Smooth
+from measurement.reading.conventions import Convention, Map, combined_map, conventions, conventions_of_machine, gear
+from symbolic.joints import LEG, Joint, is_leg
+
+FEW, MOST = 2, 4
+"""Readings of few names are tried first; those of more only where the recordings as they stand leave `WRONG`."""
+FEW_JOINTS, BEAM = 2, 16
+"""Joints up to which every combination is tried; beyond, how many readings get one name more."""
+WRONG = Threshold(0.4, "share of power left, from which readings of three and four names are tried: chance fits some")
+TURNING = Threshold(
+    2.5,
+    "rad that a joint moves at least where its angle may be that of a motor: every small motion fits some gear",
+)
+RATIOS = np.concatenate([np.arange(2.0, 13.0), np.geomspace(14.0, 200.0, 35)])
+"""Gear ratios tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConventionHypothesis:
+    """A way to read recordings: the `names` of the conventions that they would then keep, and their `map`."""
+
+    names: tuple[Convention, ...]
+    map: Map
+
+    @property
+    def what(self) -> str:
+        """The reading in words."""
+        return " and ".join(one.what for one in self.names) or "angles and torques need no --convention"
+
+    @property
+    def sides(self) -> bool:
+        """Whether it only changes signs and exchanges channels."""
+        return all(one.order in (0, 2) for one in self.names)
+
+
+Stage = Callable[[Sequence[ConventionHypothesis]], Sequence[ConventionHypothesis]]
+"""What is tried next, given the best readings so far."""
+
+
+def stages(now: float, turning: Sequence[int], joints: tuple[Joint, ...] = LEG, still: bool = True) -> Iterator[Stage]:
+    """Yield the readings to try, in stages: the simple ones and gears of the joints `turning`; where the recordings as
+    they stand leave very much (`now`), degrees and all combinations too. Of many joints there are too many readings:
+    the best of one name are given a second one, and so on, only then. On a base that is not `still` the machine
+    mirrored is another one.
+    """
+    all_tried = len(joints) <= FEW_JOINTS
+    yield lambda best: readings(FEW if all_tried else 1, joints, still)
+    if now > WRONG and not all_tried:
+        yield lambda best: _extended(best, joints, still)
+    yield lambda best: [*(_in_degrees(joints) if now > WRONG else ()), *_geared_readings(turning, joints)]
+    if now > WRONG and all_tried:
+        yield lambda best: [one for one in readings(MOST, joints, still) if len(one.names) > FEW]
+    if now > WRONG and not all_tried:
+        for _ in range(MOST - FEW):
+            yield lambda best: _extended(best, joints, still)
+
+
+def _extended(
+    best: Sequence[ConventionHypothesis], joints: tuple[Joint, ...], still: bool
+) -> Sequence[ConventionHypothesis]:
+    """Return `best` with one name more each, mirrored ones once."""
+    found: dict[tuple[float, ...], ConventionHypothesis] = {_key(one.map, joints, still): one for one in best}
+    known = set(found)
+    for one, group in product(best, _groups_of_names(joints)):
+        if not any(named.name in option for named in one.names for option in group):
+            for option in group:
+                longer = hypothesis((*(named.name for named in one.names), *option), joints)
+                found.setdefault(_key(longer.map, joints, still), longer)
+    return [one for key, one in found.items() if key not in known]
+
+
+def turning_joints(sets: Sequence[Sequence[Smooth]]) -> list[int]:
+    """Return the joints that move so far that their angles may be those of motors."""
+    reach = np.max([np.ptp(motion.q, axis=0) for group in sets for motion in group], axis=0)
+    return [k for k, joint in enumerate(sets[0][0].joints) if joint.turns and reach[k] > TURNING]
+
+
+Options = list[tuple[str, ...]]
+LEG_OPTIONS: tuple[Options, ...] = (
+    [("swapped-joints",), ("swapped-torques",), ("swapped-angles",)],
+    [("flexion-positive",), ("hip-extension-positive",)],
+    [("hip-angle-negated",), ("knee-angle-negated",)],
+    [("knee-torque-negated",), ("hip-torque-negated",), ("load-torque",)],
+    [("hip-from-upright",), ("hip-from-horizontal",), ("hip-from-horizontal-backwards",)],
+    [("included-knee-angle",), ("shank-from-horizontal",), ("shank-from-horizontal-backwards",)],
+    [("absolute-shank",)],
+    [("base-driven-shank",)],
+)
+"""Names of which one reading has at most one each."""
+
+
+def _groups_of_names(joints: tuple[Joint, ...]) -> Sequence[Options]:
+    """Return the names of a machine's conventions, in groups of which one reading has at most one each."""
+    if is_leg(joints):
+        return LEG_OPTIONS
+    found: dict[str, Options] = {}
+    for name, one in conventions_of_machine(joints).items():
+        if name != "degrees":
+            found.setdefault(_group(name, one.order, joints), []).append((name,))
+    return list(found.values())
+
+
+def _group(name: str, order: int, joints: Sequence[Joint]) -> str:
+    """Return what is the same for conventions that exclude each other: all channels once, a joint's sign, its zero."""
+    if order == 0 or name == "load-torque":
+        return name.partition("-")[0]
+    if name == "absolute-angles":
+        return name
+    own = next(joint.name for joint in joints if joint.name in name.split("-"))
+    return f"{min(order, 4)} {own} {name.startswith('base-driven')}"
+
+
+@cache
+def readings(most: int = MOST, joints: tuple[Joint, ...] = LEG, still: bool = True) -> tuple[ConventionHypothesis, ...]:
+    """Return every reading of signs, zeros, sides and partners with at most so many names, mirrored ones once where
+    the base is `still`, the simplest name of each.
+    """
+    possible = [hypothesis(names, joints) for names in _chosen(_groups_of_names(joints), most) if _makes_sense(names)]
+    found: dict[tuple[float, ...], ConventionHypothesis] = {}
+    for one in sorted(possible, key=cost_of):
+        found.setdefault(_key(one.map, joints, still), one)
+    return tuple(found.values())
+
+
+def _chosen(groups: Sequence[Options], most: int) -> Iterator[tuple[str, ...]]:
+    """Yield every choice of at most one of each group, of at most so many in all."""
+    if not groups:
+        yield ()
+        return
+    for option in ((), *groups[0]):
+        if len(option) <= most:
+            for rest in _chosen(groups[1:], most - len(option)):
+                yield option + rest
+
+
+def _makes_sense(names: tuple[str, ...]) -> bool:
+    """Whether a shank angle that counts from the horizontal is an absolute one."""
+    return "absolute-shank" in names or not any(name.startswith("shank-from") for name in names)
+
+
+def hypothesis(names: Iterable[str], joints: tuple[Joint, ...] = LEG) -> ConventionHypothesis:
+    """Return the reading of the conventions with these `names`."""
+    chosen = conventions(tuple(names), joints)
+    return ConventionHypothesis(chosen, combined_map(chosen, joints))
+
+
+def cost_of(one: ConventionHypothesis) -> float:
+    """Return how many changes a reading needs; among equals the usual ones cost a little less."""
+    return round(len(one.names) + sum(c.unusual for c in one.names), 6)
+
+
+def _key(to: Map, joints: Sequence[Joint], still: bool = True) -> tuple[float, ...]:
+    """Return what is the same for two maps of which one is the other's mirror image, where the base is `still`.
+
+    A mirror leaves what slides along a link alone; where all joints slide, it stands at the end of the way.
+    """
+    turns = np.array([float(joint.turns) for joint in joints])
+    mirror = 1.0 - 2.0 * (turns if turns.any() else 1.0)
+    keys = []
+    for sign in (np.ones(len(joints)), mirror * np.ones(len(joints)))[: 2 if still else 1]:
+        zero = np.round(np.mod(sign * to.zero, 2 * np.pi), 6) % round(2 * np.pi, 6)
+        parts = [np.round(sign[:, None] * rows, 6).ravel() for rows in (to.angle, to.torque)]
+        keys.append(tuple(float(x) for x in np.concatenate([parts[0], zero, parts[1]]) + 0.0))
+    return max(keys)
+
+
+@cache
+def _in_degrees(joints: tuple[Joint, ...]) -> tuple[ConventionHypothesis, ...]:
+    if not any(joint.turns for joint in joints):
+        return ()
+    some = readings(FEW if len(joints) <= FEW_JOINTS else 1, joints)
+    return tuple(hypothesis(("degrees", *(c.name for c in one.names)), joints) for one in some)
+
+
+def _geared_readings(turning: Sequence[int], joints: tuple[Joint, ...]) -> list[ConventionHypothesis]:
+    """Return readings on the motor's side of a gear, with the usual signs."""
+    signs = ((), ("flexion-positive",)) if is_leg(joints) else ((),)
+    out = []
+    for ratio, joint, part, sign in product(RATIOS, turning, ("", "angle"), signs):
+        names = (gear(joint, part, float(ratio), joints), *conventions(sign, joints))
+        out.append(ConventionHypothesis(names, combined_map(names, joints)))
+    if len(turning) > 1:
+        for ratio, part in product(RATIOS, ("", "angle")):
+            names = tuple(gear(joint, part, float(ratio), joints) for joint in turning)
+            out.append(ConventionHypothesis(names, combined_map(names, joints)))
+    return out
+
+
+def geared(stem: str, ratio: float, joints: tuple[Joint, ...]) -> Convention:
+    """Return the convention `stem` (hip-motor) with this gear ratio."""
+    return conventions(f"{stem}={ratio:.4f}".rstrip("0").rstrip("."), joints)[0]

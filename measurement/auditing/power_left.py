@@ -1,0 +1,183 @@
+"""How much of the torques' power a reading leaves: a rough pendulum is fitted to all recordings, so read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.thresholds import Threshold
+from measurement.auditing.hypotheses import ConventionHypothesis
+from measurement.auditing.non_negative import non_negative
+from measurement.auditing.rough import Smooth, machine_columns, smooth
+from measurement.reading.conventions import Map, combined_map, conventions
+from measurement.recording import Recording
+from symbolic.joints import parents
+from symbolic.motion import Float
+
+QUIET = Threshold(
+    0.1,
+    "variation of a torque, of its neighbour's, below which it counts as so much: noise of a light joint would "
+    "choose the reading",
+)
+PASSIVE = Threshold(
+    0.02,
+    "the same below which a joint is passive: what is left there would be compared with a torque that is none",
+)
+STANDS = Threshold(
+    0.01,
+    "rad, standard deviation below which a joint stands: a lock carries its torque, which speaks for no reading",
+)
+ROUNDING = 1e-13
+"""Power of a column, relative to the largest, below which it is rounding."""
+STOP = (0.1, 0.9)
+"""Quantiles of an angle beyond which something may push back."""
+ROWS = 600
+"""Samples of all recordings together."""
+
+
+def smoothed_groups(recordings: Sequence[Recording], weighs: bool = True) -> list[list[Smooth]]:
+    """Return the smoothed recordings that move and carry torque, those with the same known masses together."""
+    groups: dict[object, list[Smooth]] = {}
+    for one in recordings:
+        motion = smooth(one)
+        reach = [joint.reach for joint in one.joints]
+        if (
+            motion is not None
+            and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
+            and np.any(motion.tau.std(axis=0) > 0.0)
+        ):
+            groups.setdefault(one.payloads, []).append(motion if weighs else replace(motion, weighs=False))
+    return list(groups.values())
+
+
+def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
+    """Return `motion` as it was before the conventions `names` were taken into account."""
+    to = combined_map(conventions(names, motion.joints), motion.joints)
+    back = np.linalg.inv(to.angle).T
+    q, tau = (motion.q - to.zero) @ back, motion.tau @ np.linalg.inv(to.torque).T
+    return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
+
+
+def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypothesis], most: float = np.inf) -> Float:
+    """Return for each reading the share of the torques' power, summed over the joints, that the pendulum leaves.
+
+    Of readings that leave more than `most` a lower bound may be returned instead: that of free least squares.
+    """
+    samples = sum(len(range(m.q.shape[0])[m.keep]) for group in sets for m in group)
+    thin = max(1, samples // ROWS)
+    thinned = [[_rows(m, thin) for m in group] for group in sets]
+    stands = STANDS * np.array([joint.reach for joint in sets[0][0].joints])
+    moves = [[m.q[m.keep].std(axis=0) > stands for m in group] for group in sets]
+    alike: dict[bytes, list[int]] = {}
+    for k, kind in enumerate(kinds):
+        alike.setdefault(np.concatenate([kind.map.angle.ravel(), kind.map.zero]).tobytes(), []).append(k)
+    out = np.zeros(len(kinds))
+    for places in alike.values():
+        sums = [_sums(group, moving, kinds[places[0]].map) for group, moving in zip(thinned, moves, strict=True)]
+        out[places] = _shares(sums, np.stack([kinds[k].map.torque for k in places]), most)
+    return out
+
+
+def _rows(motion: Smooth, thin: int) -> Smooth:
+    keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
+    q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
+    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=None if motion.base is None else motion.base[keep])
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums over the samples of recordings in which the joint of torque k moves: `gram` (K, J, J, P, P) of two joints'
+    columns, `slope` (J, K, P) of joint j's columns with torque k, `power` (K,) of the torques around their means.
+    `near` (K, K) says which joints are neighbours (None: all).
+    """
+
+    gram: Float
+    slope: Float
+    power: Float
+    near: NDArray[np.bool_] | None = None
+
+
+def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
+    tau = np.concatenate([motion.tau for motion in group])
+    counts = np.concatenate([np.repeat(m[None], len(one.q), axis=0) for m, one in zip(moves, group, strict=True)])
+    mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
+    tau = (tau - mean) * counts  # constant offsets are nobody's sign
+    q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
+    known = [one.base for one in group if one.base is not None]
+    base = np.concatenate(known) if len(known) == len(group) else None
+    turn = to.angle.T
+    whole = replace(group[0], q=q @ turn + to.zero, dq=dq @ turn, ddq=ddq @ turn, tau=tau, base=base)
+    y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
+    flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
+    size, count = y.shape[2], tau.shape[1]
+    grams = [
+        (part.T @ part).reshape(count, size, count, size).transpose(0, 2, 1, 3)
+        for part in (flat[counts[:, k]] for k in range(count))
+    ]
+    slope = (flat.T @ tau).reshape(count, size, count).transpose(0, 2, 1)
+    near = np.eye(count, dtype=bool)
+    for k, above in enumerate(parents(whole.joints)):
+        if above is not None:
+            near[k, above] = near[above, k] = True
+    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), near)
+
+
+def _stops(q: Float) -> Float:
+    """Return columns (J, K, 2 J) of what pushes back near the ends of each joint's range: stops, tendons, straps.
+
+    Without them a machine that runs into its stop would look like one that is read wrongly.
+    """
+    joints = q.shape[1]
+    out = np.zeros((joints, len(q), 2 * joints))
+    for joint in range(joints):
+        low, high = np.quantile(q[:, joint], STOP)
+        out[joint, :, 2 * joint] = np.maximum(q[:, joint] - high, 0.0)
+        out[joint, :, 2 * joint + 1] = np.minimum(q[:, joint] - low, 0.0)
+    return out
+
+
+def _factor(scaled: Float) -> Float:
+    """Return the Cholesky factors of Gram matrices (M, P, P), which rounding may have left slightly indefinite."""
+    try:
+        return np.asarray(np.linalg.cholesky(scaled), dtype=float)
+    except np.linalg.LinAlgError:
+        least = np.linalg.eigvalsh(scaled)[:, :1, None]
+        lifted = scaled + np.maximum(1e-10 - 2.0 * least, 0.0) * np.eye(scaled.shape[1])
+        return np.asarray(np.linalg.cholesky(lifted), dtype=float)
+
+
+def _shares(groups: Sequence[_Sums], torques: Float, most: float) -> Float:
+    """Return for each torque map (M, J, J) the share of the power left, each group fitted on its own.
+
+    What is left counts in the torques as they were recorded, so that no reading gains by mixing them.
+    """
+    power = np.sum([s.power for s in groups], axis=0)
+    near = groups[0].near
+    largest = np.full(power.shape, power.max()) if near is None else np.where(near, power, 0.0).max(axis=1)
+    least = np.where(power < PASSIVE**2 * largest, 1.0, QUIET**2) * largest
+    weight = 1.0 / np.maximum(np.maximum(power, least), 1e-24)
+    back = np.linalg.inv(torques)
+    squares = np.einsum("k,mkj,mkl->mkjl", weight, back, back)
+    ready = []
+    bound = np.zeros(len(torques))
+    for s in groups:
+        gram = np.tensordot(squares, s.gram, 3)
+        slope = np.tensordot(back * weight[:, None], s.slope.transpose(1, 0, 2), 2)
+        square = np.diagonal(gram, axis1=1, axis2=2)
+        # Columns that cancel, or of a joint that stands, are zero but for rounding: they are left out.
+        size = np.sqrt(np.where(square > ROUNDING * square.max(axis=1, keepdims=True), square, np.inf))
+        scaled = gram / (size[:, :, None] * size[:, None, :]) + 1e-10 * np.eye(size.shape[1])
+        lower = _factor(scaled)
+        side = np.linalg.solve(lower, (slope / size)[:, :, None])[:, :, 0]
+        total = float(weight @ s.power)
+        ready.append((scaled, slope / size, lower, side))
+        bound += np.maximum(total - np.sum(side**2, axis=1), 0.0)
+    for m in np.flatnonzero(bound <= most):
+        # |lowerᵀx - side|² falls short of the loss by what no x explains.
+        for gram, slope, lower, side in ready:
+            short = lower[m].T @ non_negative(gram[m], slope[m]) - side[m]
+            bound[m] += float(short @ short)
+    return bound
