@@ -18,14 +18,14 @@ import numpy as np
 
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
-from diagnosis.evidence.gram import weighted_fit
+from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.question import own_effects
 from diagnosis.rules import RULES, Rules
+from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
 from diagnosis.watching.questions import Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
@@ -33,15 +33,12 @@ from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
-from optimisation.linear.uncertainty import covariance
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
-PARTS = 4
-"""Parts at least into which each side is cut, so that some can be held out."""
 OLD_ERROR = Threshold(
     0.05,
     "share of the loss from which an error that was there all along is reported: trifles listed where nothing changed",
@@ -52,12 +49,8 @@ SCATTER = Threshold(
 )
 STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
-ROUNDS = 3
-"""Times a fit is weighted anew."""
 MOST = 3
 """Differences named at most."""
-
-
 QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
 """Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
@@ -119,7 +112,7 @@ class BeforeAfter:
         self.before = len(now.prepared.train)
         self.joints = len(now.model.joints)
         self.old: tuple[str, ...] = ()
-        whole = _cut(now, self.before, seed, rules)
+        whole = cut_evidence(now, self.before, seed, rules)
         self.questions = questions(now, [block.columns for block in whole.blocks], self.before, extra)
         changes = sum(isinstance(c, Asked) and not c.always for c in self.questions.candidates)
         # Enough that one alone among so many can be significant.
@@ -139,7 +132,7 @@ class BeforeAfter:
                 refused.add(found.asked.label)
                 continue
             granted.append(found)
-            evidence = _with(evidence, found.columns, self.seed, self.rules)
+            evidence = with_columns(evidence, found.columns, self.seed, self.rules)
         return self._written(evidence, granted, began)
 
     def _next(self, evidence: Evidence, granted: Sequence[_Granted], refused: set[str]) -> _Granted | None:
@@ -221,7 +214,7 @@ class BeforeAfter:
         if self.before < 3:
             return True
         whole = self._unmasked(found)
-        system = _System(evidence, [found.columns])
+        system = CommonFit(evidence, [found.columns])
         step = system.solve()
         size = step[-found.columns[0].shape[2] :]
         own = []
@@ -247,7 +240,7 @@ class BeforeAfter:
         changes = [g for g in granted if not g.asked.always]
         prepared = self.now.prepared
         base = evidence.blocks  # with all that was granted
-        system = _System(replace_blocks(self.evidence, base, self.seed, self.rules), [])
+        system = CommonFit(replace_blocks(self.evidence, base, self.seed, self.rules), [])
         step = system.solve()
         left = [system.left(k, step) for k in range(len(base))]
         old = self.now.residuals
@@ -271,7 +264,7 @@ class BeforeAfter:
         others = [g.columns for g in granted if g is not one]
         own = one.asked.number
         whole = [] if own is not None else [self._unmasked(one)]
-        system = _System(self.evidence, [*others, *whole, one.columns])
+        system = CommonFit(self.evidence, [*others, *whole, one.columns])
         step = system.solve()
         spread, critical = system.spread(step)
         width = one.columns[0].shape[2]
@@ -312,7 +305,7 @@ class BeforeAfter:
 
     def _course(self, one: _Granted, granted: Sequence[_Granted], size: Float) -> Course:
         """Return when the change was there: the size it has, stretch by stretch, beside all else that was granted."""
-        system = _System(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
+        system = CommonFit(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
         step = system.solve()
         own = self._unmasked(one)
         rows = []
@@ -349,84 +342,3 @@ def _shape(one: _Granted) -> dict[str, float]:
     if not one.asked.term.effect.coefficients:
         return {}
     return {key: float(v) for key, v in zip(one.asked.term.effect.shape, one.score.shape[-1], strict=True)}
-
-
-def _cut(now: FittedModel, before: int, seed: int, rules: Rules) -> Evidence:
-    """Return the evidence on all recordings, each cut so that either side has `PARTS` parts."""
-    whole = now.evidence(seed=seed, draws=0, rules=rules)
-    blocks = []
-    for k, block in enumerate(whole.blocks):
-        side = before if k < before else len(whole.blocks) - before
-        parts = -(-PARTS // side)
-        samples = block.residual.shape[1]
-        blocks.append(replace(block, fold=np.arange(samples) * parts // samples))
-    # A large change is no outlier: where samples count less because of it, what shows least of it would lead.
-    scale = np.maximum(_scale(blocks[:before]), _scale(blocks[before:]))
-    return Evidence(blocks, [], seed=seed, draws=0, sigma=scale, prior=whole.prior, rules=rules)
-
-
-def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
-    """Return the robust standard deviation (J,) of the residual, N·m."""
-    out = []
-    for joint in range(len(blocks[0].residual)):
-        values = np.concatenate([b.residual[joint][b.use[joint]] for b in blocks])
-        out.append(max(float(np.median(np.abs(values))) / 0.6745, 1e-9) if values.size else 1.0)
-    return np.array(out)
-
-
-def replace_blocks(evidence: Evidence, blocks: Sequence[RecordingEvidence], seed: int, rules: Rules) -> Evidence:
-    """Return the evidence on other blocks, with the placebos of `rules`; columns beyond those it holds are free."""
-    prior = np.zeros(blocks[0].columns.shape[2])
-    prior[: evidence.prior.size] = evidence.prior
-    return Evidence(list(blocks), [], seed=seed, sigma=evidence.sigma, prior=prior, rules=rules)
-
-
-def _with(evidence: Evidence, columns: Sequence[Float], seed: int, rules: Rules) -> Evidence:
-    """Return the evidence with further columns (J, K, m) in the model."""
-    blocks = [
-        replace(b, columns=np.concatenate([b.columns, own], axis=2))
-        for b, own in zip(evidence.blocks, columns, strict=True)
-    ]
-    return replace_blocks(evidence, blocks, seed, rules)
-
-
-class _System:
-    """The model with further columns, fitted to all recordings at once by weighted least squares."""
-
-    def __init__(self, evidence: Evidence, further: Sequence[Sequence[Float]]) -> None:
-        self.blocks = evidence.blocks
-        self.sigma = evidence.sigma
-        self.weights = [robust_weight(b, self.sigma, evidence.rules) / self.sigma[:, None] ** 2 for b in self.blocks]
-        self.columns = [
-            np.concatenate([b.columns, *(own[k] for own in further)], axis=2) for k, b in enumerate(self.blocks)
-        ]
-        self.prior = np.zeros(self.columns[0].shape[2])
-        self.prior[: evidence.prior.size] = evidence.prior
-
-    def solve(self) -> Float:
-        """Return the step (P + m,) from the model's numbers; each round weighs by what the last one leaves."""
-        step = self._solved()
-        for _ in range(ROUNDS):
-            self.weights = [
-                robust_weight(replace(b, residual=self.left(k, step)), self.sigma) / self.sigma[:, None] ** 2
-                for k, b in enumerate(self.blocks)
-            ]
-            step = self._solved()
-        return step
-
-    def _solved(self) -> Float:
-        return weighted_fit(self.columns, self.weights, [b.residual for b in self.blocks], self.prior)[1]
-
-    def left(self, index: int, step: Float) -> Float:
-        """Return the residual (J, K) of one recording after `step`, N·m."""
-        return np.asarray(self.blocks[index].residual - self.columns[index] @ step)
-
-    def spread(self, step: Float) -> tuple[Float, float]:
-        """Return the covariance (P + m, P + m) of the step, valid under autocorrelation, and the critical value."""
-        use = np.concatenate([b.use for b in self.blocks], axis=1) / self.sigma[:, None]
-        jacobian = np.concatenate(self.columns, axis=1) * use[:, :, None]
-        residual = np.concatenate([self.left(k, step) for k in range(len(self.blocks))], axis=1) * use
-        groups = np.repeat(np.arange(len(self.blocks)), [b.residual.shape[1] for b in self.blocks])
-        limit = np.full(len(self.sigma), 3.0)
-        found = covariance(jacobian, residual, limit, groups)
-        return found.matrix, found.critical

@@ -19,7 +19,6 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.rules import Rules
 from diagnosis.watching.alarm import SPANS, Detector, Deviation
-from diagnosis.watching.course import Onset, onset
 from diagnosis.watching.differences import MOST, QUICK, BeforeAfter
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.events import Event, clock
@@ -29,6 +28,7 @@ from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import placebos, scores
 from diagnosis.watching.watched import Watched
 from diagnosis.watching.window import Window, joined_windows, prepared, window
+from diagnosis.watching.wording import change_event, nameless_event, reference_event, start_event, summary_event
 from ground.errors import ExoidError
 from ground.thresholds import Threshold
 from optimisation.fitting.identify import identify
@@ -149,7 +149,8 @@ class Watcher:
         events = self._note(self.front.push(rows[finite]))
         if self.front.filters is not None and self.front.restarts != self.started:
             self.started = self.front.restarts
-            events.insert(0, self._start())
+            needed = self.settings.learn * self.settings.block
+            events.insert(0, start_event(self.front, self.model.joint_names, needed))
         return self._count(events)
 
     def finish(self) -> list[Event]:
@@ -158,7 +159,12 @@ class Watcher:
         if self.named is not None:
             events += self._refined()
         self._count(events)
-        return [*events, *self._count([self._summary()])]
+        seconds = 0.0 if self.first is None else self.last - self.first
+        lost = {"not_finite": self.not_finite, "not_later": self.front.late, "restarts": self.front.restarts}
+        estimates = () if self.estimator is None else self.estimator.estimates()
+        known = self.reference is not None
+        summary = summary_event(self.last, seconds, self.blocks, known, self.counts, lost, estimates)
+        return [*events, *self._count([summary])]
 
     def _count(self, events: list[Event]) -> list[Event]:
         for one in events:
@@ -237,25 +243,17 @@ class Watcher:
         detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
         self.reference = _Reference(now, watched, detector, scale, now.train_rms)
         if self.estimator is None:
-            width = len(self.model.parameters)
             self.estimator = Estimator.start(
                 [p.name for p in self.model.parameters], [p.unit for p in self.model.parameters], now.linear,
                 10.0 * (np.abs(now.linear) + 1.0), scale, self.kept[0].kept_rate, len(self.model.inertial),
                 settings.pace,
             )  # fmt: skip
-            assert width == now.linear.size
             for one, block in zip(self.kept, blocks, strict=True):
                 self._estimate(one, block)
         self.usual, self.leaving, count = list(usual), [], len(self.kept)
         self.kept = []
         self.recent.clear()
-        said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in now.fit.estimates)
-        rms = zip(self.model.joints, now.train_rms, strict=True)
-        errors = ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in rms)
-        return [Event(
-            "reference", self.last, f"what is usual is known: {said}; error {errors}", tuple(now.fit.estimates),
-            more={"rms": now.train_rms, "limit": detector.limit, "blocks": count},
-        )]  # fmt: skip
+        return [reference_event(self.last, now, detector.limit, count)]
 
     def _estimate(self, one: Window, block: RecordingEvidence) -> None:
         assert self.estimator is not None
@@ -299,7 +297,7 @@ class Watcher:
         answer = self._ask(last)
         if answer.found and self._explained(answer):
             self.pending, self.quiet_since = None, len(last)
-            self.named = self._change(answer, pending.found, "first", last)
+            self.named = change_event(self.last, answer, pending.found, "first", last)
             return [self.named]
         if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
             pending.asked += 1
@@ -331,16 +329,7 @@ class Watcher:
         return bool(np.all((left <= GROWN) | (rest <= REST)))
 
     def _nameless(self, answer: Differences) -> Event:
-        grown = self._grown(answer.rms_after)
-        joint = int(np.argmax(grown))
-        at = f"at {self.model.joint_names[joint]}"
-        text = f"something changed {at}, too small to name yet"
-        if grown[joint] > GROWN:
-            text = f"the error {at} is {grown[joint]:.2g} times what it was, and nothing known explains it"
-        nearest = [d.name for d in answer.found]
-        text += f"; nearest: {', '.join(nearest)}" if nearest else ""
-        more = {"rms": answer.rms_after, "joint": self.model.joint_names[joint], "nearest": nearest}
-        return Event("unexplained", self.last, text, differences=replace(answer, found=()), more=more)
+        return nameless_event(self.last, self.model.joint_names, answer, self._grown(answer.rms_after), GROWN)
 
     def _relearn(self, last: Sequence[Window]) -> None:
         """Learn what is usual from `last` on."""
@@ -364,26 +353,13 @@ class Watcher:
         rules = replace(self.rules, placebos=self.settings.draws, least_share=LEAST_SHARE)
         return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most).run(0.0)
 
-    def _change(self, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
-        since = _onset(answer, last)
-        first = answer.found[0]
-        kind = {"load": "payload", "sensor": "sensor"}.get(first.kind, "drift" if since and since.slow else "abrupt")
-        when = "" if since is None else (
-            f"since {clock(since.t)} ({clock(since.low)} to {clock(since.high)}) "
-        )  # fmt: skip
-        more: dict[str, object] = {"state": state, "rms_before": answer.rms_before, "rms_after": answer.rms_after}
-        if found is not None:
-            more |= {"deviation": found.size, "limit": found.limit}
-        text = f"{when}{'slowly ' if kind == 'drift' else ''}{'; '.join(d.sentence for d in answer.found)}"
-        return Event("change", self.last, text, (), answer, since, kind, more)
-
     def _refined(self) -> list[Event]:
         """Name the change once more, now that it has lasted, and learn what is usual from here on."""
         assert self.named is not None
         last = list(self.recent)[-min(self.quiet_since, SPANS[-1]) :]
         answer = self._ask(last, MOST)
         if answer.found and self._explained(answer):
-            event = self._change(answer, None, "refined", last)
+            event = change_event(self.last, answer, None, "refined", last)
         elif answer.found or float(np.max(self._grown(answer.rms_after))) > NOTICED:
             event = self._nameless(answer)
         else:
@@ -391,45 +367,3 @@ class Watcher:
             event = Event("change", self.last, text, (), answer, None, "over", {"state": "over"})
         self._relearn(last)
         return [event]
-
-    # -- beginning and end ------------------------------------------------------------------------------------
-
-    def _start(self) -> Event:
-        filters = self.front.filters
-        assert filters is not None
-        need = self.settings.learn * self.settings.block
-        text = f"{filters.rate:.5g} Hz, cut-off {filters.cutoff:g} Hz, answers {filters.delay:.2g} s late"
-        if self.front.restarts:
-            text = f"the clock jumped to {clock(float(self.front.begin))}; the filters start anew: {text}"
-        else:
-            text += f"; the first {need:g} s say what is usual"
-        more = {"rate": filters.rate, "cutoff": filters.cutoff, "delay": filters.delay,
-                "joints": self.model.joint_names}  # fmt: skip
-        return Event("start", float(self.front.begin), text, more=more)
-
-    def _summary(self) -> Event:
-        seconds = 0.0 if self.first is None else self.last - self.first
-        changes = self.counts.get("change", 0)
-        text = f"{clock(seconds)} watched, {self.blocks} blocks"
-        if self.reference is None and not changes:
-            text += ": too little to say what is usual, so nothing was looked for"
-        else:
-            text += f", {changes} reports of changes" if changes else ", no change"
-        lost = {"not_finite": self.not_finite, "not_later": self.front.late, "restarts": self.front.restarts}
-        words = {
-            "not_finite": "samples passed over that are not finite", "restarts": "jumps of the clock",
-            "not_later": "samples passed over that are not later than those before",
-        }  # fmt: skip
-        passed = [f"{words[name]}: {count}" for name, count in lost.items() if count]
-        text += f"; {', '.join(passed)}" if passed else ""
-        estimates = () if self.estimator is None else self.estimator.estimates()
-        more = {"seconds": seconds, "blocks": self.blocks, "events": dict(self.counts), **lost}
-        return Event("summary", self.last, text, estimates, more=more)
-
-
-def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:
-    course = answer.found[0].course
-    if course is None:
-        return None
-    block = float(last[0].t[-1] - last[0].t[0])
-    return onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both

@@ -1,0 +1,102 @@
+"""What a watch says: the event of each thing that it reports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.watching.alarm import Deviation
+from diagnosis.watching.course import Onset, onset
+from diagnosis.watching.events import Event, clock
+from diagnosis.watching.front import FrontEnd
+from diagnosis.watching.result import Differences
+from diagnosis.watching.window import Window
+from symbolic.motion import Float
+from symbolic.quantity import Estimate
+
+
+def start_event(front: FrontEnd, joints: Sequence[str], needed: float) -> Event:
+    """Return that the rate is known, or the clock has jumped; the first `needed` s will say what is usual."""
+    filters = front.filters
+    assert filters is not None
+    text = f"{filters.rate:.5g} Hz, cut-off {filters.cutoff:g} Hz, answers {filters.delay:.2g} s late"
+    if front.restarts:
+        text = f"the clock jumped to {clock(float(front.begin))}; the filters start anew: {text}"
+    else:
+        text += f"; the first {needed:g} s say what is usual"
+    more = {"rate": filters.rate, "cutoff": filters.cutoff, "delay": filters.delay, "joints": joints}
+    return Event("start", float(front.begin), text, more=more)
+
+
+def reference_event(t: float, now: FittedModel, limit: float, blocks: int) -> Event:
+    """Return that what is usual is known: the model `now`, of so many `blocks`, and the detector's `limit`."""
+    estimates = now.fit.estimates
+    said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in estimates)
+    rms = zip(now.model.joints, now.train_rms, strict=True)
+    errors = ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in rms)
+    more = {"rms": now.train_rms, "limit": limit, "blocks": blocks}
+    return Event("reference", t, f"what is usual is known: {said}; error {errors}", tuple(estimates), more=more)
+
+
+def change_event(t: float, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
+    """Return that `answer` names what differs since some time in the windows `last`."""
+    since = _onset(answer, last)
+    first = answer.found[0]
+    kind = {"load": "payload", "sensor": "sensor"}.get(first.kind, "drift" if since and since.slow else "abrupt")
+    when = "" if since is None else f"since {clock(since.t)} ({clock(since.low)} to {clock(since.high)}) "
+    more: dict[str, object] = {"state": state, "rms_before": answer.rms_before, "rms_after": answer.rms_after}
+    if found is not None:
+        more |= {"deviation": found.size, "limit": found.limit}
+    text = f"{when}{'slowly ' if kind == 'drift' else ''}{'; '.join(d.sentence for d in answer.found)}"
+    return Event("change", t, text, (), answer, since, kind, more)
+
+
+def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:
+    course = answer.found[0].course
+    if course is None:
+        return None
+    block = float(last[0].t[-1] - last[0].t[0])
+    return onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both
+
+
+def nameless_event(t: float, joints: Sequence[str], answer: Differences, grown: Float, small: float) -> Event:
+    """Return that the error has `grown` (J,) times without a name; where by less than `small`, that it is too small."""
+    joint = int(np.argmax(grown))
+    at = f"at {joints[joint]}"
+    text = f"something changed {at}, too small to name yet"
+    if grown[joint] > small:
+        text = f"the error {at} is {grown[joint]:.2g} times what it was, and nothing known explains it"
+    nearest = [d.name for d in answer.found]
+    text += f"; nearest: {', '.join(nearest)}" if nearest else ""
+    more = {"rms": answer.rms_after, "joint": joints[joint], "nearest": nearest}
+    return Event("unexplained", t, text, differences=replace(answer, found=()), more=more)
+
+
+LOST = {
+    "not_finite": "samples passed over that are not finite",
+    "not_later": "samples passed over that are not later than those before",
+    "restarts": "jumps of the clock",
+}
+"""What is counted beside the blocks -> in words."""
+
+
+def summary_event(
+    t: float, seconds: float, blocks: int, known: bool, counts: Mapping[str, int], lost: Mapping[str, int],
+    estimates: tuple[Estimate, ...],
+) -> Event:  # fmt: skip
+    """Return the end: how long was watched, whether it is `known` what is usual, the `counts` of events, what was
+    `lost`, and the last `estimates`.
+    """
+    changes = counts.get("change", 0)
+    text = f"{clock(seconds)} watched, {blocks} blocks"
+    if not known and not changes:
+        text += ": too little to say what is usual, so nothing was looked for"
+    else:
+        text += f", {changes} reports of changes" if changes else ", no change"
+    passed = [f"{LOST[name]}: {count}" for name, count in lost.items() if count]
+    text += f"; {', '.join(passed)}" if passed else ""
+    more = {"seconds": seconds, "blocks": blocks, "events": dict(counts), **lost}
+    return Event("summary", t, text, estimates, more=more)
