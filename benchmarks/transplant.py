@@ -44,7 +44,7 @@ from measurement.bench.hidden import Hidden, true_model  # noqa: E402
 from measurement.bench.leg import Leg  # noqa: E402
 from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from measurement.signals.conditioning import derivatives, even_clock, low_pass, widen  # noqa: E402
+from measurement.signals.conditioning import derivatives, low_pass, uniform_sampling, widen  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
 from optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
 from optimisation.preparation.prepare import prepare  # noqa: E402
@@ -77,8 +77,8 @@ class Task:
 
 
 def smooth_motion(recording: Recording) -> Motion:
-    """Return the motion (on an even clock) along which effects are computed."""
-    even = even_clock(recording)
+    """Return the motion (uniformly sampled) along which effects are computed."""
+    even = uniform_sampling(recording)
     q = low_pass(even.q, min(SMOOTH, 0.4 * even.rate), even.rate)
     dq, ddq = derivatives(q, even.rate)
     return Motion(even.t, q, dq, ddq, np.tanh(dq / STANDSTILL))

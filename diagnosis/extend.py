@@ -121,7 +121,7 @@ def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str
     """Return the steps as lines of text."""
     lines = []
     for step in steps:
-        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.judged_rms, strict=True))
+        numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(joints, step.evaluation_rms, strict=True))
         lines.append(f"{step.label}: {step.judged} error [{unit}] {numbers}")
     return "\n".join(lines)
 
@@ -199,7 +199,7 @@ def _fall(steps: Sequence[Step]) -> float:
 
     Negative where the other joint loses more than this one gains.
     """
-    old, new = steps[0].judged_rms, steps[-1].judged_rms
+    old, new = steps[0].evaluation_rms, steps[-1].evaluation_rms
     change = (old - new) / np.maximum(old, 1e-300)
     return float(change.max() if change.sum() > 0.0 else change.min())
 

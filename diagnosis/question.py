@@ -97,7 +97,7 @@ def _before_any_search(base: FittedModel, rules: Rules) -> Conclusion | None:
     doubt = doubts_before(base, rules)
     if doubt is not None:
         return doubted(doubt)
-    if np.all(base.judged_rms <= rules.filter_error * base.prepared.filter_error):
+    if np.all(base.evaluation_rms <= rules.filter_error * base.prepared.filter_error):
         return within_filter_error(base)
     return None
 

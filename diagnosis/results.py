@@ -148,7 +148,7 @@ class Step(AsJson):
         return "fitted" if self.verify_rms is None else "unseen"
 
     @property
-    def judged_rms(self) -> Float:
+    def evaluation_rms(self) -> Float:
         """The error (J,) on that motion, N·m."""
         return self.train_rms if self.verify_rms is None else self.verify_rms
 
@@ -275,7 +275,7 @@ class Diagnosis:
     def __repr__(self) -> str:
         lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
         for step in self.steps:
-            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.judged_rms, strict=True))
+            numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
             lines.append(f"  {step.label:<28} {step.judged} error [{self.unit}]: {numbers}")
         lines += [f"  {a.name}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]

@@ -175,10 +175,10 @@ class Rules:
     curve_share: float = _rule(REMAINDER, 0.02, "least share of the unseen loss that a curve explains to be reported")
     curve_level: float = _rule(REMAINDER, 0.005, "p-value of a curve; a few dozen are tried")
     own_handicap: float = _rule(REMAINDER, 0.85, "factor on the share of a curve per recording: freedom must be earned")
-    beaten: float = _rule(REMAINDER, 3.0, "standard errors by which a curve leads to unmask a proxy: a true term lost")
-    beaten_share: float = _rule(REMAINDER, 0.02, "share of the loss by which a curve leads to unmask a proxy")
+    beaten: float = _rule(REMAINDER, 3.0, "standard errors by which a curve leads to reveal a proxy: a true term lost")
+    beaten_share: float = _rule(REMAINDER, 0.02, "share of the loss by which a curve leads to reveal a proxy")
     superseded: float = _rule(REMAINDER, 0.5, "part of its gain a proxy adds to the curve that replaces it")
-    as_good: float = _rule(REMAINDER, 0.97, "part of the gain with which a bump with fewer numbers unmasks a proxy")
+    as_good: float = _rule(REMAINDER, 0.97, "part of the gain with which a bump with fewer numbers reveals a proxy")
 
     near_noise: float = _rule(
         CHANNELS, 3.0, "times the floor up to which an error is near the noise; beyond, a model is not called adequate"

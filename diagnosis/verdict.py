@@ -145,14 +145,14 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     times = last.train_rms / floor
     j = int(np.argmax(times))
     told = max((one.explained_share for one in possible), default=0.0) >= rules.small_gain
-    unseen = last.judged_rms[j] > rules.near_noise * floor[j]
+    unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
     if not last.verified or not told or unseen or times[j] <= rules.near_noise:
         return ""
     names = [name for name, rms in last.per_recording if rms[j] > rules.near_noise * floor[j]]
     unit = last.model.joints[j].unit("tau")
     return (
         f"the {last.model.joint_names[j]} keeps {last.train_rms[j]:.3g} {unit} on fitted motion ({', '.join(names)}), "
-        f"{times[j]:.2g} times the noise, and {last.judged_rms[j]:.3g} {unit} on unseen motion"
+        f"{times[j]:.2g} times the noise, and {last.evaluation_rms[j]:.3g} {unit} on unseen motion"
     )
 
 
@@ -215,7 +215,7 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     """Return the conclusion where a model leaves no more than filter and derivatives get wrong."""
     errors = ", ".join(
         f"{joint.name} {1e3 * e:.2g} of {1e3 * f:.2g} m{joint.unit('tau')}"
-        for joint, e, f in zip(base.model.joints, base.judged_rms, base.prepared.filter_error, strict=True)
+        for joint, e, f in zip(base.model.joints, base.evaluation_rms, base.prepared.filter_error, strict=True)
     )
     return Conclusion(
         "adequate",
@@ -242,7 +242,7 @@ def _size(error: ModelError | None) -> str:
 def _times(last: FittedModel) -> float:
     """Return how many times the noise floor the error is, at the worse joint."""
     floor = sensor_noise(last.prepared)
-    return float(np.max(last.judged_rms[floor > 0.0] / floor[floor > 0.0], initial=0.0))
+    return float(np.max(last.evaluation_rms[floor > 0.0] / floor[floor > 0.0], initial=0.0))
 
 
 def check_channels(misread: Sequence[Finding]) -> Conclusion:
@@ -282,7 +282,7 @@ def _deciding(alike: Sequence[Accepted]) -> str:
 
 def _falls(first: FittedModel, last: FittedModel) -> str:
     kind = "unseen" if first.verified else "fitted"
-    return f"Error on {kind} motion: {_told_falls(first.judged_rms, last.judged_rms, last.model.joints)}."
+    return f"Error on {kind} motion: {_told_falls(first.evaluation_rms, last.evaluation_rms, last.model.joints)}."
 
 
 def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:

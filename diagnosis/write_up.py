@@ -81,8 +81,8 @@ def accepted_of(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
                 look_alikes=extension.alike,
                 never_separable=extension.never,
                 p_value=float(score.p_value or 1.0),
-                rms_before=before.fitted.judged_rms,
-                rms_after=extension.fitted.judged_rms,
+                rms_before=before.fitted.evaluation_rms,
+                rms_after=extension.fitted.evaluation_rms,
                 sentence=sentence_of(term, numbers),
             )
         )
@@ -156,10 +156,10 @@ def _suspect(score: Score, alike: dict[str, tuple[str, ...]], steps: Sequence[St
     term, likes = score.candidate.term, alike.get(score.name, ())
     names = [joint.name for joint in term.among]
     at = slice(None) if term.joint is None else [names.index(term.joint)]
-    before, after = steps[0].judged_rms[at], noise_floor[at]
+    before, after = steps[0].evaluation_rms[at], noise_floor[at]
     first = next(iter(alike), None) == score.name
     if first:
-        after = steps[1].judged_rms[at]
+        after = steps[1].evaluation_rms[at]
     most = max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
     share = most if first else min(score.joint_share, most)
     return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution)

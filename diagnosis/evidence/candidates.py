@@ -19,7 +19,7 @@ import numpy as np
 
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
-from ground.engines.forks import shared
+from ground.engines.workers import shared
 from ground.errors import ExpressionError
 from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.filtering import PreparedRecording

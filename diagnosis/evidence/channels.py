@@ -217,7 +217,7 @@ def _impossible_base(base: FittedModel, last: FittedModel, rules: Rules) -> Doub
     share, wrong = left_share(base), _impossible(base)
     if not np.nanmax(share, initial=0.0) > rules.base_share or not wrong:
         return None
-    if not _impossible(last) and np.all(last.judged_rms <= rules.near_noise * last.prepared.noise_floor):
+    if not _impossible(last) and np.all(last.evaluation_rms <= rules.near_noise * last.prepared.noise_floor):
         return None
     parts = ", ".join(f"{joint} {100 * x:.0f} %" for joint, x in _finite(share, base.model.joint_names))
     return Doubt(

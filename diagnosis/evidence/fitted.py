@@ -66,7 +66,7 @@ class FittedModel:
         return bool(self.prepared.verify)
 
     @property
-    def judged_rms(self) -> Float:
+    def evaluation_rms(self) -> Float:
         """RMS residual (J,) in N·m that a reader is shown: of verification recordings, of fitted ones without any."""
         return self.train_rms if self.verify_rms is None else self.verify_rms
 

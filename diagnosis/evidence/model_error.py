@@ -56,7 +56,7 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     """
     again = repeats(last)
     sensors, floor = sensor_noise(last.prepared), noise_with(again, last.prepared)
-    error = last.judged_rms
+    error = last.evaluation_rms
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
     j = int(np.argmax(times))
@@ -101,7 +101,7 @@ def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelErr
     """Return the error at joint `j` that is `times` what the sensors explain, but does not come again."""
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
     text = (
-        f"the {joint} keeps {last.judged_rms[j]:.3g} {unit}, {times:.2g} times what sensor noise explains, "
+        f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {times:.2g} times what sensor noise explains, "
         f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion"
     )
     return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), random=True)

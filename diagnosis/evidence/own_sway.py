@@ -78,7 +78,7 @@ class OwnSway:
 
 def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway | None:
     """Return the sway that explains most of what `last` leaves beyond the `noise` (J,), N·m; None for none."""
-    swing = swinging(last) if np.any(last.judged_rms > rules.near_noise * noise) else None
+    swing = swinging(last) if np.any(last.evaluation_rms > rules.near_noise * noise) else None
     effect, model = find_effect(ENTRY), last.model
     if swing is None or model.moving_base or any(term.effect.id == ENTRY for term in model.terms):
         return None
@@ -100,7 +100,7 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         numbers = replace(last.fit, linear=last.linear + found.change[: len(last.linear)])
         found = _read(replace(last, fit=numbers), blocks, candidate, found.hertz)
     judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
-    before, after = last.judged_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
+    before, after = last.evaluation_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
     whole, left = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
     return OwnSway(found.hertz, np.array(found.parts), before, after) if left <= (1.0 - rules.leading) * whole else None
 

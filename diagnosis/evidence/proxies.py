@@ -18,7 +18,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import block_losses
 from diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from diagnosis.evidence.score import weigh
-from ground.engines.forks import allowed_processes, first_passing
+from ground.engines.workers import allowed_processes, first_passing
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.joints import UNITS
 from symbolic.motion import Float

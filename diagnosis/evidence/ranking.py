@@ -20,7 +20,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.evidence.stability import Splits
-from ground.engines.forks import allowed_processes, share_out, shared
+from ground.engines.workers import allowed_processes, share_out, shared
 
 Progress = Callable[[float, str], None]
 

@@ -20,7 +20,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Gain
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
-from ground.engines.forks import allowed_processes, share_out
+from ground.engines.workers import allowed_processes, share_out
 from ground.html import bullets, lines
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float

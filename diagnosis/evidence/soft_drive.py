@@ -24,7 +24,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
-from ground.engines.forks import allowed_processes, share_out
+from ground.engines.workers import allowed_processes, share_out
 from ground.minimum import minimum
 from measurement.signals.compiled import solved_banded
 from measurement.signals.conditioning import derivatives
@@ -90,7 +90,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     """
     if fitted_seconds(base.prepared) < rules.least_seconds:
         return None
-    asked = last.judged_rms > rules.soft_asked * noise
+    asked = last.evaluation_rms > rules.soft_asked * noise
     if not asked.any() or swinging(last) is not None:  # of what swings by itself, a link on a spring takes up much
         return None
     found = []
@@ -100,8 +100,8 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             one = _best(fitted, joint)
             if one is None:
                 continue
-            before = last.judged_rms
-            falls = (one.after**2 <= rules.soft_left * base.judged_rms**2) | (base.judged_rms <= noise)
+            before = last.evaluation_rms
+            falls = (one.after**2 <= rules.soft_left * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
             others = np.arange(len(before)) != joint
             one = replace(one, before=before, asked=asked, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
@@ -121,7 +121,7 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
     if one is None or not one.sure:
         return None
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
-    entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).judged_rms
+    entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
     plain = bool(np.all(one.after[one.asked] ** 2 <= rules.soft_plain * entry[one.asked] ** 2))
     return one if plain else None
 
@@ -178,9 +178,9 @@ def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
         f"{one.unit('q')}/({one.unit('tau')})",
         f"{one.unit('tau')}/{one.unit('q')}",
         float((compliance * _inertia(links, fitted)) ** -0.5 / (2.0 * np.pi)),
-        fitted.judged_rms,
+        fitted.evaluation_rms,
         pooled_rms(left, fitted.prepared.all[judged]),
-        fitted.judged_rms > 0.0,
+        fitted.evaluation_rms > 0.0,
     )
 
 

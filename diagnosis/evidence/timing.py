@@ -12,7 +12,7 @@ import numpy as np
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
-from ground.engines.forks import allowed_processes, share_out
+from ground.engines.workers import allowed_processes, share_out
 from measurement.signals.conditioning import median_outliers
 from optimisation.linear.factor import factorise
 from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
@@ -31,7 +31,7 @@ def late_torque(base: FittedModel, rules: Rules) -> Doubt | None:
     """Return whether a torque is late, early, or behind a slow filter, by more than a drive can be."""
     share = left_share(base)
     if not np.nanmax(share, initial=0.0) > rules.late_least or np.all(
-        base.judged_rms < 3.0 * base.prepared.noise_floor
+        base.evaluation_rms < 3.0 * base.prepared.noise_floor
     ):
         return None
     readings, joints = _Readings(base), np.isfinite(share)

@@ -136,7 +136,7 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     What they get wrong looks like a drive that is flexible or late, where a heavy slide moves fast.
     """
     wrong = after.fitted.prepared.filter_error
-    taken = np.sqrt(np.maximum(before.fitted.judged_rms**2 - after.fitted.judged_rms**2, 0.0))
+    taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
     if np.any(taken > rules.filter_error * wrong) or not np.any(wrong > 0.0):
         return ""
     j = int(np.argmax(taken / np.maximum(wrong, 1e-300)))
@@ -155,7 +155,7 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     refitted = before.unseen_gain(after, rules) if before.fitted.verified else 0.0
     share = max(score.share, score.unseen or 0.0, refitted)
     # At any joint: what is missing at one bends the inertias of all, and a small term elsewhere may bend them back.
-    ratio = after.fitted.judged_rms / np.maximum(floor, 1e-12)
+    ratio = after.fitted.evaluation_rms / np.maximum(floor, 1e-12)
     times = float(ratio.max()) / rules.far_above
     if times < 1.0 or share >= rules.small_gain * rules.farther ** np.log10(times):
         return ""
@@ -201,7 +201,7 @@ def torque_before_motion(before: Extension, after: Extension, floor: Float, rule
     early = -float(np.median(after.fitted.fit.shapes[:, own]))
     at = list(term.reaches)
     whole, left = (
-        float(np.sum(np.maximum(one.fitted.judged_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
+        float(np.sum(np.maximum(one.fitted.evaluation_rms[at] ** 2 - floor[at] ** 2, 0.0))) for one in (before, after)
     )
     if early <= 0.0 or left <= (1.0 - rules.leading) * whole:
         return ""

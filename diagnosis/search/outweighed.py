@@ -27,7 +27,7 @@ def outweighed(context: SearchContext, state: State) -> State:
     left = state.left
     if left is None or not state.accepted:
         return state
-    by_curve = left.joint_share * float(state.last.fitted.judged_rms[left.index] ** 2)
+    by_curve = left.joint_share * float(state.last.fitted.evaluation_rms[left.index] ** 2)
     names = _far_from_the_noise(context, state, left, by_curve) or [
         after.added.name
         for before, after in pairwise(state.extensions)
@@ -56,10 +56,10 @@ def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, b
     """
     rules, first, last = context.rules, state.extensions[0], state.last
     noise, taken = context.noise(last) ** 2, _taken(first, last)
-    far = last.fitted.judged_rms**2 > rules.far_above**2 * noise
+    far = last.fitted.evaluation_rms**2 > rules.far_above**2 * noise
     if not far[left.index] or by_curve <= taken[left.index]:
         return []
-    pairs = [(first.fitted.train_rms, last.fitted.train_rms), (first.fitted.judged_rms, last.fitted.judged_rms)]
+    pairs = [(first.fitted.train_rms, last.fitted.train_rms), (first.fitted.evaluation_rms, last.fitted.evaluation_rms)]
     fallen = np.sum([before**2 - after**2 for before, after in pairs], axis=0)
     whole = np.sum([np.maximum(before**2 - noise, 0.0) for before, _ in pairs], axis=0)
 
@@ -71,4 +71,4 @@ def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, b
 
 def _taken(before: Extension, after: Extension) -> Float:
     """Return by how much the squared error (J,) falls, N²·m²."""
-    return before.fitted.judged_rms**2 - after.fitted.judged_rms**2
+    return before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2

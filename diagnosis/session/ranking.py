@@ -43,7 +43,7 @@ class Trial:
     verify_rms: Float | None
 
     @property
-    def judged_rms(self) -> Float:
+    def evaluation_rms(self) -> Float:
         """RMS residual (J,) of verification recordings, of fitted ones without any."""
         return self.train_rms if self.verify_rms is None else self.verify_rms
 

@@ -2,7 +2,7 @@
 
     session = Session(leg, runs[:3], verify=runs[3:])
     session.compare().plot()
-    session.fitted(["stribeck:knee"]).judged_rms
+    session.fitted(["stribeck:knee"]).evaluation_rms
     found = session.discover()
 
 Models are named by the effects that they have beyond the one given: `("stribeck:knee", "backlash:hip")`.

@@ -204,7 +204,7 @@ class BeforeAfter:
         whole = self.questions.columns(score.candidate, self.now)
         return [c.node(int(n)) for c, n in zip(whole, score.nodes, strict=True)]
 
-    def _unmasked(self, one: _Granted) -> list[Float]:
+    def _in_every_recording(self, one: _Granted) -> list[Float]:
         """Return the columns (J, K, m) of what was granted, as if it acted in every recording."""
         found = (self.questions.at(one.asked, row[None], k, self.now) for k, row in enumerate(one.score.shape))
         return [c.full(0, self.joints) for c in found]
@@ -213,7 +213,7 @@ class BeforeAfter:
         """Whether the change is larger than what recordings made before differ by among themselves."""
         if self.before < 3:
             return True
-        whole = self._unmasked(found)
+        whole = self._in_every_recording(found)
         system = CommonFit(evidence, [found.columns])
         step = system.solve()
         size = step[-found.columns[0].shape[2] :]
@@ -263,7 +263,7 @@ class BeforeAfter:
         """Return one change with its numbers before and after, all that was granted fitted beside it."""
         others = [g.columns for g in granted if g is not one]
         own = one.asked.number
-        whole = [] if own is not None else [self._unmasked(one)]
+        whole = [] if own is not None else [self._in_every_recording(one)]
         system = CommonFit(self.evidence, [*others, *whole, one.columns])
         step = system.solve()
         spread, critical = system.spread(step)
@@ -307,7 +307,7 @@ class BeforeAfter:
         """Return when the change was there: the size it has, stretch by stretch, beside all else that was granted."""
         system = CommonFit(self.evidence, [*(g.columns for g in granted if g is not one), one.columns])
         step = system.solve()
-        own = self._unmasked(one)
+        own = self._in_every_recording(one)
         rows = []
         for k, (masked, recording) in enumerate(zip(one.columns, self.now.prepared.all, strict=True)):
             weight, column = system.weights[k], own[k] @ size

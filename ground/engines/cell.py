@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ground.engines.forks import PROCESSES
+from ground.engines.workers import PROCESSES
 
 MOST_JOBS = 500
 """Jobs after which a process is replaced, so that whatever leaks stays small."""

@@ -1,4 +1,4 @@
-"""Signals of a recording: an even clock, zero-phase low-pass, derivatives, and how noisy they are.
+"""Signals of a recording: uniform sampling, zero-phase low-pass, derivatives, and how noisy they are.
 
 Every filter here runs forwards and backwards (Butterworth, order 4), so nothing is delayed. Arrays have time as
 axis 0. The angle noise decides everything: its second derivative grows with the fifth power of the cut-off.
@@ -31,8 +31,8 @@ SHORTEST = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class EvenSignals:
-    """A recording on an even clock: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
+class UniformSignals:
+    """A uniformly sampled recording: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
 
     The logged time stamps are what it was interpolated from; `rate` is in Hz. `passive` (J,) are joints declared
     to have no drive; their torque is zero. `base` (N, 3) is that of the recording.
@@ -48,11 +48,11 @@ class EvenSignals:
     base: Float | None = None
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
 
-    def stretch(self, first: int, last: int) -> EvenSignals:
+    def stretch(self, first: int, last: int) -> UniformSignals:
         """Return the samples from `first` to before `last` as signals of their own."""
         part = slice(first, last)
         base = None if self.base is None else self.base[part]
-        return EvenSignals(
+        return UniformSignals(
             self.t[part], self.q[part], self.tau[part], self.gap[part], self.rate, self.passive, self.payloads, base
         )
 
@@ -91,8 +91,8 @@ class EvenSignals:
         return np.where(spiky, middle, self.tau)
 
 
-def even_clock(recording: Recording) -> EvenSignals:
-    """Put a recording on an even clock at its own median rate, using only its valid rows.
+def uniform_sampling(recording: Recording) -> UniformSignals:
+    """Resample a recording uniformly at its own median rate, using only its valid rows.
 
     Bad rows and holes are bridged so that filters can run, and marked in `gap` so that no fit uses them.
     Refuses a recording that is too short.
@@ -119,7 +119,7 @@ def even_clock(recording: Recording) -> EvenSignals:
     after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
     hole = (t[after] - t[after - 1]) > 2.5 * step
     passive = np.array([joint in recording.passive for joint in recording.joint_names])
-    return EvenSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads, base)
+    return UniformSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads, base)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
@@ -284,7 +284,7 @@ def fine_derivatives(q: Float, rate: float) -> tuple[Float, Float]:
     return dq, ddq
 
 
-def noise_density(even: EvenSignals) -> Float:
+def noise_density(even: UniformSignals) -> Float:
     """Return the one-sided white noise density (J,) of the angles, rad²/Hz, from the top fifth of the spectrum.
 
     The median of a power averaged over few stretches lies below its mean: by 31 % for a single one.
@@ -310,7 +310,7 @@ def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None =
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
 
 
-def acceleration_quality(even: EvenSignals, cutoff: float) -> Float:
+def acceleration_quality(even: UniformSignals, cutoff: float) -> Float:
     """Return the share (J,) of noise in the variance of the second derivative below `cutoff` Hz.
 
     White angle noise of density S leaves S (2π)⁴ f⁵ / 5 in the acceleration; this share is the relative bias of
@@ -322,7 +322,7 @@ def acceleration_quality(even: EvenSignals, cutoff: float) -> Float:
     return np.asarray(acceleration_noise(even, cutoff) ** 2 / np.maximum(total, 1e-300))
 
 
-def acceleration_noise(even: EvenSignals, cutoff: float) -> Float:
+def acceleration_noise(even: UniformSignals, cutoff: float) -> Float:
     """Return the standard deviation (J,) of the acceleration noise left below `cutoff` Hz, rad/s²."""
     return np.asarray(np.sqrt(noise_density(even) * (2 * np.pi) ** 4 * cutoff**5 / 5.0))
 

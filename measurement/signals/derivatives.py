@@ -18,7 +18,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.minimum import minimum
-from measurement.signals.conditioning import EvenSignals, noise_density
+from measurement.signals.conditioning import UniformSignals, noise_density
 from measurement.signals.methods import BUTTERWORTH, FOURIER, SAVGOL
 from symbolic.motion import Float
 
@@ -39,7 +39,7 @@ Smoothed = tuple[Float, Float, Float, float]
 """Angle, velocity, acceleration (N, J), and how many periods were averaged (1 where none were)."""
 
 
-def savgol(even: EvenSignals, band: float, where: str) -> Smoothed:
+def savgol(even: UniformSignals, band: float, where: str) -> Smoothed:
     """Return the angles smoothed by local cubics that halve the power near `band` Hz (Schafer 2011), and slopes."""
     from scipy.signal import savgol_filter
 
@@ -58,7 +58,7 @@ def savgol(even: EvenSignals, band: float, where: str) -> Smoothed:
     return q, dq, ddq, 1.0
 
 
-def fourier(even: EvenSignals, band: float, where: str) -> Smoothed:
+def fourier(even: UniformSignals, band: float, where: str) -> Smoothed:
     """Return one Fourier series up to `band` Hz fitted to all periods, and its derivatives.
 
     RecordingError where the motion does not repeat, or not as closely as the encoders' noise allows.
@@ -93,7 +93,7 @@ def fourier(even: EvenSignals, band: float, where: str) -> Smoothed:
     return series[0], series[1], series[2], max(1.0, (even.t[-1] - even.t[0]) / period)
 
 
-def find_period(even: EvenSignals) -> float | None:
+def find_period(even: UniformSignals) -> float | None:
     """Return the period in s after which both joints are where they were; None where there are not two of them."""
     step = max(1, int(even.rate // 50))
     q = even.q[::step] - even.q.mean(axis=0)
@@ -154,7 +154,7 @@ def _averaged(rest: Float, width: int) -> Float:
     return np.asarray(np.sqrt(np.mean(blocks**2, axis=0)))
 
 
-METHODS: Mapping[str, Callable[[EvenSignals, float, str], Smoothed] | None] = MappingProxyType(
+METHODS: Mapping[str, Callable[[UniformSignals, float, str], Smoothed] | None] = MappingProxyType(
     {BUTTERWORTH: None, SAVGOL: savgol, FOURIER: fourier}
 )
 """What --derivative may name; None: low-pass and central differences, as `prepare` does them."""

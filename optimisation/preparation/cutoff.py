@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 
 from ground.thresholds import Threshold
-from measurement.signals.conditioning import EvenSignals, acceleration_noise, acceleration_quality
+from measurement.signals.conditioning import UniformSignals, acceleration_noise, acceleration_quality
 from optimisation.fitting.assemble import assemble
 from optimisation.fitting.plausibility import mass_matrix
 from optimisation.linear.problem import LinearData
@@ -59,7 +59,7 @@ MOST_POSES = 64
 """Postures in which the mass matrix is looked at, at most."""
 
 
-def typical(even: EvenSignals) -> list[EvenSignals]:
+def typical(even: UniformSignals) -> list[UniformSignals]:
     """Return stretches that stand for a long recording, of each part of it the one in which the angles move most; a
     shorter one as it is.
     """
@@ -99,7 +99,9 @@ def _fit(data: LinearData) -> Float:
     return solve_huber(data, delta_rule(data.residual(first), use=data.use), first)
 
 
-def choose_cutoff(base: Model, inputs: Sequence[tuple[str, EvenSignals]], beta: Float, derivative: str) -> CutoffChoice:
+def choose_cutoff(
+    base: Model, inputs: Sequence[tuple[str, UniformSignals]], beta: Float, derivative: str
+) -> CutoffChoice:
     """Choose the fastest cut-off that predicts unseen torque as well as any and keeps accelerations clean.
 
     The torque's noise is much the same at every cut-off, so that the slowest tells which is about the fastest that is
@@ -149,7 +151,7 @@ class _Trials:
     def __init__(
         self,
         base: Model,
-        inputs: Sequence[tuple[str, EvenSignals]],
+        inputs: Sequence[tuple[str, UniformSignals]],
         beta: Float,
         derivative: str,
         tried: Sequence[float],
@@ -222,7 +224,7 @@ def _folds(groups: np.ndarray) -> list[np.ndarray]:
     return [block == b for b in range(4)]
 
 
-def noise_share(prepared: Sequence[PreparedRecording], even: Sequence[EvenSignals], cutoff: float) -> float:
+def noise_share(prepared: Sequence[PreparedRecording], even: Sequence[UniformSignals], cutoff: float) -> float:
     """Return the share of noise in the accelerations, of the worse joint in its cleanest recording.
 
     A joint that is held still has no acceleration to get wrong.
@@ -233,7 +235,7 @@ def noise_share(prepared: Sequence[PreparedRecording], even: Sequence[EvenSignal
     return float(np.max(best[np.isfinite(best)], initial=0.0))
 
 
-def _largest_masses(base: Model, beta: Float, even: Sequence[EvenSignals]) -> Float:
+def _largest_masses(base: Model, beta: Float, even: Sequence[UniformSignals]) -> Float:
     """Return the largest size (J, J) that each entry of the mass matrix has with the links stretched out or folded,
     sliding joints at the ends of their range.
     """
@@ -247,7 +249,7 @@ def _largest_masses(base: Model, beta: Float, even: Sequence[EvenSignals]) -> Fl
     return np.asarray(np.abs(mass_matrix(base, beta, None, poses)).max(axis=0))
 
 
-def _carried_noise(masses: Float, even: Sequence[EvenSignals], cutoff: float, floor: Float) -> float:
+def _carried_noise(masses: Float, even: Sequence[UniformSignals], cutoff: float, floor: Float) -> float:
     """Return the noise power that accelerations carry into the model's torque, relative to the torque's own.
 
     A joint without a drive has no torque sensor: there it is relative to the noise of the others.

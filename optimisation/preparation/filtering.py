@@ -16,7 +16,7 @@ from ground.thresholds import Threshold
 from measurement.auditing.checks.motion import NOTHING
 from measurement.signals.conditioning import (
     Bridge,
-    EvenSignals,
+    UniformSignals,
     bridging,
     derivatives,
     low_pass,
@@ -155,7 +155,7 @@ class PreparedRecording:
 def prepare_one(
     base: Model,
     name: str,
-    even: EvenSignals,
+    even: UniformSignals,
     cutoff: float,
     beta: Float | None,
     reach: float = np.inf,
@@ -222,7 +222,7 @@ def prepare_one(
     )
 
 
-def _base_motion(even: EvenSignals, inner: float, factor: int, rate: float) -> Float:
+def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:
     """Return how a measured base moves at the working samples (N, 5), smoothed as the angles are."""
     assert even.base is not None  # `prepare` has refused the recording otherwise
     smooth = low_pass_every(even.base, inner, even.rate, factor)
@@ -256,7 +256,7 @@ def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
     return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
 
 
-def _reads_nothing(even: EvenSignals, cutoff: float) -> Bool:
+def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     """Return which joints (J,) have no drive: their torque is zero, or noise and next to nothing beside the others."""
     zero = (even.reach == 0.0) & (even.tau[0] == 0.0)
     span = even.span

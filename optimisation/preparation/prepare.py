@@ -21,7 +21,7 @@ from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.overlap import held_apart
 from measurement.recording import Recording
-from measurement.signals.conditioning import EvenSignals, even_clock
+from measurement.signals.conditioning import UniformSignals, uniform_sampling
 from measurement.signals.derivatives import check_method
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base, typical
@@ -101,7 +101,7 @@ def prepare(
         _refuse_driven(one)
     recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()
-    even = [even_clock(r) for r in (*recordings, *verify)]
+    even = [uniform_sampling(r) for r in (*recordings, *verify)]
     called = [r.name for r in (*recordings, *verify)]
     slowest = min(e.rate for e in even)
     if cutoff is not None and not 0.0 < cutoff <= 0.4 * slowest:
@@ -146,7 +146,7 @@ def prepare(
     )
 
 
-def _refuse_free_swing(even: Sequence[EvenSignals]) -> None:
+def _refuse_free_swing(even: Sequence[UniformSignals]) -> None:
     """Refuse recordings in which no joint has a drive: all parameters may be doubled without a difference."""
     if any(one.tau.any() for one in even):
         return

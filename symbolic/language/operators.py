@@ -6,7 +6,7 @@ play(x, h)      what follows x through a gap of half-width h (backlash)
 dahl(x, σ)      friction state z with dz/dx = σ (1 - z sgn dx), between -1 and 1 (Dahl, 1968)
 delay(x, d)     x(t - d); before the first and after the last sample the edge value is held
 slow(x, f)      x without what is faster than f (Hz), without delay: a Gaussian, half the power at f
-ddt(x)          derivative with respect to time, of second order on an uneven clock too
+ddt(x)          derivative with respect to time, of second order for non-uniform sampling too
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def ddt(t: Float, x: Float) -> Float:
 
 
 def slow(t: Float, x: Float, f: Float | float) -> Float:
-    """Return x smoothed by a Gaussian that halves the power at `f` Hz, on an uneven clock too.
+    """Return x smoothed by a Gaussian that halves the power at `f` Hz, for non-uniform sampling too.
 
     Beyond the ends x is continued by its odd reflection. EffectError where f is not positive.
     """

@@ -47,7 +47,7 @@ def test_a_sway_with_a_phase_of_its_own_in_every_recording_is_found_with_its_siz
 def test_no_sway_is_seen_where_none_is_or_where_it_is_the_lesser_part():
     assert own_sway(fitted([{}] * 4), NOISE) is None
     last = fitted([sway(phase) for phase in (0.0, 2.0, 4.0, 5.0)])
-    assert own_sway(last, last.judged_rms / 2.0) is None  # near the noise
+    assert own_sway(last, last.evaluation_rms / 2.0) is None  # near the noise
     assert own_sway(last, NOISE, replace(RULES, leading=1.0)) is None
 
 

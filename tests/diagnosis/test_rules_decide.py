@@ -68,7 +68,7 @@ def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
 )
 def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, doubted):
     fitted = SimpleNamespace(
-        verified=False, judged_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
+        verified=False, evaluation_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
     )
     before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
     after.added = SimpleNamespace(share=share, unseen=None)
@@ -85,7 +85,7 @@ def test_torque_before_its_motion_must_explain_most(delay, left, doubted):
     model = SimpleNamespace(shapes=[SimpleNamespace(term="time_delay:hip")])
 
     def at(error):
-        return SimpleNamespace(judged_rms=np.array([error, 9.0]), model=model, fit=SimpleNamespace(shapes=delays))
+        return SimpleNamespace(evaluation_rms=np.array([error, 9.0]), model=model, fit=SimpleNamespace(shapes=delays))
 
     delays = np.array([[delay], [delay], [0.05]])
     before, after = SimpleNamespace(fitted=at(3.0)), SimpleNamespace(fitted=at(left))
@@ -145,7 +145,7 @@ def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
 def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recordings_only():
     context = search({"torque_offset:knee": ([1.0], [])}, ["torque_offset:knee"], scales=(1.0, -1.0, 1.0, 0.0))
     last = state_with(context).last.fitted
-    near = replace(last, prepared=replace(last.prepared, noise_floor=np.maximum(last.judged_rms, 0.1) / 2.0))
+    near = replace(last, prepared=replace(last.prepared, noise_floor=np.maximum(last.evaluation_rms, 0.1) / 2.0))
     assert np.any(near.train_rms > 3.0 * near.prepared.noise_floor)
     offset = Possible("torque_offset", "knee", Agreement(1, 2), {}, 0.48, "supported by 1 of 2 splits")
     found = conclude((), None, near, near, True, 4, possible=(offset,))

@@ -154,9 +154,9 @@ def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left,
     names = [f"{soft_drive.ENTRY}:hip", *(["stribeck:hip"] if others else [])]
     none = SimpleNamespace(terms=[], joints=[None])
     long = SimpleNamespace(train=[SimpleNamespace(t=np.array([0.0, 60.0]))])
-    base = SimpleNamespace(model=none, prepared=long, judged_rms=np.full(1, 9.0))
+    base = SimpleNamespace(model=none, prepared=long, evaluation_rms=np.full(1, 9.0))
     last = SimpleNamespace(
-        model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]), judged_rms=np.ones(1)
+        model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]), evaluation_rms=np.ones(1)
     )  # fmt: skip
     best = soft_drive.SoftDrive(
         "hip", 0.01, "rad/(N·m)", "N·m/rad", 3.0, np.ones(1), np.full(1, np.sqrt(left)), np.ones(1, bool)

@@ -199,8 +199,8 @@ def test_a_term_takes_off_more_than_the_filter_gets_wrong(times, doubted):
     joint = SimpleNamespace(name="knee", unit=lambda kind: "N·m")
     prepared = SimpleNamespace(filter_error=np.array([0.1]))
     model = SimpleNamespace(joints=[joint])
-    before = SimpleNamespace(fitted=SimpleNamespace(judged_rms=np.array([np.hypot(0.5, 0.1 * times)])))
-    after = SimpleNamespace(fitted=SimpleNamespace(judged_rms=np.array([0.5]), prepared=prepared, model=model))
+    before = SimpleNamespace(fitted=SimpleNamespace(evaluation_rms=np.array([np.hypot(0.5, 0.1 * times)])))
+    after = SimpleNamespace(fitted=SimpleNamespace(evaluation_rms=np.array([0.5]), prepared=prepared, model=model))
     assert bool(made_by_the_filter(before, after, RULES)) is doubted
 
 

@@ -136,7 +136,7 @@ def test_a_term_whose_interval_contains_zero_is_possible_and_not_accepted(plain)
 def test_the_farther_the_error_stays_from_the_noise_the_more_a_term_must_explain(plain):
     after = before = state_with(plain, "torque_offset:knee").last  # a refit that gains nothing
     score = replace(after.added, share=0.2, unseen=0.2)
-    after, left = replace(after, added=score), after.fitted.judged_rms
+    after, left = replace(after, added=score), after.fitted.evaluation_rms
     assert not small_while_far(before, after, left, RULES)
     assert not small_while_far(before, after, left / 3.5, RULES)
     assert "something larger is missing" in small_while_far(before, after, left / 40.0, RULES)

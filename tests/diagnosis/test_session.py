@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.evidence.ranking import rank
 from diagnosis.session.session import Session
-from ground.engines.forks import PROCESSES
+from ground.engines.workers import PROCESSES
 from ground.toml_reader import Table
 from measurement.reading.read import read_recording
 from symbolic.custom_effect import read_custom_effect
@@ -60,9 +60,9 @@ def test_what_would_be_left_is_what_is_left(session, ranking):
     trial = ranking.trial("load_friction:knee")
     session.starts_at(["load_friction:knee"], ranking)
     after = session.fitted(["load_friction:knee"])
-    assert trial.judged_rms == pytest.approx(after.judged_rms, rel=0.05)
+    assert trial.evaluation_rms == pytest.approx(after.evaluation_rms, rel=0.05)
     assert after is session.fitted(("load_friction:knee",))
-    assert np.all(after.judged_rms < session.fitted().judged_rms)
+    assert np.all(after.evaluation_rms < session.fitted().evaluation_rms)
 
 
 def test_a_selection_is_explained_by_what_acts_there(ranking):

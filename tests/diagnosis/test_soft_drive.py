@@ -51,7 +51,7 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
     assert found is not None and found.joint == joint
     assert found.compliance == pytest.approx(compliance, rel=0.25)
     assert found.sure and found.share < 0.3 and np.all(found.after < found.before)
-    assert soft_drive(base, base, base.judged_rms) is None  # it is not asked about noise
+    assert soft_drive(base, base, base.evaluation_rms) is None  # it is not asked about noise
 
 
 @pytest.mark.shows("soft_left")
@@ -65,7 +65,7 @@ def test_the_entry_of_the_catalogue_cannot_express_it():
     base, entry = fitted(MODEL, runs), fitted(MODEL.with_effect("motor_elasticity:hip"), runs)
     found = soft_drive(base, entry, NOISE)
     assert found is not None and found.name == "motor_elasticity:hip"
-    assert np.all(found.after < 0.6 * entry.judged_rms)
+    assert np.all(found.after < 0.6 * entry.evaluation_rms)
 
 
 def test_a_few_seconds_show_no_soft_drive():
@@ -79,7 +79,7 @@ def test_nothing_is_searched_for_beside_a_drive_that_is_plainly_soft():
     found = plainly_soft(base, NOISE)
     assert found is not None and found.joint == "hip"
     assert plainly_soft(base, NOISE, replace(RULES, soft_plain=1e-4)) is None
-    assert plainly_soft(base, base.judged_rms) is None
+    assert plainly_soft(base, base.evaluation_rms) is None
 
 
 def extras(one: Motion, seed: int) -> dict[str, Float]:

@@ -145,7 +145,7 @@ def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
     context = search(OFFSET, ["torque_offset:knee"])
     after = state_with(context, "torque_offset:knee").last
     small = replace(after, added=replace(after.added, share=0.05, unseen=0.05))
-    floor = after.fitted.judged_rms
+    floor = after.fitted.evaluation_rms
     assert small_while_far(small, small, floor, RULES) == ""
     assert "times the noise" in small_while_far(small, small, floor / 10.0, RULES)
     assert small_while_far(after, after, floor / 10.0, RULES) == ""

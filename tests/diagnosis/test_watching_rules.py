@@ -189,7 +189,7 @@ def test_what_differs_between_recordings_made_before_is_no_change(scatter, chang
         weights=weights, solve=lambda: np.ones(1), left=lambda k, step: np.full((1, 1), scatter * (-1.0) ** k)
     )
     monkeypatch.setattr(differences, "CommonFit", lambda evidence, columns: system)
-    one = SimpleNamespace(before=4, _unmasked=lambda found: [np.ones((1, 1, 1))] * 5)
+    one = SimpleNamespace(before=4, _in_every_recording=lambda found: [np.ones((1, 1, 1))] * 5)
     found = SimpleNamespace(columns=[np.ones((1, 1, 1))])
     assert bool(BeforeAfter._exceeds_scatter(one, None, found)) is change
 

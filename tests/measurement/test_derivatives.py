@@ -11,7 +11,7 @@ from ground.errors import RecordingError
 from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import Bench, simulate_runs
 from measurement.recording import Recording
-from measurement.signals.conditioning import even_clock, noise_density
+from measurement.signals.conditioning import noise_density, uniform_sampling
 from measurement.signals.derivatives import METHODS, find_period, fourier, savgol
 from measurement.trajectories.trajectory import random_trajectory
 from optimisation.fitting.identify import identify
@@ -32,17 +32,17 @@ def played(period=8.0, seconds=30.0, rate=100.0, noise=0.0, seed=0):
 @pytest.mark.parametrize("period", [5.0, 8.0, 10.013, 14.9])
 def test_the_period_is_found(period):
     _, recording = played(period, noise=1e-4)
-    assert find_period(even_clock(recording)) == pytest.approx(period, abs=2e-3)
+    assert find_period(uniform_sampling(recording)) == pytest.approx(period, abs=2e-3)
 
 
 def test_one_period_is_none():
     _, recording = played(period=20.0)
-    assert find_period(even_clock(recording)) is None
+    assert find_period(uniform_sampling(recording)) is None
 
 
 def test_a_fourier_series_is_differentiated_exactly():
     motion, recording = played()
-    q, dq, ddq, periods = fourier(even_clock(recording), 8.0, "x")
+    q, dq, ddq, periods = fourier(uniform_sampling(recording), 8.0, "x")
     assert periods == pytest.approx(30.0 / 8.0, abs=0.01)
     for found, wanted in ((q, motion.q), (dq, motion.dq), (ddq, motion.ddq)):
         np.testing.assert_allclose(found, wanted, atol=2e-5)
@@ -50,7 +50,7 @@ def test_a_fourier_series_is_differentiated_exactly():
 
 def test_local_cubics_come_close():
     motion, recording = played()
-    _, dq, ddq, _ = savgol(even_clock(recording), 8.0, "x")
+    _, dq, ddq, _ = savgol(uniform_sampling(recording), 8.0, "x")
     inside = slice(50, -50)
     np.testing.assert_allclose(dq[inside], motion.dq[inside], atol=5e-3)
     np.testing.assert_allclose(ddq[inside], motion.ddq[inside], atol=0.15)
@@ -58,7 +58,7 @@ def test_local_cubics_come_close():
 
 def test_averaging_periods_takes_noise_away():
     motion, recording = played(noise=1e-3)
-    even = even_clock(recording)
+    even = uniform_sampling(recording)
     errors = [np.std(method(even, 8.0, "x")[2][100:-100] - motion.ddq[100:-100]) for method in (fourier, savgol)]
     assert errors[0] < 0.7 * errors[1]
 
@@ -101,5 +101,5 @@ def test_the_noise_of_angles_is_not_underestimated_in_short_recordings(seconds):
     for seed in range(20):
         noise = 1e-4 * np.random.default_rng(seed).standard_normal((round(100.0 * seconds), 2))
         t = np.arange(len(noise)) / 100.0
-        found.append(noise_density(even_clock(Recording("", t, noise, noise))))
+        found.append(noise_density(uniform_sampling(Recording("", t, noise, noise))))
     assert np.mean(found) == pytest.approx(2.0 * 1e-8 / 100.0, rel=0.1)

@@ -11,7 +11,7 @@ import pytest
 from diagnosis import extend
 from ground.errors import RecordingError
 from measurement.recording import Recording
-from measurement.signals.conditioning import EvenSignals
+from measurement.signals.conditioning import UniformSignals
 from optimisation.fitting.by_recording import _row
 from optimisation.fitting.neighbours import Neighbours
 from optimisation.fitting.thigh_length import ThighLength
@@ -149,12 +149,12 @@ def test_the_filter_decides_where_it_makes_a_third_of_the_error(wrong, decides, 
     assert trials.filter_decides() is decides
 
 
-def signals(*angles: np.ndarray, tau: np.ndarray | None = None) -> EvenSignals:
+def signals(*angles: np.ndarray, tau: np.ndarray | None = None) -> UniformSignals:
     """Angles at 100 Hz, and their torques (N, J)."""
     q = np.column_stack(angles)
     none = np.zeros(q.shape[1], bool)
     torque = q.copy() if tau is None else tau
-    return EvenSignals(np.arange(len(q)) / 100.0, q, torque, np.zeros(len(q), bool), 100.0, none)
+    return UniformSignals(np.arange(len(q)) / 100.0, q, torque, np.zeros(len(q), bool), 100.0, none)
 
 
 T = np.arange(0.0, 30.0, 0.01)

@@ -72,7 +72,7 @@ def preview_of(workspace: Workspace, session: Session, name: str, index: int) ->
         "low": _on_whole(session, low, index),
         "high": _on_whole(session, high, index),
     }
-    return packed({"recording": index, "effect": name, "rms": trial.judged_rms.tolist()}, arrays)
+    return packed({"recording": index, "effect": name, "rms": trial.evaluation_rms.tolist()}, arrays)
 
 
 def explained(

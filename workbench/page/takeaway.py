@@ -80,7 +80,7 @@ def report(workspace: Workspace) -> str:
     now = session.fitted(names)
     rms = ", ".join(
         f"{joint.name} {error:.3g} {joint.unit('tau')}"
-        for joint, error in zip(session.model.joints, now.judged_rms, strict=True)
+        for joint, error in zip(session.model.joints, now.evaluation_rms, strict=True)
     )
     kind = "motion the fit has not seen" if session.prepared.verify else "the fitted motion"
     answer = f"The model with {', '.join(names) or 'no further effect'} leaves {rms} (RMS) on {kind}."

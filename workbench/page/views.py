@@ -68,7 +68,7 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
         out["alike"] = list(ranking.alike(name))
         out["numbers"] = _numbers(score)
         trial = ranking.trial(name)
-        out["rms"] = None if trial is None else trial.judged_rms
+        out["rms"] = None if trial is None else trial.evaluation_rms
     return plain_dict(out)
 
 
@@ -108,7 +108,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
                 "length": lengths[j],
                 "parent": above[j],
                 "error": None if error is None else error[j],
-                "first": base.judged_rms[j],
+                "first": base.evaluation_rms[j],
                 "noise": prepared.noise_floor[j],
                 "signal": _signal(session, j),
             }
@@ -159,9 +159,9 @@ def _error(workspace: Workspace, session: Session, names: Names) -> list[float] 
     """Return the error of each joint with these effects: fitted, else what the ranking foresees, else unknown."""
     now = session.known(names)
     if now is not None:
-        return [float(x) for x in now.judged_rms]
+        return [float(x) for x in now.evaluation_rms]
     trial = workspace.trials.get(names)
-    return None if trial is None else [float(x) for x in trial.judged_rms]
+    return None if trial is None else [float(x) for x in trial.evaluation_rms]
 
 
 def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:

@@ -35,7 +35,7 @@ def torque(name: str, model: Any = None) -> str:
     return "; ".join(f"{joint}: {text}" if joint else text for joint, text in formula(effect).items())
 
 
-def tells_apart(name: str, model: Any = None) -> str:
+def distinguishing_experiment(name: str, model: Any = None) -> str:
     """Return the look-alikes and the experiment that distinguishes them, as the catalogue has them, or ""."""
     effect = effect_of(name, model)
     return "" if effect is None else effect.tells_apart

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.forks import allowed_processes, share_out
+from ground.engines.workers import allowed_processes, share_out
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
 from workbench.report.material import Material, Picture, without_folders

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.effects import meaning, tells_apart
+from workbench.report.effects import distinguishing_experiment, meaning
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
 
@@ -33,5 +33,5 @@ def _entry(one: Mapping[str, Any], model: Any, *, added: bool) -> Mapping[str, A
         "added": added,
         "here": [(other, meaning(other, model)) for other in one["look_alikes"]],
         "never": [(other, meaning(other, model)) for other in one.get("never_separable") or ()],
-        "experiment": tells_apart(name, model),
+        "experiment": distinguishing_experiment(name, model),
     }

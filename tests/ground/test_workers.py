@@ -9,7 +9,7 @@ import threading
 import numpy as np
 import pytest
 
-from ground.engines import forks
+from ground.engines import workers
 from ground.errors import ExoidError
 
 HERE = os.getpid()
@@ -36,7 +36,7 @@ def nobody_left(monkeypatch):
 
 def answers(work, many, count=40):
     found = {}
-    forks.share_out(work, range(count)[::-1], found.__setitem__, many)
+    workers.share_out(work, range(count)[::-1], found.__setitem__, many)
     return found
 
 
@@ -46,7 +46,7 @@ def test_every_piece_is_answered_once_and_to_the_last_digit(many):
 
 
 def test_what_copies_write_into_shared_memory_is_seen_here():
-    table = np.frombuffer(forks.shared(40), dtype=float)
+    table = np.frombuffer(workers.shared(40), dtype=float)
     begun, own = {HERE: os.pipe(), None: os.pipe()}, []
 
     def work(k):
@@ -70,8 +70,8 @@ def test_what_a_copy_does_not_answer_is_done_here(failing):
 
 @pytest.mark.parametrize("many", [1, 3])
 def test_the_first_that_passes_is_found_whoever_looks(many):
-    assert forks.first_passing(lambda k: k in (7, 23, 5), 40, many) == 5
-    assert forks.first_passing(lambda k: False, 40, many) is None and forks.first_passing(bool, 0, many) is None
+    assert workers.first_passing(lambda k: k in (7, 23, 5), 40, many) == 5
+    assert workers.first_passing(lambda k: False, 40, many) is None and workers.first_passing(bool, 0, many) is None
 
 
 def test_large_answers_do_not_stop_a_copy():
@@ -83,21 +83,21 @@ def test_an_error_or_an_interruption_here_ends_the_copies():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        forks.share_out(lambda k: k, range(9), interrupted, 2)
+        workers.share_out(lambda k: k, range(9), interrupted, 2)
     with pytest.raises(ZeroDivisionError):
-        forks.share_out(lambda k: 1 // 0, range(9), lambda k, answer: None, 2)
+        workers.share_out(lambda k: 1 // 0, range(9), lambda k, answer: None, 2)
 
 
 def test_the_number_of_processes_is_said_once(monkeypatch):
-    monkeypatch.setenv(forks.PROCESSES, "3")
-    assert forks.allowed_processes() in (1, 3)  # 1 where copies are not safe
+    monkeypatch.setenv(workers.PROCESSES, "3")
+    assert workers.allowed_processes() in (1, 3)  # 1 where copies are not safe
     for wrong in ("0", "-1", "two", "²"):
-        monkeypatch.setenv(forks.PROCESSES, wrong)
-        with pytest.raises(ExoidError, match=forks.PROCESSES):
-            forks.allowed_processes()
-    monkeypatch.setenv(forks.PROCESSES, "3")
+        monkeypatch.setenv(workers.PROCESSES, wrong)
+        with pytest.raises(ExoidError, match=workers.PROCESSES):
+            workers.allowed_processes()
+    monkeypatch.setenv(workers.PROCESSES, "3")
     inside = []
-    thread = threading.Thread(target=lambda: inside.append(forks.allowed_processes()))
+    thread = threading.Thread(target=lambda: inside.append(workers.allowed_processes()))
     thread.start()
     thread.join()
     assert inside == [1]
