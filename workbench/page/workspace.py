@@ -1,8 +1,7 @@
 """What is open in the page: files, the session made of them, the effects added so far, and the work that goes on.
 
-One thread computes in portions (reading, fitting, ranking) and looks after each whether something more urgent has come;
-what a click needs at once is answered from what is there. Every tab sees the same workspace; `version` says when to
-look again.
+One thread computes (`work.py`); what a click needs at once is answered from what is there. Every tab sees the same
+workspace; `version` says when to look again.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import shutil
 import tempfile
 import threading
 import time
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +22,7 @@ from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
 from workbench.page.keeping import Keeping
+from workbench.page.work import TOLD_EVERY, work
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
@@ -36,9 +35,6 @@ if TYPE_CHECKING:
     from workbench.page.search import BackgroundSearch
 
 Names = tuple[str, ...]
-TOLD_EVERY = 0.3
-"""Seconds between two messages to the page while work goes on."""
-
 
 class Workspace:
     """Everything that the page shows. Its methods may be called from any thread."""
@@ -47,7 +43,7 @@ class Workspace:
         self, remembered: Path, seed: int = 0, cutoff: float | None = None, derivative: str = BUTTERWORTH
     ) -> None:
         self.remembered, self.seed, self.cutoff, self.derivative = remembered, seed, cutoff, derivative
-        self._mapped = 0
+        self.mapped = 0
         self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
         self.given: list[Given] = []
         self.model_path: Path | None = None
@@ -70,14 +66,14 @@ class Workspace:
         self.version = 0
         self.busy = ""
         self._model: Model | None = None
-        self._stale = False
-        self._work: dict[int, Iterator[str]] = {}
+        self.stale = False
+        self.portions: dict[int, Iterator[str]] = {}
         self._ids = 0
-        self._lock = threading.RLock()
-        self._change = threading.Condition(self._lock)
+        self.lock = threading.RLock()
+        self.change = threading.Condition(self.lock)
         self._closed = False
-        self.keeping = Keeping(self._change, lambda: self._closed, self._touch)
-        self._thread = threading.Thread(target=self._run, name="workspace", daemon=True)
+        self.keeping = Keeping(self.change, lambda: self._closed, self.touch)
+        self._thread = threading.Thread(target=work, args=(self,), name="workspace", daemon=True)
 
     # -- life ---------------------------------------------------------------------------------------------------
 
@@ -99,12 +95,12 @@ class Workspace:
     def end(self) -> None:
         """Wake up everybody who waits, for the last time. Safe in a handler of signals."""
         self._closed = True
-        threading.Thread(target=self._touch).start()
+        threading.Thread(target=self.touch).start()
 
     def wait(self, version: int, seconds: float) -> int:
         """Wait until there is something newer than `version`, at most so long; return the present version."""
-        with self._change:
-            self._change.wait_for(lambda: self.version != version or self._closed, timeout=seconds)
+        with self.change:
+            self.change.wait_for(lambda: self.version != version or self._closed, timeout=seconds)
             return self.version
 
     @property
@@ -112,28 +108,29 @@ class Workspace:
         """Whether it is closed."""
         return self._closed
 
-    def _touch(self, changed: bool = False) -> None:
-        with self._change:
+    def touch(self, changed: bool = False) -> None:
+        """Let everybody who waits know of a new version; `changed` where there is something new to keep."""
+        with self.change:
             if changed:
                 self.keeping.changed()
             self.version += 1
-            self._change.notify_all()
+            self.change.notify_all()
 
     # -- files --------------------------------------------------------------------------------------------------
 
     def add_file(self, path: Path, name: str, role: str = FIT, **more: Any) -> Given:
         """Take in a file, to be read as soon as there is time."""
-        with self._change:
+        with self.change:
             self._ids += 1
             one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
             self.given.append(one)
             self._begin_anew()
-        self._touch(changed=True)
+        self.touch(changed=True)
         return one
 
     def drop_place(self, name: str) -> Path:
         """Return where a dropped file of that name may be written."""
-        with self._lock:
+        with self.lock:
             self._ids += 1
             folder = self.place / str(self._ids)
         folder.mkdir()
@@ -155,18 +152,18 @@ class Workspace:
 
     def use_as(self, id: int, role: str) -> None:
         """Fit a file, or hold it out."""
-        with self._change:
+        with self.change:
             old = self.find(id)
             self.given[self.given.index(old)] = replace(old, role=_role(role))
             self._begin_anew()
-        self._touch(changed=True)
+        self.touch(changed=True)
 
     def remove_file(self, id: int) -> None:
         """Close a file."""
-        with self._change:
+        with self.change:
             self.given.remove(self.find(id))
             self._begin_anew()
-        self._touch(changed=True)
+        self.touch(changed=True)
 
     def map_file(self, id: int, told: Any, convention: str) -> Given:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
@@ -176,28 +173,28 @@ class Workspace:
         if one.error is not None:
             raise one.error
         files.remember_mapping(self.remembered, open_table(one.path), told)
-        with self._change:
-            self._mapped += 1
+        with self.change:
+            self.mapped += 1
             self.given[self.given.index(self.find(id))] = one
             self._begin_anew()
             # Files like it that wait for the same answer are read again.
             for k, other in enumerate(self.given):
                 if other.error is not None:
                     self.given[k] = replace(other, read=False, error=None)
-        self._touch(changed=True)
+        self.touch(changed=True)
         return one
 
     def clear(self) -> None:
         """Close everything: files, model, effects and what was done."""
-        with self._change:
+        with self.change:
             self.given, self.own, self.own_texts, self.history = [], {}, {}, History()
             self._model, self.model_path, self.model_name = None, None, ""
             self._begin_anew()
-        self._touch()
+        self.touch()
 
     def _begin_anew(self) -> None:
         """The recordings are others: what was concluded from them does not hold any more."""
-        self._stale = True
+        self.stale = True
         self.verdicts, self.diagnoses = {}, {}
         if self.playing is not None:
             self.playing.cancel()
@@ -234,11 +231,11 @@ class Workspace:
         from symbolic.model_file import read_model
 
         model = read_model(path)
-        with self._change:
+        with self.change:
             self._model, self.model_path, self.model_name = model, path, files.shown_name(name)
             self.given = [replace(one, read=False, recordings=(), error=None) for one in self.given]
             self._begin_anew()
-        self._touch(changed=True)
+        self.touch(changed=True)
 
     def add_effect(self, entry: dict[str, Any]) -> Effect:
         """Let an effect of the user's own join the suspects; ExpressionError with a caret where its torque is wrong."""
@@ -247,7 +244,7 @@ class Workspace:
 
         entry = _numbers_meant(entry)
         effect = read_custom_effect(Table(entry, (), "", ""), self.model.joints)
-        with self._change:
+        with self.change:
             used = [layer.name for layer in self.history.now.layers if layer.name.partition(":")[0] == effect.id]
             if used:
                 raise EffectError(
@@ -256,8 +253,8 @@ class Workspace:
             self.own[effect.id], self.own_texts[effect.id] = effect, entry
             if self.session is not None:
                 self.session = self.session.knowing(effect)
-                self._work.clear()
-        self._touch(changed=True)
+                self.portions.clear()
+        self.touch(changed=True)
         return effect
 
     # -- layers -------------------------------------------------------------------------------------------------
@@ -274,13 +271,13 @@ class Workspace:
 
     def ranking(self) -> Ranking | None:
         """Return the suspects beside the present effects; None before there is a fit."""
-        with self._lock:
+        with self.lock:
             session, names = self.session, self.names
             return None if session is None or session.known(names) is None else session.ranking(names)
 
     def add(self, name: str) -> None:
         """Add an effect. What the ranking knows of it is shown until it is fitted."""
-        with self._change:
+        with self.change:
             session = self._open()
             session.with_effects([*self.names, name])  # refuses what does not exist
             before, ranking = self.names, self.ranking()
@@ -290,13 +287,13 @@ class Workspace:
                 trial = ranking.trial(name)
                 if trial is not None:
                     self.trials[self.names] = trial
-        self._touch(changed=True)
+        self.touch(changed=True)
 
     def change_history(self, change: Callable[[History], History]) -> None:
         """Replace the history by what `change` makes of it."""
-        with self._change:
+        with self.change:
             self.history = change(self.history)
-        self._touch(changed=True)
+        self.touch(changed=True)
 
     def _open(self) -> Session:
         if self.session is None:
@@ -309,7 +306,7 @@ class Workspace:
         """Start the whole search beside the present effects, in a process of its own."""
         from workbench.page.search import BackgroundSearch
 
-        with self._change:
+        with self.change:
             session, names = self._open(), self.names
             if self.search is not None and self.search.running:
                 return
@@ -318,14 +315,14 @@ class Workspace:
             self.search = BackgroundSearch(
                 session, names, lambda found, error: self._found(session, names, found, error)
             )
-        self._touch()
+        self.touch()
         threading.Thread(target=self._follow, args=(self.search,), daemon=True).start()
 
     def play(self, index: int) -> None:
         """Play a recording through a watch of the present model, in a thread of its own."""
         from workbench.page.playing import BackgroundWatch
 
-        with self._change:
+        with self.change:
             session, names = self._open(), self.names
             recordings = [*session.recordings, *session.verify]
             if not 0 <= index < len(recordings):
@@ -333,26 +330,26 @@ class Workspace:
             if self.playing is not None:
                 self.playing.cancel()
             now = session.known(names) or session.fitted()
-            self.playing = BackgroundWatch(now.model, recordings[index], index, session.extra, self._touch)
-        self._touch()
+            self.playing = BackgroundWatch(now.model, recordings[index], index, session.extra, self.touch)
+        self.touch()
 
     def cancel(self) -> None:
         """End a search; what was there before it stays."""
-        with self._change:
+        with self.change:
             if self.search is not None and self.search.running:
                 self.search.cancel()
                 self.search_message = "cancelled; nothing was changed"
-        self._touch()
+        self.touch()
 
     def _follow(self, search: BackgroundSearch) -> None:
         while search.running and not self._closed:
             if search.look():
-                self._touch()
+                self.touch()
             time.sleep(TOLD_EVERY)
-        self._touch()
+        self.touch()
 
     def _found(self, session: Session, names: Names, found: Diagnosis | None, error: str) -> None:
-        with self._change:
+        with self.change:
             if found is None or session is not self.session:
                 self.search_message = error or "the recordings were changed meanwhile; search again"
             else:
@@ -364,109 +361,7 @@ class Workspace:
                     self.search_message = f"found {what} beside the effects as they were when it began"
                 model = frozenset((*names, *accepted))
                 self.diagnoses[model], self.verdicts[model] = found, found.to_json()
-        self._touch(changed=True)
-
-    # -- the thread ---------------------------------------------------------------------------------------------
-
-    def _run(self) -> None:
-        told = 0.0
-        while not self._closed:
-            with self._change:
-                task = self._next()
-                if task is None:
-                    if self.busy:
-                        self.busy = ""
-                        self._touch()
-                    self._change.wait(timeout=5.0)
-                    continue
-            before = self.busy
-            try:
-                task()
-            except ExoidError as error:
-                self.problem = error
-            except Exception as error:  # noqa: BLE001 - the page must go on; whoever started it sees the traceback
-                traceback.print_exc()
-                self.problem = ExoidError(
-                    f"internal error in exoid ({type(error).__name__}: {error})",
-                    remedy="please report what the terminal says",
-                )
-            if self.busy != before or time.monotonic() - told > TOLD_EVERY:
-                told = time.monotonic()
-                self._touch()
-
-    def _next(self) -> Callable[[], object] | None:
-        """Return what is to be done first; None where there is nothing to do."""
-        unread = [one for one in self.given if not one.read]
-        if unread:
-            self.busy = f"reading {unread[0].name}"
-            return lambda: self._read(unread[0])
-        if self._stale:
-            self.busy = "filtering the recordings" if any(one.role == FIT for one in self.given) else ""
-            return self._rebuild
-        session = self.session
-        if session is None or self.problem is not None:
-            return None
-        for names in (self.names, *(step.names for step in self.history.steps)):
-            if session.known(names) is None and names not in self.failed:
-                self.busy = "fitting" if names == () else f"fitting with {', '.join(names)}"
-                return lambda names=names: self._fit(session, names)  # type: ignore[misc]
-        if self.names in self.failed:
-            return None
-        ranking = session.ranking(self.names)
-        if not ranking.finished:
-            self.busy = "ranking suspects" if ranking.weighed < 1.0 else "asking placebos"
-            return lambda: self._rank(ranking)
-        return self.keeping.reporting((self.names, self.verdict is None))
-
-    def _read(self, one: Given) -> None:
-        mapped = self._mapped
-        found = files.read_given(one, self.remembered, self.joints)
-        with self._lock:
-            if found.error is not None and self._mapped != mapped:
-                return  # somebody has said meanwhile which column is what: it is read again
-            if one in self.given:
-                self.given[self.given.index(one)] = found
-                self._stale = True
-
-    def _rebuild(self) -> None:
-        """Make a new session of the files as they are now; effects and history stay."""
-        from diagnosis.session.session import Session
-
-        with self._lock:
-            self._stale = False
-            fit, verify = self._recordings(FIT), self._recordings(VERIFY)
-            model, own = self.model, tuple(self.own.values())
-            self.problem, self.failed, self.trials = None, {}, {}
-            if self.search is not None and self.search.running:
-                self.search.cancel()
-                self.search_message = "the recordings were changed; search again"
-            self.session = None
-            self._work.clear()
-        if not fit:
-            return
-        session = Session(model, fit, verify, extra=own, seed=self.seed, cutoff=self.cutoff, derivative=self.derivative)
-        session.prepared  # noqa: B018 - outside the lock: the page goes on meanwhile
-        session.fitted()
-        with self._lock:
-            if not self._stale:
-                self.session = session
-
-    def _recordings(self, role: str) -> list[Any]:
-        """Return the recordings of a role, each under a name of its own."""
-        return [recording for one in self.given if one.role == role for recording in one.recordings]
-
-    def _fit(self, session: Session, names: Names) -> None:
-        try:
-            session.fitted(names)
-        except ExoidError as error:
-            self.failed[names] = error
-        self._touch(changed=True)
-
-    def _rank(self, ranking: Ranking) -> None:
-        work = self._work.setdefault(id(ranking), ranking.work())
-        began = time.monotonic()
-        while next(work, None) is not None and time.monotonic() - began < TOLD_EVERY:
-            pass
+        self.touch(changed=True)
 
 
 def _numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
