@@ -88,21 +88,15 @@ def in_stretches(
     if not best:
         raise refused[0] if refused else RecordingError("the file holds no rows", where=where, remedy="record again")
     kept = [recording for _, (_, recording) in sorted(best.items())]
-    seconds = sum(one.duration for one in kept)
+    minutes = sum(one.duration for one in kept) / 60
+    what = f"{rows} rows in {count} pieces were audited; {len(kept)} stretches of them, {minutes:.0f} min in all, "
+    what += "stand for it: of each part of the file that with most motion"
     said = [
-        Finding(
-            "large", "repaired", f"{rows} rows in {count} pieces were audited; {len(kept)} stretches of them, "
-            f"{seconds / 60:.0f} min in all, stand for it: of each part of the file that with most motion", where,
-            remedy="cut out what matters most, if that is not it", repaired=True,
-        )
-    ]  # fmt: skip
+        Finding("large", "repaired", what, where, remedy="cut out what matters most, if that is not it", repaired=True)
+    ]
     if refused:
-        said.append(
-            Finding(
-                "large", "warning", f"{len(refused)} of {count} pieces cannot be used, for example: {refused[0].what}",
-                refused[0].where, remedy=refused[0].remedy,
-            )
-        )  # fmt: skip
+        what = f"{len(refused)} of {count} pieces cannot be used, for example: {refused[0].what}"
+        said.append(Finding("large", "warning", what, refused[0].where, remedy=refused[0].remedy))
     if backwards:
         what = f"time goes back between {backwards} pieces: the file holds more than one recording"
         said.append(Finding("large", "warning", what, where, remedy="cut it into one file per recording"))

@@ -68,44 +68,20 @@ def identify(
     """
     began = time.perf_counter()
     asked = FitSettings.chosen(settings, changes)
-    shape, delta, physical = asked.shape, asked.delta, asked.physical
     if not data:
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
     data = _prepared(model, data)
-    say = progress or _silent
-    optimisers = SEARCHES if asked.optimisers is None else asked.optimisers
-    searches = {} if physical else dict(optimisers)
-    possible = physics(model) if physical else None
-    method = shape_method(asked.shape_search, bool(optimisers), asked.seed)
-    infinite = np.full(len(model.joints), np.inf)
-
+    possible = physics(model) if asked.physical else None
     assembly = Assembly(model, data)
-    proof = _Proof(searches, asked.seed, _scope(model, shape is not None), possible, say)
-
-    say("least squares")
-    first_shape, first, leaders, agreeing = solve_shape(
-        assembly, infinite, shape, asked.start, possible=possible, method=replace(method, refined=STARTS)
-    )
-    first.data.require_enough(model.joints)
-    sse = proof.stage("sse", first, middle(first_shape), infinite, first.linear)
-    limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
-
-    say("Huber")
-    if model.needs_reference or (model.shapes and shape is None):
-        best_shape, best, _, agreeing = solve_shape(assembly, limits, shape, leaders, first.linear, possible, method)
-    else:  # the columns stay what they were
-        best_shape = first_shape
-        best = replace(first, linear=solution(first.data, limits, possible, first.linear))
-    # δ and the box of the Huber search come from least squares on the columns of the shape found last.
-    centre = first.linear if best.data is first.data else solve_sse(best.data)
-    stage = proof.stage("huber", best, middle(best_shape), limits, centre)
+    found = _stages(assembly, asked, possible, progress or _silent)
+    best, best_shape, limits, stage = found.best, found.shape, found.huber.delta, found.huber
     changed = None if possible is None else held(best, limits, possible)
 
     spread = spread_of(assembly, best, best_shape, limits)
     estimates = estimates_of(model, best.linear, best_shape, spread, possible)
     centre_shape = middle(best_shape)
     cautions = (
-        *numerical(model, best, centre_shape, bool(model.shapes) and shape is None),
+        *numerical(model, best, centre_shape, bool(model.shapes) and asked.shape is None),
         *unproven(stage),
         *price(model, changed),
         *check_plausibility(model, best.linear, estimates, centre_shape),
@@ -123,7 +99,7 @@ def identify(
         reference=stage.reference,
         certificate=stage.certificate,
         plausibility=cautions,
-        sse=sse,
+        sse=found.sse,
         data=best.data,
         covariance=spread.matrix,
         best_known=bool(model.shapes),
@@ -131,9 +107,50 @@ def identify(
         seconds=time.perf_counter() - began,
         recordings=tuple(one.name for one in data),
         held=changed,
-        agreeing=agreeing,
+        agreeing=found.agreeing,
         spacing=_spacing(data[0]),
     )
+
+
+@dataclass(frozen=True)
+class _Stages:
+    """Least squares and Huber, the solution `best` of the second at its `shape`, and how many starts agree on that."""
+
+    sse: FitStage
+    huber: FitStage
+    best: Settled
+    shape: Float
+    agreeing: tuple[int, int] | None
+
+
+def _stages(assembly: Assembly, asked: FitSettings, possible: Physics | None, say: Progress) -> _Stages:
+    """Fit by least squares, take the thresholds δ from what that leaves, and fit by Huber; prove both."""
+    model, shape = assembly.model, asked.shape
+    optimisers = SEARCHES if asked.optimisers is None else asked.optimisers
+    searches = dict(optimisers) if possible is None else {}
+    method = shape_method(asked.shape_search, bool(optimisers), asked.seed)
+    proof = _Proof(searches, asked.seed, _scope(model, shape is not None), possible, say)
+    infinite = np.full(len(model.joints), np.inf)
+
+    say("least squares")
+    first_shape, first, leaders, agreeing = solve_shape(
+        assembly, infinite, shape, asked.start, possible=possible, method=replace(method, refined=STARTS)
+    )
+    first.data.require_enough(model.joints)
+    sse = proof.stage("sse", first, middle(first_shape), infinite, first.linear)
+    delta = asked.delta
+    limits = delta_rule(first.data.residual(first.linear), use=first.data.use) if delta is None else np.asarray(delta)
+
+    say("Huber")
+    if model.needs_reference or (model.shapes and shape is None):
+        best_shape, best, _, agreeing = solve_shape(assembly, limits, shape, leaders, first.linear, possible, method)
+    else:  # the columns stay what they were
+        best_shape = first_shape
+        best = replace(first, linear=solution(first.data, limits, possible, first.linear))
+    # δ and the box of the Huber search come from least squares on the columns of the shape found last.
+    centre = first.linear if best.data is first.data else solve_sse(best.data)
+    stage = proof.stage("huber", best, middle(best_shape), limits, centre)
+    return _Stages(sse, stage, best, best_shape, agreeing)
 
 
 def _spacing(one: FilteredRecording) -> float:

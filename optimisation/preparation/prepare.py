@@ -103,18 +103,7 @@ def prepare(
     base = model.base()
     even = [uniform_sampling(r) for r in (*recordings, *verify)]
     called = [r.name for r in (*recordings, *verify)]
-    slowest = min(e.rate for e in even)
-    if cutoff is not None and not 0.0 < cutoff <= 0.4 * slowest:
-        raise RecordingError(
-            f"a cut-off of {cutoff:g} Hz does not fit recordings sampled at {slowest:.4g} Hz",
-            remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
-        )
-    shortest = min(float(e.t[-1] - e.t[0]) for e in even)
-    if cutoff is not None and cutoff * shortest < LEAST_CYCLES:
-        raise RecordingError(
-            f"a cut-off of {cutoff:g} Hz leaves nothing of a recording of {shortest:.3g} s",
-            remedy=f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid",
-        )
+    _check_cutoff(cutoff, even)
     count = len(recordings)
     inputs = list(zip(called, even, strict=True))
     judged = [(name, part) for name, whole in inputs[:count] for part in typical(whole)]
@@ -144,6 +133,21 @@ def prepare(
         misread=misread,
         joints=model.joints,
     )
+
+
+def _check_cutoff(cutoff: float | None, even: Sequence[UniformSignals]) -> None:
+    """Refuse a cut-off that is too fast for the slowest recording, or too slow for the shortest."""
+    if cutoff is None:
+        return
+    slowest = min(e.rate for e in even)
+    shortest = min(float(e.t[-1] - e.t[0]) for e in even)
+    remedy = f"choose a cut-off between 0.5 and {0.4 * slowest:.3g} Hz, or leave the choice to exoid"
+    if not 0.0 < cutoff <= 0.4 * slowest:
+        what = f"a cut-off of {cutoff:g} Hz does not fit recordings sampled at {slowest:.4g} Hz"
+        raise RecordingError(what, remedy=remedy)
+    if cutoff * shortest < LEAST_CYCLES:
+        what = f"a cut-off of {cutoff:g} Hz leaves nothing of a recording of {shortest:.3g} s"
+        raise RecordingError(what, remedy=remedy)
 
 
 def _refuse_free_swing(even: Sequence[UniformSignals]) -> None:

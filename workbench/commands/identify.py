@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.options import (
@@ -16,6 +17,13 @@ from workbench.command_line.options import (
 )
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
+
+if TYPE_CHECKING:
+    from diagnosis.compare import Verification
+    from optimisation.fitting.fit import Fit
+    from optimisation.fitting.neighbours import Neighbours
+    from optimisation.fitting.thigh_length import ThighLength
+    from workbench.command_line.inputs import Inputs
 
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
@@ -47,33 +55,7 @@ def run(args: argparse.Namespace) -> int:
     if args.write:
         check_new_model(args.write, args.model)
     given = load(args)
-    with progress("identifying", quiet=args.quiet) as report:
-        from optimisation.fitting.identify import identify
-        from optimisation.fitting.settings import FitSettings
-        from optimisation.preparation.prepare import prepare
-
-        prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
-        steps = iter(range(1, 100))
-        fit = identify(
-            given.model, prepared.train, **settings_given(args, FitSettings),
-            progress=lambda text: report(min(0.95, next(steps) / 9), text),
-        )  # fmt: skip
-        from dataclasses import replace
-
-        from diagnosis.compare import verification
-        from diagnosis.evidence.channels import channel_findings
-        from diagnosis.evidence.fitted import fitted_model
-        from optimisation.fitting.neighbours import neighbours
-        from optimisation.fitting.thigh_length import wanted_thigh_length
-        from workbench.terminal.showing import of_the_set
-
-        unseen = verification(fit, prepared)
-        report(0.97, "neighbouring cut-offs")
-        near = neighbours(fit, given.model, prepared, given.recordings)
-        length = wanted_thigh_length(fit, prepared)
-        found = (*channel_findings(fitted_model(fit, prepared)), *(() if length is None else (length.finding(),)))
-        together = (*prepared.misread, *of_the_set((*prepared.findings, *found)))
-        fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
+    fit, unseen, near, length = _identified(args, given)
     from optimisation.fitting.by_recording import by_recording
     from workbench.report.material import Material, command_of, picture_of_fit, settings_of
     from workbench.terminal.screen import per_joint
@@ -113,3 +95,39 @@ def run(args: argparse.Namespace) -> int:
         seconds=fit.seconds,
     ))  # fmt: skip
     return 1 if over else 0
+
+
+def _identified(
+    args: argparse.Namespace, given: Inputs
+) -> tuple[Fit, Verification | None, Neighbours, ThighLength | None]:
+    """Return the fit with all that is to be said of it, its errors on unseen motion, what neighbouring cut-offs give,
+    and the thigh length that the torques ask for.
+    """
+    with progress("identifying", quiet=args.quiet) as report:
+        from optimisation.fitting.identify import identify
+        from optimisation.fitting.settings import FitSettings
+        from optimisation.preparation.prepare import prepare
+
+        prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
+        steps = iter(range(1, 100))
+        fit = identify(
+            given.model, prepared.train, **settings_given(args, FitSettings),
+            progress=lambda text: report(min(0.95, next(steps) / 9), text),
+        )  # fmt: skip
+        from dataclasses import replace
+
+        from diagnosis.compare import verification
+        from diagnosis.evidence.channels import channel_findings
+        from diagnosis.evidence.fitted import fitted_model
+        from optimisation.fitting.neighbours import neighbours
+        from optimisation.fitting.thigh_length import wanted_thigh_length
+        from workbench.terminal.showing import of_the_set
+
+        unseen = verification(fit, prepared)
+        report(0.97, "neighbouring cut-offs")
+        near = neighbours(fit, given.model, prepared, given.recordings)
+        length = wanted_thigh_length(fit, prepared)
+        found = (*channel_findings(fitted_model(fit, prepared)), *(() if length is None else (length.finding(),)))
+        together = (*prepared.misread, *of_the_set((*prepared.findings, *found)))
+        fit = replace(fit, plausibility=(*together, *fit.plausibility, *near.findings()))
+    return fit, unseen, near, length
