@@ -14,6 +14,7 @@ import uvicorn
 
 from ground.errors import ExoidError
 from workbench.page.app import application
+from workbench.page.work import start_work
 
 if TYPE_CHECKING:
     from workbench.page.workspace import Workspace
@@ -34,7 +35,7 @@ def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
     print(address, flush=True)
     if say:
         sys.stderr.write("exoid: the page is open at the address above; Ctrl-C ends it\n")
-    workspace.start()
+    start_work(workspace)
     if browser:
         webbrowser.open(address)
     server = _Server(config, workspace)

@@ -5,6 +5,7 @@ After each portion is looked whether something more urgent has come.
 
 from __future__ import annotations
 
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -12,17 +13,20 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
 from workbench.page.given import FIT, VERIFY, Given, read_given
+from workbench.page.workspace import TOLD_EVERY, Names, Workspace
 
 if TYPE_CHECKING:
     from diagnosis.session.ranking import Ranking
     from diagnosis.session.session import Session
-    from workbench.page.workspace import Names, Workspace
-
-TOLD_EVERY = 0.3
-"""Seconds between two messages to the page while work goes on."""
 
 
-def work(space: Workspace) -> None:
+def start_work(workspace: Workspace) -> None:
+    """Let the threads of `workspace` begin: one that computes, one that keeps what was done in its folder."""
+    threading.Thread(target=_work, args=(workspace,), name="workspace", daemon=True).start()
+    threading.Thread(target=workspace.keeping.run, name="keeper", daemon=True).start()
+
+
+def _work(space: Workspace) -> None:
     """Do what there is to do, the most urgent first, until it is closed."""
     told = 0.0
     while not space.closed:

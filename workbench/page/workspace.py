@@ -22,7 +22,6 @@ from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
 from workbench.page.keeping import Keeping
-from workbench.page.work import TOLD_EVERY, work
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
@@ -35,6 +34,8 @@ if TYPE_CHECKING:
     from workbench.page.search import BackgroundSearch
 
 Names = tuple[str, ...]
+TOLD_EVERY = 0.3
+"""Seconds between two messages to the page while work goes on."""
 
 class Workspace:
     """Everything that the page shows. Its methods may be called from any thread."""
@@ -73,14 +74,8 @@ class Workspace:
         self.change = threading.Condition(self.lock)
         self._closed = False
         self.keeping = Keeping(self.change, lambda: self._closed, self.touch)
-        self._thread = threading.Thread(target=work, args=(self,), name="workspace", daemon=True)
 
     # -- life ---------------------------------------------------------------------------------------------------
-
-    def start(self) -> None:
-        """Begin to work."""
-        self._thread.start()
-        threading.Thread(target=self.keeping.run, name="keeper", daemon=True).start()
 
     def close(self) -> None:
         """End the work and a search, and clear away what was dropped and not saved."""
