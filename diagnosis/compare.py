@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from diagnosis.plots import against, over_time
 from diagnosis.where import Where, samples_of, where_it_sits
 from ground.frames import pandas
 from ground.html import table
-from ground.plain import AsJson, plain_dict
+from ground.plain import AsJson
 from measurement.finding import Finding
 from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
@@ -41,12 +41,17 @@ MOST_FIGURES = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(AsJson):
     """A fitted model compared with recordings; all RMS (J,) in N·m after the common filter.
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
     `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.
     """
+
+    JSON = (
+        "joints rms verify_rms signal_rms noise_floor sse_verify_rms where per_recording=rms_of filter=cutoff "
+        "parameters=fit.estimates{} thigh_length audit"
+    )
 
     fit: Fit
     rms: Float
@@ -73,26 +78,14 @@ class Comparison:
         return self.now.model.torque_unit
 
     @property
+    def rms_of(self) -> dict[str, Float]:
+        """RMS (J,) of each recording by its name."""
+        return dict(self.per_recording)
+
+    @property
     def misread(self) -> tuple[Finding, ...]:
         """What says that the recordings keep another convention."""
         return self.now.prepared.misread
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the comparison in plain types."""
-        return plain_dict({
-            "joints": list(self.joints),
-            "rms": self.rms,
-            "verify_rms": self.verify_rms,
-            "signal_rms": self.signal_rms,
-            "noise_floor": self.noise_floor,
-            "sse_verify_rms": self.sse_verify_rms,
-            "where": self.where,
-            "per_recording": {name: rms.tolist() for name, rms in self.per_recording},
-            "filter": self.cutoff,
-            "parameters": {e.name: e for e in self.fit.estimates},
-            "thigh_length": self.thigh_length,
-            "audit": self.audit,
-        })
 
     def to_frame(self) -> pd.DataFrame:
         """Return where the error is, one row each."""

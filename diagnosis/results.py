@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
 from ground.frames import pandas
 from ground.html import lines, table
-from ground.plain import AsJson, plain_dict
+from ground.plain import AsJson
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.thigh_length import ThighLength
@@ -154,7 +154,7 @@ class Step(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class Diagnosis(AsJson):
     """The answer of `diagnose` (at most one step) and `discover` (to the end).
 
     `verdict` is "adequate", "missing", "ambiguous", "unexplained" or "check_channels"; `rule` says which rule led
@@ -163,6 +163,13 @@ class Diagnosis:
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
     fitted to all the recordings as they were prepared.
     """
+
+    JSON = (
+        "schema verdict joints rule sentence accepted suspects possible steps noise_floor "
+        "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
+        "stopped_because parameters=fit.estimates{} thigh_length audit seconds"
+    )
+    schema: ClassVar[str] = SCHEMA
 
     verdict: str
     rule: str
@@ -198,32 +205,7 @@ class Diagnosis:
         """Names of the joints (J,), in the order of every list per joint."""
         return self.model.joint_names
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the result in the schema `exoid.discovery/1`."""
-        return plain_dict({
-            "schema": SCHEMA,
-            "verdict": self.verdict,
-            "joints": self.joints,
-            "rule": self.rule,
-            "sentence": self.sentence,
-            "accepted": self.accepted,
-            "suspects": self.suspects,
-            "possible": self.possible,
-            "steps": self.steps,
-            "noise_floor": self.noise_floor,
-            "unexplained": self._unexplained_json(),
-            "model_error": self.error,
-            "next_experiment": self.next_experiment,
-            "biased": self.biased,
-            "differing": self.differing,
-            "filter": self.cutoff,
-            "stopped_because": self.stopped_because,
-            "parameters": {e.name: e for e in self.fit.estimates},
-            "thigh_length": self.thigh_length,
-            "audit": self.audit,
-            "seconds": self.seconds,
-        })
-
+    @property
     def _unexplained_json(self) -> dict[str, Any]:
         one = self.unexplained
         if one is None and self.error is not None and self.verdict == "unexplained":

@@ -38,7 +38,7 @@ def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
 
 class AsJson:
     """A dataclass whose JSON is told by `JSON`: "*" for all fields, a name for a field or property, "key=name" (or
-    "key=name.of.its") where the key is another.
+    "key=name.of.its") where the key is another, "name{}" where a sequence becomes {name: one of them}.
     """
 
     JSON: ClassVar[str] = "*"
@@ -50,6 +50,7 @@ class AsJson:
             if word == "*":
                 out |= {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
             else:
-                key, _, place = word.partition("=")
-                out[key] = attrgetter(place or key)(self)
+                key, _, place = word.removesuffix("{}").partition("=")
+                found = attrgetter(place or key)(self)
+                out[key] = {one.name: one for one in found} if word.endswith("{}") else found
         return plain_dict(out)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import ExpressionError, NotEnoughDataError
+from ground.plain import AsJson
 from measurement.signals.conditioning import ORDER, low_pass, widen
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import Noise
@@ -44,10 +45,12 @@ SKETCH_NODES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class Rival(AsJson):
     """A rival with its numbers: `model` holds it, `linear` (P,) and `shape` (S,) are its values, `source` says
     whence.
     """
+
+    JSON = "name numbers=own source"
 
     name: str
     model: Model

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from diagnosis.watching.plots import errors_figure
 from ground.frames import pandas
 from ground.html import bullets, lines, table
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -36,7 +36,7 @@ class Course:
 
 
 @dataclass(frozen=True, eq=False)
-class ChangeFound:
+class ChangeFound(AsJson):
     """One thing that differs: `name` is that of an effect ("load_friction:knee"), of a number of the model
     ("coulomb:knee") or of a load ("payload:shank"); `kind` is a key of `KINDS`.
 
@@ -44,6 +44,10 @@ class ChangeFound:
     interval (valid under autocorrelation). `look_alikes` explain these data as well. `share` is the part of the
     squared error that it explains, held out; `p_value` that of placebos.
     """
+
+    JSON = (
+        "name kind effect joint before{} after{} change{} shape look_alikes explained_share=share p_value sentence"
+    )
 
     name: str
     kind: str
@@ -64,25 +68,15 @@ class ChangeFound:
         alike = f"; these data cannot distinguish it from {', '.join(self.look_alikes)}" if self.look_alikes else ""
         return f"{self.name}: {'; '.join(parts)}{shape}{alike}"
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        effect, _, joint = self.name.partition(":")
-        return plain_dict(
-            {
-                "name": self.name,
-                "kind": self.kind,
-                "effect": effect if self.kind in ("effect", "sensor") else None,
-                "joint": joint or None,
-                "before": {e.name: e for e in self.before},
-                "after": {e.name: e for e in self.after},
-                "change": {e.name: e for e in self.change},
-                "shape": self.shape,
-                "look_alikes": self.look_alikes,
-                "explained_share": self.share,
-                "p_value": self.p_value,
-                "sentence": self.sentence,
-            }
-        )
+    @property
+    def effect(self) -> str | None:
+        """The effect that it is, where it is one."""
+        return self.name.partition(":")[0] if self.kind in ("effect", "sensor") else None
+
+    @property
+    def joint(self) -> str | None:
+        """The joint or link that it is at, where there is one."""
+        return self.name.partition(":")[2] or None
 
 
 def _said(estimate: Estimate) -> str:
@@ -91,12 +85,17 @@ def _said(estimate: Estimate) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Differences:
+class Differences(AsJson):
     """What differs between recordings made `before` and `after`; nothing is a result as well.
 
     `old` are errors of the model that were there all along and that these recordings show; `rms_before` and
     `rms_after` (J,) in `units` (J,) are those of the model fitted before, `rms_named` that of after with what is named.
     """
+
+    JSON = (
+        "differs sentence differences=found missing_all_along=old before after joints units rms_before rms_after "
+        "rms_after_named=rms_named audit seconds"
+    )
 
     found: tuple[ChangeFound, ...]
     old: tuple[str, ...]
@@ -136,26 +135,6 @@ class Differences:
         ]
         head = ("what", "kind", "before", "after", "look-alikes")
         return lines(strong=self.sentence) + (table(head, rows) if rows else "") + bullets(self._old())
-
-    def to_json(self) -> dict[str, Any]:
-        """Return everything in plain types."""
-        return plain_dict(
-            {
-                "differs": self.differs,
-                "sentence": self.sentence,
-                "differences": self.found,
-                "missing_all_along": self.old,
-                "before": self.before,
-                "after": self.after,
-                "joints": self.joints,
-                "units": self.units,
-                "rms_before": self.rms_before,
-                "rms_after": self.rms_after,
-                "rms_after_named": self.rms_named,
-                "audit": self.audit,
-                "seconds": self.seconds,
-            }
-        )
 
     def to_frame(self) -> Any:
         """Return one row per number that differs."""

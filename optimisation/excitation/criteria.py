@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ground.plain import AsJson
 from measurement.bench.sensors import Sensors
 from measurement.trajectories.trajectory import TrajectoryError
 from symbolic.joints import LEG, Joint, units
@@ -34,8 +35,10 @@ LEAST_NOISE, MOST_NOISE = 1e-6, 1e6
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
+class Noise(AsJson):
     """Torque noise: `sd` (J,) N·m of a sample, `per_second` (J,) independent samples, and where this is known from."""
+
+    JSON = "sd independent_per_second=per_second source"
 
     sd: Float
     per_second: Float

@@ -5,12 +5,12 @@ from __future__ import annotations
 import html
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ground.frames import pandas
-from ground.plain import AsJson, plain_dict
+from ground.plain import AsJson
 from measurement.trajectories.extremes import UNITS, Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
@@ -59,7 +59,7 @@ class Precision(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Excitation:
+class Excitation(AsJson):
     """A motion and its evaluation.
 
     `value` is what was minimised; `condition` is cond(Ȳ), `log_det` that of the information in `duration` s under
@@ -67,6 +67,13 @@ class Excitation:
     proven for all times, `precision` the predicted standard deviations at `numbers`. `creeping` (J,) is the
     share of time in which a joint is slow enough to stick, `condition_moving` is cond(Ȳ) without it.
     """
+
+    JSON = (
+        "model=model.name criterion value condition condition_moving creeping log_det chosen best_known feasible "
+        "trajectory=_content candidates limits=uses precision{} noise duration numbers offsets rest seed cautions "
+        "seconds"
+    )
+    best_known: ClassVar[bool] = True
 
     model: Model
     trajectory: Fourier
@@ -89,6 +96,10 @@ class Excitation:
     condition_moving: float = float("nan")
     cautions: tuple[str, ...] = ()
     seconds: float = field(default=0.0, repr=False)
+
+    @property
+    def _content(self) -> dict[str, Any]:
+        return trajectory_content(self.trajectory, self.model.joint_names)
 
     @property
     def feasible(self) -> bool:
@@ -130,37 +141,6 @@ class Excitation:
         rows = [(p.value, p.unit, p.deviation, p.relative) for p in self.precision]
         columns = ["value", "unit", "deviation", "relative"]
         return pandas().DataFrame(rows, index=[p.name for p in self.precision], columns=columns)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the result in plain types."""
-        return plain_dict({
-            "model": self.model.name,
-            "criterion": self.criterion,
-            "value": self.value,
-            "condition": self.condition,
-            "condition_moving": self.condition_moving,
-            "creeping": self.creeping,
-            "log_det": self.log_det,
-            "chosen": self.chosen,
-            "best_known": True,
-            "feasible": self.feasible,
-            "trajectory": trajectory_content(self.trajectory, self.model.joint_names),
-            "candidates": self.candidates,
-            "limits": self.uses,
-            "precision": {p.name: p for p in self.precision},
-            "noise": {
-                "sd": self.noise.sd,
-                "independent_per_second": self.noise.per_second,
-                "source": self.noise.source,
-            },
-            "duration": self.duration,
-            "numbers": self.numbers,
-            "offsets": self.offsets,
-            "rest": self.rest,
-            "seed": self.seed,
-            "cautions": self.cautions,
-            "seconds": self.seconds,
-        })
 
     def plot(self) -> Figure:
         """Draw angles, velocities and accelerations of both joints with their limits, as the paper's Fig. 4."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ground.frames import pandas
 from ground.html import bullets, lines, table
-from ground.plain import AsJson, plain_dict
+from ground.plain import AsJson
 from measurement.finding import Finding
 from optimisation.fitting.assemble import FittableModel
 from optimisation.fitting.plots import fit_figure
@@ -45,7 +45,7 @@ class FitStage(AsJson):
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(AsJson):
     """An identified model.
 
     `estimates` are the linear parameters (`linear`, (P,)), then the shape parameters (`shape`, (S,)), with 95 %
@@ -56,6 +56,11 @@ class Fit:
     asked for one. `agreeing`: how many local searches of the shapes ended at the same loss, and how many there were.
     `spacing`: s between samples.
     """
+
+    JSON = (
+        "model=model.name recordings joints=joint_names parameters=estimates{} delta rms loss best_known "
+        "starts_agreeing=agreeing runs reference certificate sse plausibility physical=_held_json seconds"
+    )
 
     model: FittableModel
     estimates: tuple[Estimate, ...]
@@ -86,6 +91,15 @@ class Fit:
         return tuple(self.model.joints)
 
     @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints (J,)."""
+        return names(self.joints)
+
+    @property
+    def _held_json(self) -> dict[str, Any] | None:
+        return None if self.held is None else self.held.to_json([p.name for p in self.model.parameters])
+
+    @property
     def residual(self) -> Float:
         """Residual torque (J, N), N·m; zero where a sample was not used."""
         return self.data.residual(self.linear)
@@ -108,7 +122,7 @@ class Fit:
         width = max(len(e.name) for e in self.estimates)
         for e in self.estimates:
             lines.append(f"  {e.name:<{width}}  {e.value:>11.5g} {e.unit:<12} 95 % {e.low:.4g} to {e.high:.4g}")
-        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(names(self.joints), self.rms, strict=True))
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.rms, strict=True))
         unit = units(self.joints, "tau")
         lines.append(f"  rms residual [{unit}]: {rms};  Huber loss {self.loss:.6g}, {self.certificate}")
         if self.best_known:
@@ -124,7 +138,7 @@ class Fit:
     def _repr_html_(self) -> str:
         first = map(float, (*self.sse.linear, *self.sse.shape))
         rows = [(e.name, e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
-        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(names(self.joints), self.rms, strict=True))
+        rms = ", ".join(f"{joint} {value:.4g}" for joint, value in zip(self.joint_names, self.rms, strict=True))
         gaps = [(name, run.gap, run.evaluations, run.seconds) for name, run in self.runs.items()]
         if self.reference is not None:
             gaps.append(("IPOPT", self.reference.gap, self.reference.iterations, self.reference.seconds))
@@ -142,27 +156,6 @@ class Fit:
         rows = [(e.value, e.unit, e.low, e.high, s) for e, s in zip(self.estimates, first, strict=True)]
         names = [e.name for e in self.estimates]
         return pandas().DataFrame(rows, index=names, columns=["value", "unit", "low", "high", "sse"])
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fit in plain types; an interval the data do not determine is null."""
-        return plain_dict({
-            "model": self.model.name,
-            "recordings": self.recordings,
-            "joints": names(self.joints),
-            "parameters": {e.name: e for e in self.estimates},
-            "delta": self.delta,
-            "rms": self.rms,
-            "loss": self.loss,
-            "best_known": self.best_known,
-            "starts_agreeing": self.agreeing,
-            "runs": self.runs,
-            "reference": self.reference,
-            "certificate": self.certificate,
-            "sse": self.sse,
-            "plausibility": self.plausibility,
-            "physical": None if self.held is None else self.held.to_json([p.name for p in self.model.parameters]),
-            "seconds": self.seconds,
-        })
 
     def plot(self) -> Figure:
         """Draw parameters with intervals, residuals, and the convergence of the optimisers."""

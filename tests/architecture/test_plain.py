@@ -19,7 +19,7 @@ class Inner(AsJson):
 
 @dataclass(frozen=True)
 class Outer(AsJson):
-    JSON = "title=name * inner_value=inner.value whole"
+    JSON = "title=name * inner_value=inner.value whole values=both{}"
 
     name: str
     inner: Inner
@@ -28,10 +28,15 @@ class Outer(AsJson):
     def whole(self):
         return ("x", float("inf"))
 
+    @property
+    def both(self):
+        return (self.inner, Inner("c", 3.0))
+
 
 def test_a_record_names_its_json_in_one_line():
     assert Outer("a", Inner("b", 2.0)).to_json() == {
         "title": "a", "name": "a", "inner": {"name": "b", "value": 2.0}, "inner_value": 2.0, "whole": ["x", None],
+        "values": {"b": {"name": "b", "value": 2.0}, "c": {"name": "c", "value": 3.0}},
     }  # fmt: skip
 
 

@@ -1,1 +1,1 @@
-"""The command line: options, inputs, output files, completion."""
+"""The command line: options, inputs, output files."""
