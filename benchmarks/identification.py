@@ -25,10 +25,10 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from optimisation.contest.problem import Contest, paper_contest  # noqa: E402
-from optimisation.linear.fitness import population_fitness  # noqa: E402
 from optimisation.linear.problem import huber_problem  # noqa: E402
 from optimisation.optimiser import minimise  # noqa: E402
 from optimisation.optimisers.nfo import NFO  # noqa: E402
+from symbolic.codegen.kernel import fitness  # noqa: E402
 
 INDIVIDUALS, GENERATIONS, REPEATS = 40, 400, 5
 BUDGET = INDIVIDUALS * GENERATIONS
@@ -164,7 +164,7 @@ def measure(contest: Contest, run: Callable, make: Callable[[], InPlace | Fitnes
 
 def main() -> None:
     contest = paper_contest()
-    compiled = population_fitness(contest.data)
+    compiled = fitness(contest.data.columns, contest.data.tau)
     plain = InPlace(contest)
     x = contest.problem().low + np.random.default_rng(0).random((INDIVIDUALS, 8))
     assert np.allclose(plain(x), compiled.huber(x, contest.delta), rtol=1e-10)

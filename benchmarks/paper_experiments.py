@@ -21,13 +21,13 @@ from optimisation.excitation.design import design
 from optimisation.excitation.result import Excitation
 from optimisation.fitting.identify import identify
 from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.fitness import population_fitness
 from optimisation.linear.problem import LinearData, Problem, huber_problem
 from optimisation.linear.reference import Reference, solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
+from symbolic.codegen.kernel import fitness
 from symbolic.model import TABLE_1, Model
 from symbolic.motion import Motion
 
@@ -210,7 +210,7 @@ class Curves:
 
 def converge(fits: Fits, seeds: int = SEEDS) -> Curves:
     """Let NFO as printed, PSO and GA (40 × 400) minimise the Huber loss, in physical and in whitened coordinates."""
-    compiled = population_fitness(fits.data)
+    compiled = fitness(fits.data.columns, fits.data.tau)
     problem = huber_problem(fits.data, lambda x: compiled.huber(x, fits.delta), fits.delta, fits.sse)
     pso, ga = optimisers()["pso"](), optimisers()["ga"]()
     recipes: dict[str, tuple[Any, Problem]] = {

@@ -175,7 +175,7 @@ def compare(
 
     Refuses recordings that are too short or do not determine the model.
     """
-    leg: Model = model.model if isinstance(model, Fit) else model  # type: ignore[assignment]
+    leg: Model = model.model if isinstance(model, Fit) else model
     prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
     fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())
     return compare_prepared(fit, prepared)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Unpack, cast
+from typing import Unpack
 
 import numpy as np
 
@@ -50,7 +50,7 @@ def discover(
     (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Refuses recordings that are too
     short, too slow or do not determine the model.
     """
-    model = cast("Model", model.model) if isinstance(model, Fit) else model
+    model = model.model if isinstance(model, Fit) else model
     question = Question(model, DiscoverySettings.chosen(settings, changes))
     return answer_of(question, recordings, verify, progress or silent)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,12 +56,12 @@ class Waterfall(AsJson):
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints (J,), in the order of every list per joint."""
-        return cast("Model", self.fits[0].model).joint_names if self.fits else JOINTS
+        return self.fits[0].model.joint_names if self.fits else JOINTS
 
     @property
     def unit(self) -> str:
         """Unit of the torques, in words."""
-        return cast("Model", self.fits[0].model).torque_unit if self.fits else "N·m"
+        return self.fits[0].model.torque_unit if self.fits else "N·m"
 
     def plot(self) -> Figure:
         """Draw the falling error."""

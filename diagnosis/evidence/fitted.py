@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
@@ -44,7 +43,7 @@ class FittedModel:
     @property
     def model(self) -> Model:
         """The model that was fitted."""
-        return cast("Model", self.fit.model)
+        return self.fit.model
 
     @property
     def linear(self) -> Float:
@@ -149,7 +148,7 @@ def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
     Shape values that belong to a recording (where a stop is met) are fitted to each recording, unseen ones included;
     everything else is as fitted on the training recordings.
     """
-    model = cast("Model", fit.model)
+    model = fit.model
     shapes = shapes_for(fit, prepared)
     return FittedModel(fit, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model))
 

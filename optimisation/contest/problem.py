@@ -25,11 +25,11 @@ from optimisation.budget import GENERATIONS, INDIVIDUALS
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.settings import Search
 from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.fitness import population_fitness
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData, Problem, huber_problem
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
+from symbolic.codegen.kernel import fitness
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -71,7 +71,7 @@ class Contest:
 
     def problem(self) -> Problem:
         """Return the problem in physical coordinates, with the compiled fitness."""
-        compiled, delta = population_fitness(self.data), self.delta
+        compiled, delta = fitness(self.data.columns, self.data.tau), self.delta
         return huber_problem(self.data, lambda x: compiled.huber(x, delta), delta, self.sse_linear)
 
     def fingerprint(self) -> str:

@@ -30,7 +30,8 @@ from symbolic.model import Model
 
 if TYPE_CHECKING:
     from measurement.recording import Recording
-    from optimisation.fitting.assemble import FilteredRecording, FittableModel
+    from optimisation.fitting.assemble import FilteredRecording
+    from symbolic.model import Model
 
 Progress = Callable[[float, str], None]
 
@@ -50,7 +51,7 @@ def entrants(whitened: bool = False) -> Mapping[str, Search]:
 
 @spelt_out(ContestSettings)
 def rivals(
-    subject: FittableModel | Fit | Contest | None = None,
+    subject: Model | Fit | Contest | None = None,
     recordings: Sequence[FilteredRecording] | Sequence[Recording] = (),
     settings: ContestSettings | None = None,
     *,

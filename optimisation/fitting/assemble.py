@@ -7,16 +7,16 @@ found as a fixed point: columns from the last parameters, parameters from the co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
-from symbolic.joints import Joint
+from symbolic.model import Model
 from symbolic.motion import Float, Motion
 
 FIXED_POINT_ROUNDS = 60
@@ -46,57 +46,6 @@ class FilteredRecording(Protocol):
         """
 
 
-class FittableModel(Protocol):
-    """The part of `symbolic.model.Model` that a fit needs."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def limits(self) -> Mapping[str, Any]: ...  # noqa: D102
-    @property
-    def joints(self) -> Sequence[Joint]: ...  # noqa: D102
-    @property
-    def parameters(self) -> Sequence[Any]: ...  # noqa: D102
-    @property
-    def shapes(self) -> Sequence[Any]: ...  # noqa: D102
-    @property
-    def needs_reference(self) -> bool: ...  # noqa: D102
-
-    @property
-    def reference_places(self) -> tuple[int, ...]:
-        """Indices of the parameters that columns depend on; () where they depend on none."""
-
-    @property
-    def following_places(self) -> tuple[int, ...]:
-        """Indices (m,) of the parameters whose columns follow the shapes; () where others do as well."""
-
-    def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
-        """Return the regressor (J, N, P)."""
-
-    @property
-    def held_places(self) -> tuple[int, ...]:
-        """The same where columns depend on the parameters and these are held; () where others may follow as well."""
-
-    def following_columns(self, motion: Motion, nodes: Float, reference: Float | None = None) -> Float:
-        """Return the columns (V, J, m, N) of `following_places`, or `held_places` at `reference`, at V rows of shapes.
-        """
-
-    def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float:
-        """Return the torque (N, J) in N·m."""
-
-    def moving_torque(
-        self, motion: Motion, linear: Float, shape: Float, index: int
-    ) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]:
-        """Return the torque (N, J) without what shape value `index` has a part in, the joints (A,) of that, and what
-        gives it (V, A, N) at V values.
-        """
-
-
-def is_paper_leg(model: FittableModel) -> bool:
-    """Whether Φ1 to Φ4 of `model` are those of the leg, not numbers of another machine."""
-    return not getattr(model, "chain", False)
-
-
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
 
@@ -104,7 +53,7 @@ class Assembly:
     computed again, and a column that comes out as it did last time is not filtered again.
     """
 
-    def __init__(self, model: FittableModel, prepared: Sequence[FilteredRecording]) -> None:
+    def __init__(self, model: Model, prepared: Sequence[FilteredRecording]) -> None:
         self.model = model
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
@@ -211,7 +160,7 @@ class Assembly:
 
 
 def assemble(
-    model: FittableModel,
+    model: Model,
     prepared: Sequence[FilteredRecording],
     shape: Float | None = None,
     reference: Float | None = None,

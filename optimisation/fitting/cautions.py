@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from measurement.finding import Finding
-from optimisation.fitting.assemble import FittableModel, Settled
+from optimisation.fitting.assemble import Settled
 from optimisation.fitting.fit import FitStage
 from optimisation.fitting.shapes import to_unit
 from optimisation.linear.loss import huber
 from optimisation.linear.physical import Held, Physics
 from optimisation.linear.solve import solve_huber
+from symbolic.model import Model
 from symbolic.motion import Float
 
 
-def numerical(model: FittableModel, found: Settled, shape: Float, searched: bool) -> list[Finding]:
+def numerical(model: Model, found: Settled, shape: Float, searched: bool) -> list[Finding]:
     """Return what went wrong in the computation: no rank, no fixed point, a shape at its bound."""
     cautions = []
     factor = found.data.factor
@@ -52,7 +53,7 @@ def unproven(stage: FitStage) -> list[Finding]:
     return [Finding("certificate", "warning", what, stage.kind, value, limit, remedy)]
 
 
-def price(model: FittableModel, held: Held | None) -> list[Finding]:
+def price(model: Model, held: Held | None) -> list[Finding]:
     """Return in words what asking for a possible leg has changed."""
     if held is None or not held.broken:
         return []

@@ -12,7 +12,6 @@ from ground.frames import pandas
 from ground.html import bullets, lines, table
 from ground.plain import AsJson
 from measurement.finding import Finding
-from optimisation.fitting.assemble import FittableModel
 from optimisation.fitting.plots import fit_figure
 from optimisation.linear.certificate import Certificate
 from optimisation.linear.physical import Held
@@ -20,6 +19,7 @@ from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import Reference
 from optimisation.optimiser import OptimiserRun
 from symbolic.joints import Joint, names, units
+from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -62,7 +62,7 @@ class Fit(AsJson):
         "starts_agreeing=agreeing runs reference certificate sse plausibility physical=_held_json seconds"
     )
 
-    model: FittableModel
+    model: Model
     estimates: tuple[Estimate, ...]
     linear: Float
     shape: Float

@@ -17,7 +17,7 @@ import numpy as np
 from ground.errors import NotEnoughDataError
 from ground.settings import spelt_out
 from measurement.recording import Recording
-from optimisation.fitting.assemble import Assembly, FilteredRecording, FittableModel, Settled
+from optimisation.fitting.assemble import Assembly, FilteredRecording, Settled
 from optimisation.fitting.cautions import held, numerical, price, unproven
 from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.intervals import estimates_of, middle, spread_of
@@ -26,7 +26,6 @@ from optimisation.fitting.settings import FitOptions, FitSettings, Search
 from optimisation.fitting.shape_fit import shape_method, solution, solve_shape
 from optimisation.fitting.shapes import STARTS
 from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.fitness import population_fitness
 from optimisation.linear.loss import huber
 from optimisation.linear.physical import Physics, certify_physical, physical_reference, physics
 from optimisation.linear.problem import huber_problem, sse_problem
@@ -35,6 +34,7 @@ from optimisation.linear.solve import delta_rule, solve_sse
 from optimisation.optimiser import OptimiserRun, minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.prepare import prepare
+from symbolic.codegen.kernel import fitness
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ Progress = Callable[[str], None]
 
 @spelt_out(FitSettings)
 def identify(
-    model: FittableModel,
+    model: Model,
     data: Sequence[FilteredRecording] | Sequence[Recording],
     settings: FitSettings | None = None,
     *,
@@ -160,16 +160,16 @@ def _spacing(one: FilteredRecording) -> float:
 
 
 def _prepared(
-    model: FittableModel, data: Sequence[FilteredRecording] | Sequence[Recording]
+    model: Model, data: Sequence[FilteredRecording] | Sequence[Recording]
 ) -> Sequence[FilteredRecording]:
     """Return prepared recordings; those just read are prepared for `model`, with the cut-off chosen."""
     raw = [one for one in data if isinstance(one, Recording)]
     if not raw:
         return cast("Sequence[FilteredRecording]", data)
-    return prepare(cast("Model", model), raw).train
+    return prepare(model, raw).train
 
 
-def _scope(model: FittableModel, given: bool) -> str:
+def _scope(model: Model, given: bool) -> str:
     """Return for what a certificate of this fit holds: a loss is convex in the linear parameters only."""
     scope = "all parameters"
     if model.shapes:
@@ -214,7 +214,7 @@ class _Proof:
         certificate = certify(data, found.linear, delta, scope=self.scope)
         if not self.searches:
             return certificate, {}, None
-        compiled = population_fitness(data)
+        compiled = fitness(data.columns, data.tau)
         if kind == "sse":
             problem = sse_problem(data, compiled.sse)
         else:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.fitting.assemble import Assembly, FittableModel, Settled
+from optimisation.fitting.assemble import Assembly, Settled
 from optimisation.fitting.shapes import slope_by_shape
 from optimisation.linear.physical import Physics
 from optimisation.linear.uncertainty import Covariance, covariance
+from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -47,7 +48,7 @@ def spread_of(assembly: Assembly, found: Settled, shape: Float, delta: Float) ->
 
 
 def estimates_of(
-    model: FittableModel, linear: Float, shape: Float, spread: Covariance, possible: Physics | None = None
+    model: Model, linear: Float, shape: Float, spread: Covariance, possible: Physics | None = None
 ) -> tuple[Estimate, ...]:
     """Return every parameter with its 95 % interval: linear ones, then shapes."""
     half = spread.half_widths()

@@ -19,7 +19,6 @@ from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from optimisation.fitting.assemble import FilteredRecording as Working
-    from optimisation.fitting.assemble import FittableModel
     from optimisation.fitting.fit import Fit
     from optimisation.linear.problem import LinearData
     from optimisation.preparation.filtering import PreparedRecording
@@ -39,14 +38,14 @@ SETTLED = 1e-6
 """Relative fall of the loss below which a descent stops."""
 
 
-def own_shapes(model: FittableModel) -> tuple[int, ...]:
+def own_shapes(model: Model) -> tuple[int, ...]:
     """Return the indices of shape parameters that each recording has to itself."""
     return tuple(i for i, s in enumerate(model.shapes) if s.shape.per_recording)
 
 
 def shapes_for(fit: Fit, prepared: Prepared) -> Float:
     """Return shape values (R, S) for all recordings: fitted ones for training, own ones found for verification."""
-    model: Model = fit.model  # type: ignore[assignment]
+    model: Model = fit.model
     train = np.broadcast_to(fit.shapes, (len(prepared.train), len(model.shapes)))
     own = own_shapes(model)
     rows = [
@@ -76,7 +75,7 @@ def _fit_own(
 
 
 def _own_losses(
-    model: FittableModel, one: Working, linear: Float, shape: Float, index: int, delta: Float
+    model: Model, one: Working, linear: Float, shape: Float, index: int, delta: Float
 ) -> Callable[[Float], Float]:
     """Return what gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
     torques pass the filter, not columns: it is linear.
@@ -113,7 +112,7 @@ class ShapeProblem(Protocol):
 
 
 def descend(
-    problem: ShapeProblem, model: FittableModel, prepared: Sequence[Working], start: Float, delta: Float
+    problem: ShapeProblem, model: Model, prepared: Sequence[Working], start: Float, delta: Float
 ) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
@@ -143,7 +142,7 @@ def descend(
 
 def _step(
     problem: ShapeProblem,
-    model: FittableModel,
+    model: Model,
     shapes: Float,
     value: float,
     moving: tuple[Sequence[int], Sequence[int]],
@@ -190,7 +189,7 @@ def _step(
     return shapes, value
 
 
-def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
+def _nudge(model: Model, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
     """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
     best = shape.copy()
     for index in own_shapes(model):
@@ -203,14 +202,14 @@ def _nudge(model: FittableModel, one: Working, linear: Float, shape: Float, far:
     return best
 
 
-def shape_joint(model: FittableModel, entry: Any) -> int:
+def shape_joint(model: Model, entry: Any) -> int:
     """Return the index of the joint whose effect has the shape parameter `entry`; the last for an effect on several."""
     names = [joint.name for joint in model.joints]
     place = entry.term.rpartition(":")[2]
     return names.index(place) if place in names else len(names) - 1
 
 
-def reach(model: FittableModel, prepared: Sequence[Working]) -> Float:
+def reach(model: Model, prepared: Sequence[Working]) -> Float:
     """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
     out = []
     for entry in model.shapes:

@@ -8,12 +8,10 @@ inertias could produce Φ1 to Φ4 at all.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import cast
 
 import numpy as np
 
 from measurement.finding import Finding
-from optimisation.fitting.assemble import FittableModel, is_paper_leg
 from optimisation.linear.links import nearest_links
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -24,7 +22,7 @@ POSTURES = 300
 
 
 def check_plausibility(
-    model: FittableModel, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None
+    model: Model, linear: Float, estimates: Sequence[Estimate], shape: Float | None = None
 ) -> tuple[Finding, ...]:
     """Return what is physically doubtful about `linear` (P,) with shape values (S,); nothing when all is
     well.
@@ -39,15 +37,16 @@ def check_plausibility(
     return tuple(found)
 
 
-def _bounds(model: FittableModel, linear: Float, estimates: Sequence[Estimate]) -> list[Finding]:
+def _bounds(model: Model, linear: Float, estimates: Sequence[Estimate]) -> list[Finding]:
     found = []
     for parameter, value, estimate in zip(model.parameters, linear, estimates, strict=False):
         low, high = parameter.min, parameter.max
-        below = low is not None and value < low
-        above = high is not None and value > high
-        if not below and not above:
+        if low is not None and value < low:
+            limit, below = float(low), True
+        elif high is not None and value > high:
+            limit, below = float(high), False
+        else:
             continue
-        limit = float(low if below else high)
         word = "negative" if below and limit == 0.0 else f"{'below' if below else 'above'} {limit:g} {parameter.unit}"
         reaches = estimate.low <= limit <= estimate.high
         if reaches:
@@ -63,7 +62,7 @@ def _bounds(model: FittableModel, linear: Float, estimates: Sequence[Estimate]) 
     return found
 
 
-def mass_matrix(model: FittableModel, linear: Float, shape: Float | None, angles: Float) -> Float:
+def mass_matrix(model: Model, linear: Float, shape: Float | None, angles: Float) -> Float:
     """Return the mass matrix (N, J, J) in kg·m² at joint `angles` (N, J), from the model's own torque."""
     count = len(angles)
     still = np.zeros_like(angles)
@@ -80,7 +79,7 @@ def mass_matrix(model: FittableModel, linear: Float, shape: Float | None, angles
     return np.stack([(torque(joint) - rest).T for joint in range(angles.shape[1])], axis=2)
 
 
-def _postures(model: FittableModel) -> Float:
+def _postures(model: Model) -> Float:
     """Return postures (N, J) within the limits, of joints without any all round (rad) or up to 1 m to either side.
 
     The first joint stays in the middle: the mass matrix of a chain does not depend on it.
@@ -99,7 +98,7 @@ def _postures(model: FittableModel) -> Float:
     return np.asarray(low + share * (high - low))
 
 
-def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[Finding]:
+def _inertia(model: Model, linear: Float, shape: Float | None) -> list[Finding]:
     angles = _postures(model)
     mass = mass_matrix(model, linear, shape, angles)
     smallest = np.linalg.eigvalsh(0.5 * (mass + mass.transpose(0, 2, 1)))[:, 0]
@@ -122,15 +121,15 @@ def _inertia(model: FittableModel, linear: Float, shape: Float | None) -> list[F
     return [Finding("inertia", "warning", what, place or "every posture", float(smallest[worst]), 0.0, remedy)]
 
 
-def _realisable(model: FittableModel, linear: Float) -> list[Finding]:
+def _realisable(model: Model, linear: Float) -> list[Finding]:
     """The leg's Φ comes from some positive m, l, I exactly when Φ2, Φ3 > 0 and Φ3²/Φ2 < Φ1 - Φ2 + min(0, Φ4).
 
     Reason: I_sh > 0 means m_sh a² > Φ3²/Φ2; I_th + m_th l_th² = Φ1 - Φ2 - m_sh a² and m_th a l_th = Φ4 + that
     must stay positive; a short thigh lever with a large mass then always leaves I_th > 0.
     """
     at = {p.name: i for i, p in enumerate(model.parameters)}
-    if not is_paper_leg(model):
-        return _links(cast(Model, model), linear)
+    if model.chain:
+        return _links(model, linear)
     if any(name not in at for name in ("Phi1", "Phi2", "Phi3", "Phi4")):
         return []
     one, two, three, four = (float(linear[at[f"Phi{i}"]]) for i in range(1, 5))

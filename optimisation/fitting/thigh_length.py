@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ground.plain import AsJson
 from ground.thresholds import Threshold
 from measurement.finding import Finding
-from optimisation.fitting.assemble import is_paper_leg
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_huber
 from optimisation.linear.uncertainty import covariance
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from optimisation.fitting.fit import Fit
     from optimisation.preparation.filtering import PreparedRecording
     from optimisation.preparation.prepare import Prepared
-    from symbolic.model import Model
 
 COUPLING = "Phi3"
 FAR = Threshold(0.2, "share by which a length is off: what else is missing moves it by a tenth (on two known rigs)")
@@ -95,10 +93,10 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
 
     The torque sensors may have offsets of their own meanwhile, which would otherwise pass for weight.
     """
-    model, names = cast("Model", fit.model), list(fit.data.names)
+    model, names = fit.model, list(fit.data.names)
     payload = any(one.motion.payload is not None for one in prepared.train)
     weightless = getattr(model, "gravity", 0.0) <= 0.0
-    if prepared.misread or not is_paper_leg(model) or COUPLING not in names or payload or weightless:
+    if prepared.misread or model.chain or COUPLING not in names or payload or weightless:
         return None
     weight = np.concatenate([_weight(one) for one in prepared.train]).T[:, :, None]
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))

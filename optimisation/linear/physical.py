@@ -31,11 +31,10 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from optimisation.fitting.assemble import FittableModel, is_paper_leg
 from optimisation.linear.certificate import Certificate, fenchel, ratio
 from optimisation.linear.factor import factorise
 from optimisation.linear.links import PARAMETERS, mixture, nearest_links, tree_of
@@ -192,13 +191,13 @@ class Lift:
         return self._known[linear.tobytes()]
 
 
-def physics(model: FittableModel) -> Physics:
+def physics(model: Model) -> Physics:
     """Return what is possible for `model`: the bounds of its parameters, and of its masses where it has Φ1 to Φ4."""
     names = tuple(p.name for p in model.parameters)
     low = np.array([-np.inf if p.min is None else p.min for p in model.parameters], dtype=float)
     high = np.array([np.inf if p.max is None else p.max for p in model.parameters], dtype=float)
-    if not is_paper_leg(model):
-        return Physics(names, low, high, (), _lift(cast(Model, model), names, low, high))
+    if model.chain:
+        return Physics(names, low, high, (), _lift(model, names, low, high))
     if any(f"Phi{k}" not in names for k in range(1, 5)):
         return Physics(names, low, high, ())
     one, two, three, four = (np.array([float(n == f"Phi{k}") for n in names]) for k in range(1, 5))

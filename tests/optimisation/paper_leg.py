@@ -43,6 +43,7 @@ class Leg:
 
     limits = LIMITS
     joints = LEG
+    chain = ()
     following_places = ()
 
     @property

@@ -12,11 +12,11 @@ from paper_leg import PAPER, Leg, record
 from ground.errors import NotEnoughDataError, RecordingError
 from optimisation.fitting.assemble import assemble
 from optimisation.linear.certificate import certify
-from optimisation.linear.fitness import population_fitness
 from optimisation.linear.loss import huber, sse
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from symbolic.codegen.kernel import fitness
 from symbolic.joints import LEG
 
 INFINITE = np.full(2, np.inf)
@@ -183,7 +183,7 @@ def test_bad_data_is_refused_with_its_name():
 def test_the_compiled_population_fitness_agrees():
     data = assemble(Leg(), [record(noise=3.0, outliers=0.1, samples=500, step=0.05)])
     population = PAPER + np.random.default_rng(1).normal(size=(9, 8))
-    fast, check = population_fitness(data), PopulationFitness(data.columns, data.tau)
+    fast, check = fitness(data.columns, data.tau), PopulationFitness(data.columns, data.tau)
     delta = np.array([4.0, 5.0])
     assert np.allclose(fast.sse(population), check.sse(population), rtol=1e-12)
     assert np.allclose(fast.huber(population, delta), check.huber(population, delta), rtol=1e-12)
