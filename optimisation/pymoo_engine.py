@@ -7,12 +7,38 @@ algorithm object. It draws from our generator, so a seed means the same for ever
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from optimisation.optimiser import Box
 from symbolic.motion import Float
+
+
+class PymooRecipe:
+    """What recipes of pymoo's algorithms share: `ask` and `tell`, and what changes none of their runs."""
+
+    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
+
+    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
+        """Return the next candidates (I, n)."""
+        algorithm = state.algorithm
+        algorithm.random_state = rng
+        state.asked = algorithm.ask()
+        if state.asked is None or not len(state.asked):
+            # Everything it can breed is there already (a population on one point): a new one, drawn from the box.
+            algorithm.termination.force_termination = False
+            low, high = state.box
+            state.asked = _population(low + rng.random((len(algorithm.pop), low.size)) * (high - low))
+        return np.asarray(state.asked.get("X"), dtype=float)
+
+    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
+        """Hand the fitness `f` (I,) of the candidates, as they were evaluated (`x`), to pymoo."""
+        # The individuals asked for carry more than their place (a particle its velocity), so they are kept.
+        state.asked.set("X", x)
+        state.asked.set("F", f[:, None])
+        state.algorithm.tell(infills=state.asked)
+        return state
 
 
 @dataclass(eq=False)
@@ -36,30 +62,7 @@ def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator
     algorithm.setup(problem, termination=NoTermination(), seed=0)
     algorithm.random_state = rng
     algorithm.display = _nothing
-    engine = PymooState(algorithm, _population(x), box)
-    return tell(engine, x, f)
-
-
-def ask(engine: PymooState, rng: np.random.Generator) -> Float:
-    """Return pymoo's next candidates (I, n)."""
-    algorithm = engine.algorithm
-    algorithm.random_state = rng
-    engine.asked = algorithm.ask()
-    if engine.asked is None or not len(engine.asked):
-        # Everything it can breed is there already (a population on one point): new blood, drawn evenly.
-        algorithm.termination.force_termination = False
-        low, high = engine.box
-        engine.asked = _population(low + rng.random((len(algorithm.pop), low.size)) * (high - low))
-    return np.asarray(engine.asked.get("X"), dtype=float)
-
-
-def tell(engine: PymooState, x: Float, f: Float) -> PymooState:
-    """Hand the fitness `f` (I,) of the candidates, as they were evaluated (`x`), to pymoo."""
-    # The individuals asked for carry more than their place (a particle its velocity), so they are kept.
-    engine.asked.set("X", x)
-    engine.asked.set("F", f[:, None])
-    engine.algorithm.tell(infills=engine.asked)
-    return engine
+    return PymooRecipe().tell(PymooState(algorithm, _population(x), box), x, f)
 
 
 def _population(x: Float) -> Any:

@@ -11,24 +11,22 @@ orders of magnitude further away here. Source: Storn, Price, Journal of Global O
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import PymooState, ask, begin, tell
+from optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
-class DE:
+class DE(PymooRecipe):
     """`weight` F of the difference, `crossover` CR, `base`: "rand" or "best"; `boundary`: see `BOUNDARIES`."""
 
     weight: float = 0.5
     crossover: float = 0.9
     base: str = "rand"
     boundary: str = "clip"
-    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Keep the first population."""
@@ -37,14 +35,6 @@ class DE:
         variant = f"DE/{self.base}/1/bin"
         evolution = Differential(pop_size=len(x), variant=variant, F=self.weight, CR=self.crossover, prob_mut=0.0)
         return begin(evolution, x, f, box, rng)
-
-    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
-        """Return one trial point per individual."""
-        return ask(state, rng)
-
-    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
-        """Keep of each individual and its trial the better one."""
-        return tell(state, x, f)
 
 
 OPTIMISER = DE

@@ -8,23 +8,21 @@ Source: Deb, Agrawal, Complex Systems 9, 1995 (crossover); Deb, Goyal, Computer 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import PymooState, ask, begin, tell
+from optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
-class GA:
+class GA(PymooRecipe):
     """`crossover_index`, `mutation_index`: how near children stay to parents; `boundary`: see `BOUNDARIES`."""
 
     crossover_index: float = 15.0
     mutation_index: float = 20.0
     boundary: str = "clip"
-    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the first generation of parents."""
@@ -34,14 +32,6 @@ class GA:
 
         crossover, mutation = SBX(eta=self.crossover_index), PM(eta=self.mutation_index)
         return begin(Genetic(pop_size=len(x), crossover=crossover, mutation=mutation), x, f, box, rng)
-
-    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
-        """Return the children."""
-        return ask(state, rng)
-
-    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
-        """Let the best of parents and children survive."""
-        return tell(state, x, f)
 
 
 OPTIMISER = GA

@@ -8,38 +8,28 @@ little at random. Source: Zhan, Zhang, Li, Chung, IEEE Trans. Systems, Man, Cybe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from optimisation.optimiser import Box
-from optimisation.pymoo_engine import PymooState, ask, begin, tell
+from optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
-class PSO:
+class PSO(PymooRecipe):
     """`inertia`, `own` and `social` are the weights the adaptation starts from; `boundary`: see `BOUNDARIES`."""
 
     inertia: float = 0.9
     own: float = 2.0
     social: float = 2.0
     boundary: str = "clip"
-    invariances: ClassVar[frozenset[str]] = frozenset({"shift", "scale", "axes", "monotone"})
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the swarm, with random velocities."""
         from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
 
         return begin(Swarm(pop_size=len(x), w=self.inertia, c1=self.own, c2=self.social), x, f, box, rng)
-
-    def ask(self, state: PymooState, rng: np.random.Generator) -> Float:
-        """Return where the particles fly next."""
-        return ask(state, rng)
-
-    def tell(self, state: PymooState, x: Float, f: Float) -> PymooState:
-        """Remember each particle's best place."""
-        return tell(state, x, f)
 
 
 OPTIMISER = PSO
