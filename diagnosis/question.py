@@ -23,6 +23,7 @@ from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
+from symbolic.language.torque import is_transform
 from symbolic.model import Model
 
 
@@ -68,10 +69,16 @@ class Question:
         if prepared is None:
             prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
         base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
-        answer = _before_any_search(base, rules)
+
+        def context_of(part: Prepared) -> SearchContext:
+            library = build_library(self.model, part.all, own_effects(self.model, asked.extra))
+            return SearchContext(part, library, asked.seed, tick, rules)
+
+        answer = _before_any_search(
+            base, rules, lambda: explained(context_of(searched_stretches(prepared, rules)), base)
+        )
         part = prepared if answer is not None else searched_stretches(prepared, rules)
-        library = build_library(self.model, part.all, own_effects(self.model, asked.extra))
-        context = SearchContext(part, library, asked.seed, tick, rules)
+        context = context_of(part)
         if found is not None:
             context = replace(context, grown=lambda state: found(steps_of(state.extensions)))
         if answer is not None:
@@ -90,11 +97,21 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
     return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
 
 
-def _before_any_search(base: FittedModel, rules: Rules) -> Conclusion | None:
+def explained(context: SearchContext, base: FittedModel) -> float:
+    """Return what share of the unseen error the best entry of the catalogue explains, of those that do not follow the
+    model's own torque.
+    """
+    start = Extension(base) if context.prepared is base.prepared else context.fit(base.model)
+    candidates = [one for one in context.library.candidates if not is_transform(one.term)]
+    scores = context.all_weighed(start, context.evidence(start, draws=0), candidates)
+    return max((score.share for score in scores if score.helps and not score.caution), default=0.0)
+
+
+def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float]) -> Conclusion | None:
     """Return the conclusion that needs no search: the channels cannot be right, or nothing is left but filter error."""
     if base.prepared.misread:
         return check_channels(base.prepared.misread)
-    doubt = doubts_before(base, rules)
+    doubt = doubts_before(base, rules, best)
     if doubt is not None:
         return doubted(doubt)
     if np.all(base.evaluation_rms <= rules.filter_error * base.prepared.filter_error):

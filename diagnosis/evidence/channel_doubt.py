@@ -12,11 +12,14 @@ from symbolic.motion import Float
 
 @dataclass(frozen=True)
 class Doubt:
-    """Why the channels cannot be what they say: the rule that fired, the sentence, and what to do."""
+    """Why the channels cannot be what they say: the rule that fired, the sentence, and what to do; and what `share` of
+    the squared error the other reading leaves, 0 where there is none.
+    """
 
     rule: str
     sentence: str
     remedy: str
+    share: float = 0.0
 
 
 def left_share(fitted: FittedModel) -> Float:

@@ -8,7 +8,7 @@ torque than a third, and whether the held-out recordings are of the same machine
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,14 +29,18 @@ NOTHING_EXPLAINED = 0.9
 """Share of a torque's variance left from which its joint may have no drive; it only adds to what is advised."""
 
 
-def doubts_before(base: FittedModel, rules: Rules = RULES) -> Doubt | None:
-    """Return what makes a search pointless, judged with the model that is there; None where nothing does."""
-    return (
-        _noisy_angles(base, rules)
-        or _driven_by_friction(base)
-        or late_torque(base, rules)
-        or _follows_the_angles(base, rules)
-    )
+def doubts_before(
+    base: FittedModel, rules: Rules = RULES, explained: Callable[[], float] = lambda: 0.0
+) -> Doubt | None:
+    """Return what makes a search pointless, judged with the model that is there; None where nothing does.
+
+    `explained` returns what share of the squared error the best entry of the catalogue explains: one that leaves less
+    than another timing of the torque is the nearer answer, as dry friction that builds up slowly.
+    """
+    late = late_torque(base, rules)
+    if late is not None and 1.0 - explained() < late.share:
+        late = None
+    return _noisy_angles(base, rules) or _driven_by_friction(base) or late or _follows_the_angles(base, rules)
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:

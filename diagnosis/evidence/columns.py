@@ -50,6 +50,19 @@ class Columns:
         return Columns(self.joints, self.values[index : index + 1])
 
 
-def stacked(parts: Sequence[Columns], joints: int) -> Columns:
-    """Return the columns (one node each) of several candidates as those of one on all `joints`."""
-    return Columns(tuple(range(joints)), np.concatenate([p.full(0, joints) for p in parts], axis=2)[None])
+def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:
+    """Return for every recording the columns of several candidates as those of one on all `joints`.
+
+    `parts` are each candidate's columns (one node) on the recordings. They are scaled to one size: a ridge is relative
+    to the largest column, and would take those of a candidate that counts in other units for nothing.
+    """
+    sizes = [_rms(part) or 1.0 for part in parts]
+    each = zip(*parts, strict=True)
+    full = [[one.full(0, joints) / size for one, size in zip(some, sizes, strict=True)] for some in each]
+    return [Columns(tuple(range(joints)), np.concatenate(some, axis=2)[None]) for some in full]
+
+
+def _rms(part: Sequence[Columns]) -> float:
+    """Return the RMS of a candidate's columns over all recordings."""
+    count = max(1, sum(one.values.size for one in part))
+    return float(np.sqrt(sum(float(np.sum(one.values**2)) for one in part) / count))

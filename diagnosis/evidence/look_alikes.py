@@ -94,7 +94,7 @@ def gains_beside(
     evidence: Evidence, best: tuple[Score, list[Columns]], rival: Score, columns: Sequence[Columns]
 ) -> bool:
     """Whether `rival` keeps enough of its gain beside the best one to be another effect."""
-    together = [stacked([b, c], len(evidence.sigma)) for b, c in zip(best[1], columns, strict=True)]
+    together = stacked([best[1], columns], len(evidence.sigma))
     share = float(evidence.gain(evidence.plain(together)).total[0]) / float(evidence.fold_losses.sum())
     return share - best[0].share > evidence.rules.another * rival.share
 

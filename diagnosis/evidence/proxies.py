@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from diagnosis.evidence.candidates import Candidate, candidate_columns
-from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.columns import Columns, stacked
 from diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
@@ -41,7 +41,7 @@ class BetterCurve:
 
     def leaves(self, term: Sequence[Columns]) -> float:
         """Return the share of the loss that a term (one node) still explains beside the curve."""
-        both = [_beside(c, t) for c, t in zip(self.columns, term, strict=True)]
+        both = stacked([self.columns, term], len(self.parts[0].evidence.sigma))
         return _share(self.parts, both, self.ridge) - self.share
 
     def supersedes(self, term: Sequence[Columns]) -> bool:
@@ -144,14 +144,6 @@ def _blocks(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float
     """Return the losses of columns (one node) in blocks of time, on all that is held out."""
     trained = [(j.evidence, j.columns(columns)) for j in parts if j.trained]
     return np.concatenate([block_losses(e, e.plain(c), c, ridge) for e, c in trained])
-
-
-def _beside(curve: Columns, term: Columns) -> Columns:
-    """Return both as one candidate, the term's columns scaled like the curve's so that the ridge treats them alike."""
-    size = np.sqrt(np.mean(curve.values**2)) / max(float(np.sqrt(np.mean(term.values**2))), 1e-300)
-    joints = 1 + max(*curve.joints, *term.joints)
-    both = np.concatenate([curve.full(0, joints), size * term.full(0, joints)], axis=2)
-    return Columns(tuple(range(len(both))), both[None])
 
 
 def _share(parts: Sequence[CurveData], columns: Sequence[Columns], ridge: float | None = None) -> float:

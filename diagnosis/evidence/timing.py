@@ -65,6 +65,7 @@ def _wrong_timing(base: FittedModel, found: _Reading, joints: int) -> Doubt:
         f"{whose} not belong to the motion as it is logged: it looks as if it {what}; read so, the model "
         f"leaves {100 * after:.0f} % of the squared error it leaves now.",
         mend,
+        after,
     )
 
 

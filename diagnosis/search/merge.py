@@ -34,7 +34,7 @@ def _one_would_do(context: SearchContext, state: State, pair: Sequence[Score]) -
     without = context.without(state.last, pair)
     evidence = context.evidence(without, draws=0)
     columns = [context.columns_of(as_fitted(score, state.last), without.fitted) for score in pair]
-    together = evidence.plain([stacked(each, len(evidence.sigma)) for each in zip(*columns, strict=True)])
+    together = evidence.plain(stacked(columns, len(evidence.sigma)))
     wanted = context.rules.merged * float(evidence.gain(together).total[0]) / float(evidence.fold_losses.sum())
     taken = (
         {term.name for term in without.fitted.model.terms}

@@ -67,7 +67,7 @@ def proxies(context: SearchContext, state: State, left: Remainder | None) -> fro
             evidence = context.evidence(without, draws=0)
             numbers = sum(scores[n].candidate.numbers for n in group)
             columns = [context.columns_of(as_fitted(scores[n], state.last), without.fitted) for n in group]
-            together = [stacked(each, len(evidence.sigma)) for each in zip(*columns, strict=True)]
+            together = stacked(columns, len(evidence.sigma))
             winner = beaten(without.fitted, evidence, joint, together, numbers)
             if winner is not None:
                 return frozenset({*group, *_superseded(context, without, evidence, winner, joint)})

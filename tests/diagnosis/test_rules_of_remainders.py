@@ -86,7 +86,7 @@ def contest(monkeypatch, shares, lead=0.0, numbers=1):
     monkeypatch.setattr(proxies, "splines_along", lambda *asked: SimpleNamespace(columns=(CURVE,)))
     monkeypatch.setattr(proxies, "_share", lambda parts, columns, ridge=None: shares[name(columns)])
     monkeypatch.setattr(proxies, "_blocks", lambda parts, columns, ridge=None: losses[name(columns)])
-    monkeypatch.setattr(proxies, "_beside", lambda curve, term: BOTH)
+    monkeypatch.setattr(proxies, "stacked", lambda parts, joints: [BOTH])
     bump = candidate(numbers=1)
     monkeypatch.setattr(proxies, "_bumps", lambda now, joint: [bump] if BUMP in shares else [])
     monkeypatch.setattr(proxies, "candidate_columns", lambda *asked: SimpleNamespace(node=lambda n: BUMP))
@@ -95,7 +95,7 @@ def contest(monkeypatch, shares, lead=0.0, numbers=1):
     now = SimpleNamespace(
         model=SimpleNamespace(joint_names=("hip",), joints=()), prepared=SimpleNamespace(all=[None])
     )  # fmt: skip
-    return beaten(now, SimpleNamespace(rules=RULES, blocks=[None]), "hip", [moving], numbers)
+    return beaten(now, SimpleNamespace(rules=RULES, blocks=[None], sigma=[1.0]), "hip", [moving], numbers)
 
 
 @pytest.mark.shows("beaten", "beaten_share", "superseded")

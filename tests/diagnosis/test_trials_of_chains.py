@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from diagnosis.evidence.candidates import Library, build_library
+from diagnosis.evidence.channels import doubts_before
+from diagnosis.evidence.columns import Columns, stacked
 from diagnosis.evidence.fitted import fitted_model
+from diagnosis.question import explained
 from diagnosis.rules import RULES
 from diagnosis.search.context import SearchContext
 from diagnosis.search.forward import forward
 from diagnosis.search.state import State
-from diagnosis.trials.cases import Case, cases, hide, singles, subject, visible
+from diagnosis.trials.cases import Case, cases, hide, simulated, singles, subject, visible
 from diagnosis.trials.chains import CHAINS
 from diagnosis.trials.count import HEADS, counted, describe_miss
 from measurement.bench.hidden import Hidden
@@ -110,3 +113,34 @@ def test_a_cuff_on_one_joint_is_the_look_alike_of_the_mass_off_axis_that_it_is()
     found = forward(context, State((context.fit(DRIVE),)))
     assert {*found.names, *found.last.alike} == {*names} and len(found.names) == 1
     assert {*found.last.never} == {*found.last.alike}
+
+
+def test_friction_that_builds_up_slowly_is_no_late_torque():
+    """It lags behind the direction of motion as a late torque does; the entry explains more than another timing."""
+    case = Case.named("drive/hysteresis:axis/900")
+    rng = np.random.default_rng(case.number)
+    model, machine = subject(case, rng)
+    runs = simulated(case, model, machine, rng)[1][:2]
+    prepared = prepare(model, [run.recording for run in runs])
+    fitted = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
+    late = doubts_before(fitted)
+    assert late is not None and "after the motion" in late.sentence
+    library = build_library(model, prepared.all, ())
+    found = explained(SearchContext(prepared, library, 0, rules=RULES), fitted)
+    assert 1.0 - found < 0.5 * late.share
+    assert doubts_before(fitted, explained=lambda: found) is None
+    assert doubts_before(fitted, explained=lambda: 1.0 - 1.1 * late.share) == late
+
+
+def test_columns_in_other_units_count_beside_each_other():
+    """A ridge is relative to the largest column, and would hide an effect that explains nearly all."""
+    rng = np.random.default_rng(1)
+    noise = rng.standard_normal((2, 2, 1, 1, 400, 1))
+    parts = [[Columns((0,), size * one) for one in each] for size, each in zip((1e-2, 1e7), noise, strict=True)]
+    rows = stacked(parts, 1)
+    assert [one.values.shape for one in rows] == [(1, 1, 400, 2)] * 2
+    whole = np.concatenate([one.values[0, 0] for one in rows])
+    np.testing.assert_allclose(np.sqrt(np.mean(whole**2, axis=0)), 1.0)
+    for k, part in enumerate(parts):
+        ratio = rows[1].values[0, 0, :, k] / rows[0].values[0, 0, :, k]
+        np.testing.assert_allclose(ratio, part[1].values.ravel() / part[0].values.ravel())
