@@ -75,7 +75,7 @@ class Question:
             return SearchContext(part, library, asked.seed, tick, rules)
 
         answer = _before_any_search(
-            base, rules, lambda: explained(context_of(searched_stretches(prepared, rules)), base)
+            base, rules, lambda: most_explained(context_of(searched_stretches(prepared, rules)), base)
         )
         part = prepared if answer is not None else searched_stretches(prepared, rules)
         context = context_of(part)
@@ -97,7 +97,7 @@ def own_effects(model: Model, extra: Sequence[Effect]) -> tuple[Effect, ...]:
     return tuple({effect.id: effect for effect in reversed(own)}.values())[::-1]
 
 
-def explained(context: SearchContext, base: FittedModel) -> float:
+def most_explained(context: SearchContext, base: FittedModel) -> float:
     """Return what share of the unseen error the best entry of the catalogue explains, of those that do not follow the
     model's own torque.
     """

@@ -5,7 +5,8 @@ look-alikes; `outside` is right when nothing is accepted and what is left is rep
 variable; `convention` is right when the option that reads the recordings rightly is named and nothing is accepted.
 
 A case that was missed *could not be told* where knowing the structure of what is hidden would have lowered the error on
-unseen motion by less than what `discover` asks of any candidate. It stays a miss, and is counted apart.
+unseen motion, of the given model or of what was named instead, by less than what `discover` asks of any candidate: a
+gap of which the recordings show no more than the spring behind it. It stays a miss, and is counted apart.
 """
 
 from __future__ import annotations
@@ -54,9 +55,12 @@ def excess(line: Mapping[str, Any]) -> float:
 
 
 def tellable(line: Mapping[str, Any]) -> bool:
-    """Whether knowing what is hidden would have lowered the squared error on unseen motion enough at some joint."""
-    gains = 1.0 - np.square(np.array(line["rms"]["true"]) / np.array(line["rms"]["base"]))
-    return bool(np.max(gains) >= RULES.least_share)
+    """Whether knowing what is hidden would have lowered the squared error on unseen motion enough at some joint, both
+    that of the given model and that of what was found.
+    """
+    true = np.array(line["rms"]["true"])
+    gains = [np.max(1.0 - np.square(true / np.array(line["rms"][key]))) for key in ("base", "found")]
+    return bool(min(gains) >= RULES.least_share)
 
 
 HEADS = (
@@ -103,5 +107,6 @@ def describe_miss(line: Mapping[str, Any]) -> str:
     rest = line["unexplained"]
     left = f"; left: {rest['joint']} {rest['variables']}" if rest["significant"] else ""
     error = f"error/true {excess(line):.2f}"
-    told = "" if not line["hidden"] or tellable(line) else "; could not be told"
+    missed = matched(line)[0] < len(line["hidden"])
+    told = "; could not be told" if missed and not tellable(line) else ""
     return f"{line['case']}: {line['verdict']} [{'; '.join(named) or 'nothing accepted'}]{left}; {error}{told}"
