@@ -88,7 +88,27 @@ def planar_machine(
             model = model.with_effect(f"com_offset:{made[k].name}")
             term = model.terms[-1].name
             notes.append(f"the mass of link {made[k].name} lies beside its axis: {term} is in the model")
+    notes += _held(robot, joints)
     return PlanarMachine(model, tuple(chosen), tuple(notes), normal, tuple(directions))
+
+
+def _held(robot: RobotFile, joints: Sequence[RobotJoint]) -> list[str]:
+    """Return what is to be said of joints that carry the machine and are not in it: it hangs from a base that stands
+    still.
+    """
+    by_child, chosen = {one.child: one for one in robot.joints.values()}, {one.name for one in joints}
+    above: dict[str, RobotJoint] = {}
+    for one in joints:
+        carrier = by_child.get(one.parent)
+        while carrier is not None and carrier.name not in above:
+            if carrier.kind != "fixed" and carrier.name not in chosen:
+                above[carrier.name] = carrier
+            carrier = by_child.get(carrier.parent)
+    return [
+        f"joint {one.name!r} ({one.kind or 'of no type'}) carries the machine and is not in it: it is taken to stand "
+        'still at zero. Where it moves, measure that and write [base] motion = "measured" into the model file'
+        for one in above.values()
+    ]
 
 
 def _carrier(index: int, parent: int | None, names: Sequence[str]) -> str | None:

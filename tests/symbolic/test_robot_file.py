@@ -53,6 +53,19 @@ def test_one_sliding_drive_without_gravity(tmp_path):
     assert found.notes == ("joint 'drive-1' is called drive_1 in the model",)
 
 
+@pytest.mark.parametrize("kind", ["floating", "planar", "revolute"])
+def test_a_joint_that_carries_the_machine_and_is_not_in_it_is_told(tmp_path, kind):
+    root = f'<joint name="root" type="{kind}"><parent link="world"/><child link="base"/></joint>'
+    fixed = '<joint name="rod" type="fixed"><parent link="world"/><child link="base"/></joint>'
+    found, stands = (
+        planar_machine(robot(tmp_path, LEG.replace("</robot>", text + "</robot>").replace("hip-yaw", "yaw")), ["hip"])
+        for text in (root, fixed)
+    )
+    told, yaw = found.notes[-1], stands.notes[-1]
+    assert told.startswith(f"joint 'root' ({kind}) carries the machine") and "[base] motion" in told
+    assert yaw.startswith("joint 'yaw' (revolute)") and not any("rod" in note for note in stands.notes)
+
+
 def test_a_flat_plane_has_no_gravity(tmp_path):
     text = LEG.replace('<origin xyz="0 0.1 0"/>', '<origin xyz="0 0.1 0" rpy="1.5707963267948966 0 0"/>')
     assert planar_machine(robot(tmp_path, text), ["hip", "knee", "ankle"]).model.gravity == 0.0

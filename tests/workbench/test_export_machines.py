@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from optimisation.linear.links import LinkInertia, mixture, nearest_links
 from symbolic.joints import Joint
@@ -173,6 +174,62 @@ def test_numbers_go_back_into_the_own_urdf_and_nothing_else_changes(tmp_path):
         np.testing.assert_allclose(
             pin.rnea(robot, state, on.q[k], on.dq[k], on.ddq[k]), wanted[k], rtol=1e-9, atol=1e-9
         )
+
+
+def odd_urdf(seed: int) -> str:
+    """Return a chain whose frames are turned anyhow: axes reversed, fixed joints between, links without inertia or with
+    a picture alone, the plane turned about the vertical and its parts beside each other.
+    """
+    rng = np.random.default_rng(seed)
+    turned = Rotation.from_euler("z", rng.uniform(0.0, 2.0 * np.pi))
+    normal, parts = turned.apply([0.0, -1.0 if seed % 2 else 1.0, 0.0]), ['<link name="world"/>']
+    place, frame, parent = np.zeros(3), Rotation.identity(), "world"
+
+    def origin(at: np.ndarray, to: Rotation) -> str:
+        xyz, rpy = frame.inv().apply(at - place), (frame.inv() * to).as_euler("xyz")
+        return f'<origin xyz="{" ".join(map(repr, map(float, xyz)))}" rpy="{" ".join(map(repr, map(float, rpy)))}"/>'
+
+    def body(k: int) -> str:
+        rpy = " ".join(f"{x:.3f}" for x in rng.uniform(-3.0, 3.0, 3))
+        beside = normal * rng.uniform(-0.05, 0.05) + [0.0, 0.0, -0.15]
+        at = " ".join(map(repr, map(float, frame.inv().apply(beside))))
+        inertia = '<inertia ixx="0.03" iyy="0.02" izz="0.015" ixy="0.001" ixz="0" iyz="-0.002"/>'
+        inertial = f'<inertial><origin xyz="{at}" rpy="{rpy}"/><mass value="2.5"/>{inertia}</inertial>'
+        return ("", "<visual><geometry><box size='1 1 1'/></geometry></visual>", inertial)[(seed + k) % 3]
+
+    for k in range(3):
+        if k == 1 or seed % 3 == 0:  # a fixed joint between
+            at, to = rng.normal(size=3), Rotation.random(random_state=rng)
+            parts.append(f'<link name="plate{k}"/><joint name="bolt{k}" type="fixed"><parent link="{parent}"/>'
+                         f'<child link="plate{k}"/>{origin(at, to)}</joint>')  # fmt: skip
+            place, frame, parent = at, to, f"plate{k}"
+        at, to = np.array([0.0, 0.0, -0.4 * k]) + normal * rng.uniform(-0.3, 0.3), Rotation.random(random_state=rng)
+        axis = " ".join(map(repr, map(float, to.inv().apply(normal) * rng.uniform(0.5, 2.0))))
+        parts.append(f'<joint name="j{k}" type="continuous"><parent link="{parent}"/><child link="b{k}"/>'
+                     f'{origin(at, to)}<axis xyz="{axis}"/></joint>')  # fmt: skip
+        place, frame, parent = at, to, f"b{k}"
+        parts.append(f'<link name="b{k}">{body(k)}</link>')
+    return f'<robot name="odd">{"".join(parts)}</robot>'
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_go_into_an_odd_urdf(seed, tmp_path):
+    pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")
+    path = tmp_path / "robot.urdf"
+    path.write_text(odd_urdf(seed), encoding="utf-8")
+    model = planar_machine(read_robot(path), ["j0", "j1", "j2"]).model
+    given, on = numbers(model, seed), motion(model)
+    text = into_urdf(ready(model, given), path)[0].decode("utf-8")
+    wanted = rigid_torque(model, given, on)
+    robot, machine = pin.buildModelFromXML(text), mujoco.MjModel.from_xml_string(text)
+    machine.dof_damping[:] = machine.dof_frictionloss[:] = 0.0
+    data, state = robot.createData(), mujoco.MjData(machine)
+    for k in range(0, len(on), 17):
+        q = np.column_stack([np.cos(on.q[k]), np.sin(on.q[k])]).ravel()  # Pinocchio has no angle of a continuous joint
+        np.testing.assert_allclose(pin.rnea(robot, data, q, on.dq[k], on.ddq[k]), wanted[k], rtol=1e-9, atol=1e-9)
+        state.qpos, state.qvel, state.qacc = on.q[k], on.dq[k], on.ddq[k]
+        mujoco.mj_inverse(machine, state)
+        np.testing.assert_allclose(state.qfrc_inverse, wanted[k], rtol=1e-9, atol=1e-9)
 
 
 def test_numbers_that_are_the_files_own_leave_its_bodies_as_they_are(tmp_path):
