@@ -13,7 +13,7 @@ from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.own_sway import OwnSway
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.soft_drive import SoftDrive
-from diagnosis.evidence.swinging import swinging
+from diagnosis.evidence.swinging import Swing, swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import too_short
@@ -53,78 +53,115 @@ def conclude(
 ) -> Conclusion:
     """Return the conclusion; `first` and `last` are the models at both ends, `possible` helps and was not accepted."""
     most = rules.most_terms
-    error = model_error(last, rules)
     where = "on recordings never fitted" if verified else "on held-out recordings"
     if not verified and recordings == 1:
         where = "on held-out blocks of the only recording"
     stopped = "one step was asked for; `exoid discover` goes on" if most == 1 else f"{most} effects are the limit"
     if len(accepted) < most:
         stopped = "no further entry of the catalogue lowers the error of unseen motion more than its own placebos do"
-    advice = _advice(verified, recordings)
+    error = model_error(last, rules)
     swing = None if error is None else swinging(last)
-    sways = "" if swing is None else f" And {swing.sentence}"
-    if not accepted and left is None and error is not None and not (error.random and swing is None):
-        return Conclusion(
-            "unexplained",
-            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
-            f"The model is not as good as the sensors: {error.sentence}.{sways}{_nearest(possible, rules)}",
-            stopped,
-            error.advice if swing is None else swing.advice,
-            error,
-        )
-    early = next((one for one in possible if one.early), None)
-    if not accepted and left is None and early is not None:
-        return _early(early, first, where, stopped)
-    only = _on_fitted_motion_only(last, possible, rules) if not accepted and left is None else ""
-    if only:
-        return Conclusion(
-            "unexplained",
-            f"the error {where} is near the noise, that on fitted ones is not, and an entry explains part of it there",
-            f"Something is missing that the recordings held out do not show: {only}.{_nearest(possible, rules)}",
-            stopped,
-            "hold out a recording that shows it too, or more recordings of that motion: what is met in no recording "
-            "held out cannot be verified",
-            error,
-        )
-    short = too_short(last.prepared, rules)
-    if not accepted and left is None:
-        return Conclusion(
-            "adequate",
-            f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
-            f"{_times(last):.2g} times the noise floor",
-            "The model explains these recordings; nothing is missing that can be distinguished from noise."
-            + ("" if error is None else f" Yet {error.sentence}.")
-            + (f" They could not show much: {short}." if short else "")
-            + (_nearest(possible, rules) if short or error is not None else ""),
-            stopped,
-            advice if error is None else error.advice,
-            error,
-        )
-    if not accepted and left is not None:
+    end = _End(left, first, last, possible, rules, error, swing, where, stopped)
+    advice = _advice(verified, recordings)
+    return _of_accepted(accepted, end, advice) if accepted else _of_nothing(end, advice)
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """Where a search ended: what is `left`, the models at both ends, what is `possible`, the `error` of the last model
+    with what `swing`s in it, `where` it was looked at, and why it `stopped`.
+    """
+
+    left: Remainder | None
+    first: FittedModel
+    last: FittedModel
+    possible: Sequence[Possible]
+    rules: Rules
+    error: ModelError | None
+    swing: Swing | None
+    where: str
+    stopped: str
+
+    @property
+    def sways(self) -> str:
+        """What swings, as a sentence that follows others."""
+        return "" if self.swing is None else f" And {self.swing.sentence}"
+
+    @property
+    def nearest(self) -> str:
+        """What comes nearest of what was not accepted, as a sentence that follows others."""
+        return _nearest(self.possible, self.rules)
+
+
+def _of_nothing(end: _End, advice: str) -> Conclusion:
+    """Return the conclusion where nothing was accepted."""
+    left, error, swing, where = end.left, end.error, end.swing, end.where
+    if left is not None:
         return Conclusion(
             "unexplained",
             f"no catalogue entry fits, but a smooth curve lowers the error {where} (p = {left.p_value:.3g})",
             f"Something is missing that the catalogue does not know: {left.sentence}{_size(error)}."
-            + sways
-            + _nearest(possible, rules),
-            stopped,
+            + end.sways
+            + end.nearest,
+            end.stopped,
             swing.advice
             if swing is not None
             else "repeat slow motion through that range with and without load, then write the effect as "
             "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`",
             error,
         )
+    if error is not None and not (error.random and swing is None):
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
+            f"The model is not as good as the sensors: {error.sentence}.{end.sways}{end.nearest}",
+            end.stopped,
+            error.advice if swing is None else swing.advice,
+            error,
+        )
+    early = next((one for one in end.possible if one.early), None)
+    if early is not None:
+        return _early(early, end.first, where, end.stopped)
+    only = _on_fitted_motion_only(end.last, end.possible, end.rules)
+    if only:
+        return Conclusion(
+            "unexplained",
+            f"the error {where} is near the noise, that on fitted ones is not, and an entry explains part of it there",
+            f"Something is missing that the recordings held out do not show: {only}.{end.nearest}",
+            end.stopped,
+            "hold out a recording that shows it too, or more recordings of that motion: what is met in no recording "
+            "held out cannot be verified",
+            error,
+        )
+    short = too_short(end.last.prepared, end.rules)
+    return Conclusion(
+        "adequate",
+        f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
+        f"{_times(end.last):.2g} times the noise floor",
+        "The model explains these recordings; nothing is missing that can be distinguished from noise."
+        + ("" if error is None else f" Yet {error.sentence}.")
+        + (f" They could not show much: {short}." if short else "")
+        + (end.nearest if short or error is not None else ""),
+        end.stopped,
+        advice if error is None else error.advice,
+        error,
+    )
+
+
+def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
+    """Return the conclusion where something was accepted."""
+    left, error, where = end.left, end.error, end.where
     if error is not None and left is None:
         advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
     names = " and ".join(a.name for a in accepted)
-    falls = _falls(first, last)
+    falls = _falls(end.first, end.last)
     text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
     if left is not None:
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
-    text += sways
+    text += end.sways
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
         texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
@@ -132,11 +169,11 @@ def conclude(
             "ambiguous",
             rule + f"; these data cannot tell {'; '.join(texts)}",
             text + " Which of the look-alikes it is, these recordings cannot say.",
-            stopped,
+            end.stopped,
             _deciding(alike) or advice,
             error,
         )
-    return Conclusion("missing", rule, text, stopped, advice, error)
+    return Conclusion("missing", rule, text, end.stopped, advice, error)
 
 
 def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rules: Rules) -> str:
