@@ -150,7 +150,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
 
 def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclusion:
     """Return the conclusion where something was accepted."""
-    left, error, where = end.left, end.error, end.where
+    left, error, where, sways = end.left, end.error, end.where, end.sways
     if error is not None and left is None:
         advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
@@ -161,7 +161,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         text += f" Still unexplained: {left.sentence}{_size(error)}."
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
-    text += end.sways
+    text += sways
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
         texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
