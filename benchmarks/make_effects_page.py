@@ -28,7 +28,7 @@ Written from the catalogue by `python benchmarks/make_effects_page.py`; do not e
 
 The torque of an effect stands on the left side of the equation of motion: it is torque that the drive has to supply.
 θ, θ′, θ″ are angle, velocity and acceleration of the effect's own joint. Letters and signs: [notation](notation.md).
-What no motion at all can tell from an effect is computed (exact rank at random states), not typed.
+What no motion at all can distinguish from an effect is computed (exact rank at random states), not typed.
 """
 
 

@@ -167,7 +167,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
         texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
         return Conclusion(
             "ambiguous",
-            rule + f"; these data cannot tell {'; '.join(texts)}",
+            rule + f"; these data cannot distinguish {'; '.join(texts)}",
             text + " Which of the look-alikes it is, these recordings cannot say.",
             end.stopped,
             _deciding(alike) or advice,

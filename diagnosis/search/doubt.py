@@ -73,7 +73,7 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
             side, limit = ("lowest", shape.min) if unit < 0.5 else ("highest", shape.max)
             return (
                 f"{entry.name} = {value:.3g} {shape.unit} is the {side} value this effect can have ({limit:g}): "
-                "these data cannot tell it from something slower, wider or stronger, so it is not this effect"
+                "these data cannot distinguish it from something slower, wider or stronger, so it is not this effect"
             )
     for k, entry in enumerate(fitted.model.shapes):
         if entry.term != name or not entry.shape.per_recording or entry.shape.spacing == "position":

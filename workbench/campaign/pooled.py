@@ -18,7 +18,7 @@ from ground.plain import AsJson
 from workbench.campaign.plan import Plan
 
 LEAST_DEVICES = 3
-"""Devices below which a spread between them cannot be told from the spread within."""
+"""Devices below which a spread between them cannot be distinguished from the spread within."""
 LEAST_FOR_OUTLIERS = 4
 LEVEL = 0.05
 Z = 1.959963984540054

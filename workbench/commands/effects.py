@@ -92,7 +92,7 @@ def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, 
 
 def written(same: Mapping[str, tuple[str, ...]]) -> str:
     """Return what no motion can distinguish, as text."""
-    lines = ["", "no motion at all can tell (computed)"]
+    lines = ["", "what no motion at all can distinguish (computed)"]
     lines += [f"  {name} from {', '.join(others)}" for name, others in same.items() if others]
     alone = [name for name, others in same.items() if not others]
     if alone:

@@ -50,7 +50,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
 
 
 def details(workspace: Workspace, name: str) -> dict[str, Any]:
-    """Return what is known of one suspect: what it means, what it cannot be told from, what to measure."""
+    """Return what is known of one suspect: what it means, what it cannot be distinguished from, what to measure."""
     ranking = workspace.ranking()
     score = None if ranking is None else ranking.score(name)
     effect = _effect(workspace, name)

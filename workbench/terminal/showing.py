@@ -125,9 +125,9 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     for finding in of_the_set(found.audit):
         screen.say(f"careful: {finding}", "warn")
     for one in result["accepted"]:
-        alike = f"; these data cannot tell it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
+        alike = f"; these data cannot distinguish it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
         never = one.get("never_separable") or ()
-        alike += f"; no motion can tell it from {', '.join(never)}" if never else ""
+        alike += f"; no motion can distinguish it from {', '.join(never)}" if never else ""
         screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
         if one.get("stability"):
             screen.say(f"    {one['stability']}", "faint")

@@ -1,4 +1,4 @@
-"""What cannot be told from what: by these recordings, by any motion at all, and the experiment that would tell."""
+"""What cannot be distinguished from what: by these recordings, by any motion at all, and the experiment that would."""
 
 from __future__ import annotations
 

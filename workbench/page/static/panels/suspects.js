@@ -96,7 +96,7 @@ function detailPanel() {
     falls && h("p", {}, `Error as it would become: ${falls}. In the plots: dark with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
     shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => `${one.name} ≈ ${number(one.value)} ${one.unit === "1" ? "" : one.unit}`).join(", ")),
-    h("p", { class: "faint" }, shown.alike.length ? `These data cannot tell it from: ${shown.alike.join(", ")}` : "Nothing else does as well in these data."),
+    h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.join(", ")}` : "Nothing else does as well in these data."),
     h("p", { class: "faint" }, `To measure: ${shown.tells_apart}`),
   );
 }
