@@ -232,7 +232,7 @@ def _fill(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: Fi
     unfiltered = unfiltered_columns(candidate, nodes, one, fitted)
     for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
         raw = np.ascontiguousarray(np.swapaxes(unfiltered(nodes[some]), 1, 2))
-        values[some[0] : some[-1] + 1] = one.smooth_rows(raw, candidate.joints, 2)
+        one.smooth_rows(raw, candidate.joints, 2, values[some[0] : some[-1] + 1])
 
 
 def unfiltered_columns(

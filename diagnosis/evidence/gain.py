@@ -195,13 +195,29 @@ class Evidence:
             self._kept[unit, joints] = part, w, w[:, None] * both.reshape(w.size, both.shape[2])
         return self._kept[unit, joints]
 
-    def shifted(self, columns: Sequence[Columns], node: int, *, trained: bool = False) -> Gram:
+    def shifted(
+        self, columns: Sequence[Columns], node: int, *, trained: bool = False, shifts: Sequence[np.ndarray] | None = None
+    ) -> Gram:
         """Return the Gram blocks of one node (first) and of its circularly shifted placebos; `trained`: of the training
-        units alone.
+        units alone, `shifts`: by these numbers of samples (D,) in every recording instead of those drawn.
         """
         wanted = np.flatnonzero(self.is_train) if trained else range(self.count)
-        units = [self._shifted_unit(int(unit), columns[self.of[unit]], node) for unit in wanted]
+        shifts = self.shifts if shifts is None else shifts
+        spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
+        units = []
+        for unit in map(int, wanted):
+            if (index := int(self.of[unit])) not in spectra:  # of all parts of a recording
+                spectra[index] = _spectra(columns[index], node)
+            units.append(self._shifted_unit(unit, columns[index], spectra[index], shifts[index]))
         return Gram(*(np.array(part) for part in zip(*units, strict=True)))
+
+    def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
+        """Return what the placebos (draws,) of one node gain; those of a single recording are shifted alike again and
+        again, and are fitted once.
+        """
+        different, back = np.unique(np.stack(self.shifts), axis=1, return_inverse=True)
+        grams = self.shifted(columns, node, shifts=different)
+        return np.asarray(self.gain(grams, ridge).total[1:][back.ravel()])
 
     def trained(self, grams: Gram) -> Gram:
         """Return the Gram blocks of the training units alone."""
@@ -239,21 +255,20 @@ class Evidence:
             self.fold_losses,
         )
 
-    def _shifted_unit(self, unit: int, columns: Columns, node: int) -> tuple[Float, Float, Float]:
-        index, _ = self._units[unit]
-        take = np.concatenate([[0], self.shifts[index]])
+    def _shifted_unit(
+        self, unit: int, columns: Columns, spectra: Sequence[tuple[np.ndarray, np.ndarray]], shifts: np.ndarray
+    ) -> tuple[Float, Float, Float]:
+        take = np.concatenate([[0], shifts])
         _, _, samples, width = columns.values.shape
         first, second = _pairs(width)
         if columns.is_absent:
             none = np.zeros((self.prior.size + width + 1, width, take.size))
             return none[: self.prior.size], none[self.prior.size : -1], none[-1]
         crossed = squared = np.zeros(())
-        for joint, x in zip(columns.joints, columns.values[node], strict=True):
-            rows = np.ascontiguousarray(x.T)
+        for joint, (single, paired) in zip(columns.joints, spectra, strict=True):
             base, weight = self._transform(unit, joint)
-            spectra = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
-            crossed = crossed + spectra[:width] * base[:, None]
-            squared = squared + spectra[width:] * weight
+            crossed = crossed + single * base[:, None]
+            squared = squared + paired * weight
         both = np.fft.irfft(crossed, samples)[:, :, take]
         square = np.fft.irfft(squared, samples)[:, take]
         h = np.empty((width, width, take.size))
@@ -361,6 +376,19 @@ def robust_weight(block: RecordingEvidence, sigma: Float, rules: Rules = RULES) 
     """
     size = np.maximum(np.abs(block.residual), 1e-300)
     return block.use * np.minimum(1.0, rules.robust * sigma[:, None] / size)
+
+
+def _spectra(columns: Columns, node: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the conjugate transforms of the columns of one node, and of their products, at each of its joints."""
+    out: list[tuple[np.ndarray, np.ndarray]] = []
+    if columns.is_absent:
+        return out
+    first, second = _pairs(columns.values.shape[3])
+    for x in columns.values[node]:
+        rows = np.ascontiguousarray(x.T)
+        both = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
+        out.append((both[: len(rows)], both[len(rows) :]))
+    return out
 
 
 @lru_cache

@@ -244,7 +244,7 @@ def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) 
 
 def _p_value(parts: Sequence[CurveData], columns: Sequence[Columns], share: float) -> float:
     trained = [j for j in parts if j.trained]
-    null = sum(j.evidence.gain(j.evidence.shifted(j.columns(columns), 0), j.curve_ridge).total[1:] for j in trained)
+    null = sum(j.evidence.shifted_gains(j.columns(columns), 0, j.curve_ridge) for j in trained)
     loss = sum(float(j.evidence.fold_losses.sum()) for j in trained)
     return (1 + int(np.count_nonzero(null >= share * loss))) / (1 + trained[0].evidence.draws)
 

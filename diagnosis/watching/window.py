@@ -27,11 +27,16 @@ class Window(PreparedRecording):
     weights: Float
     common: float
 
-    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int) -> Float:
-        """Filter `x` (..., N) exactly as the torque was; return the kept samples (..., K)."""
+    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
+        """Filter `x` (..., N) exactly as the torque was; return the kept samples (..., K), in `out` where it is given.
+        """
         shape = [1] * (x.ndim - 1) + [x.shape[-1]]
         shape[axis] = len(joints)
-        return weighted(x, self.weights.T[list(joints)].reshape(shape), self.common)[..., self.kept]
+        smooth = weighted(x, self.weights.T[list(joints)].reshape(shape), self.common)[..., self.kept]
+        if out is None:
+            return smooth
+        out[:] = smooth
+        return out
 
 
 def weighted(x: Float, weights: Float, common: float) -> Float:

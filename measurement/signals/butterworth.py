@@ -147,23 +147,27 @@ def _after(rows: Float, count: int) -> Float:
     return np.asarray(2.0 * rows[:, -1:] - rows[:, -2 : -count - 2 : -1])
 
 
-def both_ways_at(one: Filter, rows: Float, first: int, step: int, count: int, reach: int) -> Float:
+def both_ways_at(
+    one: Filter, rows: Float, first: int, step: int, count: int, reach: int, out: Float | None = None
+) -> Float:
     """Return `count` samples, every `step`-th from `first` on, of `rows` (C, N) filtered both ways, as (C, K).
 
     What is more than `reach` samples away does not count (so many must be there); beyond the ends the rows are
-    continued by their odd reflection.
+    continued by their odd reflection. Written into `out` (C, K), contiguous, where that is given.
     """
+    out = np.empty((len(rows), count)) if out is None else out
     library = row_library(one.poles.size) if len(rows) >= LANES else None
     if library is None:
-        return _by_products(one, rows, first, step, count, reach)
-    return _compiled(library, one, rows, first, step, count, reach)
+        out[:] = _by_products(one, rows, first, step, count, reach)
+        return out
+    return _compiled(library, one, rows, first, step, reach, out)
 
 
 def _compiled(
-    library: CompiledLibrary, one: Filter, rows: Float, first: int, step: int, count: int, reach: int
+    library: CompiledLibrary, one: Filter, rows: Float, first: int, step: int, reach: int, out: Float
 ) -> Float:
     """Do it sample by sample, some rows side by side."""
-    x, out = np.ascontiguousarray(rows, dtype=float), np.empty((len(rows), count))
+    x, count = np.ascontiguousarray(rows, dtype=float), out.shape[1]
     samples, beyond = x.shape[1], -(-count // KEPT) * KEPT * step  # as far as products reach
     before = max(0, min(samples - 1, reach - first))
     after = max(0, min(samples - 1, first + beyond + reach - samples))

@@ -128,13 +128,14 @@ class PreparedRecording:
         smooth = self.smooth_rows(rows, joints, axis - 1)
         return np.ascontiguousarray(smooth.transpose(x.ndim - 1, *range(x.ndim - 1)))
 
-    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int) -> Float:
-        """Do the same to `x` (..., N), which is bridged in place, and return (..., K)."""
+    def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
+        """Do the same to `x` (..., N), which is bridged in place, and return (..., K), in `out` where that is given."""
         ahead: tuple[slice | int, ...] = (slice(None),) * axis
         for place, joint in enumerate(joints):
             self._bridges[joint].across(x[(*ahead, place)])
-        flat = low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept)
-        return flat.reshape(*x.shape[:-1], -1)
+        out = np.empty((*x.shape[:-1], len(self.kept))) if out is None else out
+        low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept, out.reshape(-1, len(self.kept)))
+        return out
 
     @cached_property
     def _bridges(self) -> list[Bridge]:
