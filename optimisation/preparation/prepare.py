@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ground.engines.memory import reuse_freed_memory
 from ground.errors import NotEnoughDataError, RecordingError
 from ground.html import bullets, lines, table
 from ground.thresholds import Threshold
@@ -93,6 +94,7 @@ def prepare(
     recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
     """
     check_method(derivative)
+    reuse_freed_memory()
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
     recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
