@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -202,20 +203,30 @@ class _Link:
         self.inertial = slice(0, len(self.model.inertial))
         self.friction = slice(self.inertial.stop, self.model.base_count)
         self.term = Term(find_effect(ENTRY), self.model.joints[joint].name, self.model.joints)
-        reference = fitted.linear if self.model.needs_reference else None
-        self.still = self._smooth(self.model.columns(self.motion, self.shape, reference))
+        self.reference = fitted.linear if self.model.needs_reference else None
         self.bare = self.model.base()
+        self._kept: tuple[bytes, tuple[Float, Float, Float]] | None = None
         self.own = self.bare.columns(self.motion)[joint]
+
+    @cached_property
+    def still(self) -> Float:
+        """The filtered columns (J, K, P) with the link where the encoder is."""
+        return self._smooth(self.model.columns(self.motion, self.shape, self.reference))
 
     def _smooth(self, columns: Float) -> Float:
         """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
         return np.moveaxis(self.one.smooth(np.moveaxis(columns, 0, 1)), 0, 1)
 
     def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
-        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration."""
+        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; those of
+        the numbers asked first are kept, since every compliance begins with the same.
+        """
         carried = carrying(self.motion, linear[: self.bare.base_count])
+        if self._kept is not None and self._kept[0] == carried.tobytes():
+            return self._kept[1]
         found = slopes_of(self.bare, (self.term,), self.motion, carried, np.zeros(0))
         by_angle, by_speed, by_acceleration = (found[f"tau{self.joint + 1}_by_{s}{self.joint + 1}"] for s in STATES)
+        self._kept = self._kept or (carried.tobytes(), (by_angle, by_speed, by_acceleration))
         return by_angle, by_speed, by_acceleration
 
     def read(self, compliance: float, linear: Float) -> tuple[Float, Float]:
