@@ -264,6 +264,7 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
             for m, key in enumerate(keys):
                 if key in torque.names:
                     out[:, place, m] = _at_nodes(part_of(torque, key, keys), words, shape_keys, nodes, motion, kept)
+        kept.clear()  # what evaluates a text refers to itself: these would stay until garbage is collected
         if np.isnan(out.sum()):  # zero, so that such a node is never chosen
             out[np.isnan(out).any(axis=(1, 2, 3))] = 0.0
         return out

@@ -153,7 +153,7 @@ def _serve(work: Callable[[int], Any], order: Sequence[int], todo: int, answer: 
     """Work and answer until nothing is left to do; an exception ends the copy, and its piece is done elsewhere."""
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever waits for the answers is interrupted, and ends this
-        gc.disable()  # it would touch, and so copy, all memory
+        gc.freeze()  # looked through, all memory would be touched, and so copied
         os.environ[PROCESSES] = "1"
         while place := os.read(todo, _WIDTH):
             k = order[int.from_bytes(place, "big")]
