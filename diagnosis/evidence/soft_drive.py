@@ -218,8 +218,8 @@ class _Link:
         return np.moveaxis(self.one.smooth(np.moveaxis(columns, 0, 1)), 0, 1)
 
     def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
-        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; those of
-        the numbers asked first are kept, since every compliance begins with the same.
+        """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; at
+        the numbers asked first they are kept, since every compliance begins with these.
         """
         carried = carrying(self.motion, linear[: self.bare.base_count])
         if self._kept is not None and self._kept[0] == carried.tobytes():
