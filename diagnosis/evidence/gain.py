@@ -196,13 +196,13 @@ class Evidence:
         return self._kept[unit, joints]
 
     def shifted(
-        self, columns: Sequence[Columns], node: int, *, trained: bool = False, shifts: Sequence[np.ndarray] | None = None
+        self, columns: Sequence[Columns], node: int, *, trained: bool = False, by: Sequence[np.ndarray] | None = None
     ) -> Gram:
         """Return the Gram blocks of one node (first) and of its circularly shifted placebos; `trained`: of the training
-        units alone, `shifts`: by these numbers of samples (D,) in every recording instead of those drawn.
+        units alone, `by`: shifted by these numbers of samples (D,) in every recording instead of those drawn.
         """
         wanted = np.flatnonzero(self.is_train) if trained else range(self.count)
-        shifts = self.shifts if shifts is None else shifts
+        shifts = self.shifts if by is None else by
         spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
         units = []
         for unit in map(int, wanted):
@@ -216,7 +216,7 @@ class Evidence:
         again, and are fitted once.
         """
         different, back = np.unique(np.stack(self.shifts), axis=1, return_inverse=True)
-        grams = self.shifted(columns, node, shifts=different)
+        grams = self.shifted(columns, node, by=list(different))
         return np.asarray(self.gain(grams, ridge).total[1:][back.ravel()])
 
     def trained(self, grams: Gram) -> Gram:
