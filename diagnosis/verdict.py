@@ -243,7 +243,7 @@ def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclu
         rule=f"a sway of the base, each half of a recording by the other, explains {100 * sway.share:.0f} % of what is "
         "left",
         sentence=f"What the machine hangs from sways {sway.words} ({falls}). No model of the motion alone can predict "
-        "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one phase for all recordings.",
+        "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one amplitude for all recordings.",
         next_experiment=sway.advice,
     )
 
@@ -331,7 +331,11 @@ def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
     """Return e.g. "Stribeck friction, knee (c = 2.2 ± 0.1 N·m, v_s = 0.15 rad/s)"."""
     title = term.effect.title or term.effect.id.replace("_", " ")
     parts = []
+    turning = {name for name, shape in term.effect.shape.items() if shape.turns}
     for name, e in numbers.items():
+        if name in turning:
+            parts.append(f"{name} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
+            continue
         half = 0.5 * (e.high - e.low)
         spread = f" ± {half:.2g}" if np.isfinite(half) and half > 0.0 else ""
         unit = "" if e.unit in ("1", "") else f" {e.unit}"

@@ -308,9 +308,12 @@ def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Floa
     def computed(some: Float) -> Float:
         return compiled(bare).columns_at(motion, linear, some[:, own], len(chosen) - count)
 
-    if len(shapes) < FEW or count % 2 or [entry.unit for entry in term.effect.shape.values()] != ["Hz"]:
+    still = [names.index(f"{term.name}.{key}") for key, entry in term.effect.shape.items() if entry.turns]
+    unturned = {key: entry for key, entry in term.effect.shape.items() if not entry.turns}
+    waves = [entry.unit for entry in unturned.values()] == ["Hz"] and not shapes[:, still].any()
+    if len(shapes) < FEW or count % 2 or not waves:
         return computed
-    place = names.index(f"{term.name}.{next(iter(term.effect.shape))}")
+    place = names.index(f"{term.name}.{next(iter(unturned))}")
     few = shapes[[0, len(shapes) // 2, -1]]
     known = computed(few)
     phase = 2.0 * np.pi * motion.t

@@ -41,7 +41,9 @@ class Shape:
     or one before or after it), or "position" (a place on the
     joint's path: spaced by how often the joint is there, densest near the ends of its range). `points` is how many
     it needs so that neighbouring trial values still resemble each other. `per_recording` marks a value that
-    mounting or strapping may move between recordings: each recording then has its own.
+    mounting or strapping may move between recordings: each recording then has its own. `turns` marks an angle that
+    turns pairs of coefficients, sine and cosine parts in their order: one for all recordings is nothing that these do
+    not describe, and where each has its own it follows from theirs.
     """
 
     unit: str
@@ -53,6 +55,7 @@ class Shape:
     typical: float | None = None
     explains: str = ""
     per_recording: bool = False
+    turns: bool = False
     counts_angle: bool = False
     """Whether it is a number per rad although its unit is 1 (cycles per turn), so that it is one per m of a slide."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -103,9 +103,21 @@ class Library:
     long as the same model is asked about.
     """
 
-    candidates: tuple[Candidate, ...]
+    entries: tuple[Candidate, ...]
+    _own: dict[str, Candidate] = field(default_factory=dict)
     _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
     _beside: WeakKeyDictionary[FittedModel, dict[str, tuple[Columns, ...]]] = field(default_factory=WeakKeyDictionary)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """The candidates, in the order of the catalogue."""
+        return tuple(self._own.get(one.name, one) for one in self.entries)
+
+    def narrow(self, name: str, nodes: Float) -> None:
+        """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
+        self._own[name] = replace(self.find(name), nodes=nodes)
+        for kept in (self._kept, *self._beside.values()):
+            kept.pop(name, None)
 
     def find(self, name: str) -> Candidate:
         """Return the candidate called `name` with all its nodes."""
@@ -183,7 +195,7 @@ def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> 
     shapes = list(term.placed_shape.values())
     if tangent or not shapes:
         return np.zeros((len(prepared), 1, len(shapes)))
-    if not any(shape.per_recording for shape in shapes):
+    if not any(shape.per_recording and not shape.turns for shape in shapes):
         return _product(shapes, term, [prepared] * len(prepared))
     # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
     # says little about where.
@@ -198,6 +210,8 @@ def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[Prepa
 def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
     if shape.choices:
         return shape.choices
+    if shape.turns:  # another one for all recordings is other coefficients
+        return (0.0,)
     if shape.spacing == "position" and term.joint is not None:
         joint = term.first
         levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})

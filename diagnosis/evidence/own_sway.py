@@ -1,9 +1,13 @@
 """Does what the machine hangs from sway at one frequency, with an amplitude and a phase of its own in each recording?
 
-`base_motion` of the catalogue has one phase for all recordings: whoever starts a recorder does not ask the stand for
-its phase. At a given frequency the torque of the sway is linear in its sine and cosine parts, so each recording can
-have its own, and only the frequency is searched. The model's numbers are those of all fitted recordings. Each recording
-is judged by halves: one half with the sway that the other half shows.
+Whoever starts a recorder does not ask the stand for its phase. At a given frequency the torque of the sway is linear in
+its sine and cosine parts, so each recording can have its own, and only the frequency is searched. The model's numbers
+are those of all fitted recordings. Each recording is judged by halves: one half with the sway that the other half
+shows.
+
+A sway shifted in time is the same sway with another phase, so time-shifted placebos cannot say what is chance here.
+These placebos are shifted in frequency, each recording by another amount: what has no line of its own that all
+recordings share gains as much from a frequency in one and a neighbouring one in another.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ from diagnosis.evidence.fitted import FittedModel, pooled_rms
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.evidence.swinging import advice_at, swinging
 from diagnosis.rules import RULES, Rules
+from optimisation.fitting.phases import phases_of
 from symbolic.catalogue import find_effect
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
@@ -27,6 +32,8 @@ ENTRY = "base_motion"
 NEAR, FINE = 0.25, 4
 """Part of a frequency about it in which that of the sway is searched: swings of the machine itself bend the line that
 it leaves; and frequencies per reciprocal duration."""
+ASIDE, APART = 2, 2.0
+"""Times that part to which placebos reach, and how far they are shifted at least, in reciprocal durations."""
 ROUNDS = 2
 """Times that the model's numbers are fitted: the torque of the sway is proportional to the masses."""
 
@@ -35,13 +42,20 @@ ROUNDS = 2
 class OwnSway:
     """A sway at `hertz` whose sine and cosine parts are `parts` (R, 4) m/s², forwards and upwards, in each recording.
 
-    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged.
+    `before` and `after` (J,) N·m are the errors on the motion by which a model is judged, `p_value` the share of
+    placebos that gain as much, the sway itself counted among them.
     """
 
     hertz: float
     parts: Float
     before: Float
     after: Float
+    p_value: float
+
+    @property
+    def nodes(self) -> Float:
+        """The only node (R, 1, 2) of the catalogue's entry: this frequency, and the phases."""
+        return np.column_stack([np.full(len(self.parts), self.hertz), phases_of(self.parts)])[:, None]
 
     @property
     def amplitudes(self) -> Float:
@@ -84,15 +98,16 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         return None
     if not places_of(effect, model.joints):
         return None
-    shape = effect.shape["f"]
-    step = 1.0 / (FINE * max(float(one.t[-1] - one.t[0]) for one in last.prepared.all))
-    tried = np.arange(max(shape.min, swing.hertz * (1.0 - NEAR)), min(shape.max, swing.hertz * (1.0 + NEAR)), step)
-    candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 1)), False)
+    lasts = [float(one.t[-1] - one.t[0]) for one in last.prepared.all]
+    step = 1.0 / (FINE * max(lasts))
+    count = int(NEAR * swing.hertz / step)
+    tried = _within(swing.hertz, step, count)
+    candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
     blocks = last.evidence(seed=0, draws=0).blocks
-    known = [_read(last, blocks, candidate, float(f)) for f in tried]
+    known = {float(f): _read(last, blocks, candidate, float(f)).known for f in tried}
     if not known:
         return None
-    found = min(known, key=lambda one: one.cost)
+    found = _read(last, blocks, candidate, min(known, key=lambda f: known[f][0]))
     for finer in (step / 3.0, step / 9.0):
         about = [_read(last, blocks, candidate, found.hertz + side * finer) for side in (-1.0, 1.0)]
         found = min([found, *about], key=lambda one: one.cost)
@@ -102,7 +117,37 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     judged = slice(len(last.prepared.train), None) if last.verified else slice(None)
     before, after = last.evaluation_rms, pooled_rms(found.left[judged], last.prepared.all[judged])
     whole, left = (float(np.sum(np.maximum(rms**2 - noise**2, 0.0))) for rms in (before, after))
-    return OwnSway(found.hertz, np.array(found.parts), before, after) if left <= (1.0 - rules.leading) * whole else None
+    if left > (1.0 - rules.leading) * whole:
+        return None
+    wide = _within(swing.hertz, step, ASIDE * count)
+    known |= {f: _read(last, blocks, candidate, f).known for f in map(float, wide) if f not in known}
+    gains = np.array([known[f][1] for f in map(float, wide)]).T
+    near, apart = np.isin(wide, tried), int(np.ceil(APART / (min(lasts) * step)))
+    return OwnSway(found.hertz, np.array(found.parts), before, after, chance_of(gains, near, apart, rules.placebos))
+
+
+def _within(hertz: float, step: float, count: int) -> Float:
+    """Return the frequencies about `hertz` that a sway may have, `count` to either side."""
+    shape, frequencies = find_effect(ENTRY).shape["f"], np.array([hertz + k * step for k in range(-count, count + 1)])
+    return frequencies[(frequencies >= shape.min) & (frequencies <= shape.max)]
+
+
+def chance_of(gains: Float, near: np.ndarray, apart: int, most: int) -> float:
+    """Return the p-value of what recordings gain together at the best frequency; `gains` (R, F) are those of each, of
+    which those `near` (F,) count. Placebos, `most` of them at most, shift all recordings but the first by `apart`
+    frequencies or more.
+    """
+    recordings, count = gains.shape
+    shifts = np.arange(apart, count - apart + 1)
+    if not shifts.size:
+        return 1.0
+    draws = min(most, shifts.size ** (recordings - 1) - 1)  # no more than differ
+    drawn = np.random.default_rng(0).choice(shifts, size=(draws, recordings - 1))
+    places = np.arange(count)[near]
+    each = [gains[r][(places + drawn[:, [r - 1]]) % count] for r in range(1, recordings)]
+    placebos = np.max(gains[0, places] + np.sum(each, axis=0), axis=1)
+    as_good = int(np.count_nonzero(placebos >= np.max(gains[:, places].sum(axis=0))))
+    return (1 + as_good) / (1 + draws)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +175,13 @@ class _Reading:
         return [_solved(_flat(swing, weight), (wanted * weight).ravel()) for swing, wanted, weight in each]
 
     @property
+    def known(self) -> tuple[float, list[float]]:
+        """The cost, and by how much the weighted squared error of every recording falls, each half by the other."""
+        each = zip(self.wanted, self.left, self.weights, strict=True)
+        falls = [float(np.sum((wanted * w) ** 2) - np.sum((left * w) ** 2)) for wanted, left, w in each]
+        return self.cost, falls
+
+    @property
     def left(self) -> list[Float]:
         """What is left (J, K) of every recording."""
         each = zip(self.swings, self.wanted, self.weights, strict=True)
@@ -141,7 +193,7 @@ def _read(carrier: FittedModel, blocks: Sequence[RecordingEvidence], candidate: 
     that sway.
     """
     prepared, scale = carrier.prepared, np.maximum(carrier.train_rms, 1e-12)
-    nodes, count = np.array([[hertz]]), len(prepared.train)
+    nodes, count = np.array([[hertz, 0.0]]), len(prepared.train)
     swings = [candidate_columns(candidate, nodes, one, carrier).full(0, len(scale)) for one in prepared.all]
     weights = [block.use / scale[:, None] for block in blocks]
     rows, rest = [], []

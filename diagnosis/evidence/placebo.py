@@ -40,7 +40,8 @@ def searches(evidence: Evidence, score: Score) -> list[PlaceboSearch]:
     nodes, most = score.candidate.common, evidence.rules.placebo_nodes
     if nodes.size > most:
         nodes = np.union1d(nodes[:: int(np.ceil(nodes.size / most))], score.nodes[:1])
-    common = [PlaceboSearch(part, False) for part in np.array_split(nodes, -(-nodes.size // AT_ONCE)) if part.size]
+    parts = np.array_split(nodes, max(1, -(-nodes.size // AT_ONCE)))
+    common = [PlaceboSearch(part, False) for part in parts if part.size]
     return common + [PlaceboSearch(group, True) for group in groups_of(score.candidate)]
 
 

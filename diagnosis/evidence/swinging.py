@@ -51,7 +51,7 @@ def advice_at(hertz: float) -> str:
     """Return what to do about what swings at `hertz`."""
     return (
         f"clamp what the machine hangs from, or find what moves at {hertz:.2g} Hz; if the sway cannot be stopped, "
-        "measure the motion of the base, or diagnose the recordings one by one: base_motion has one phase for all"
+        "measure the motion of the base; base_motion describes a sway of the same size in every recording"
     )
 
 

@@ -14,6 +14,8 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import columns_at, refine
 from diagnosis.evidence.model_error import noise_with
+from diagnosis.evidence.own_sway import ENTRY as SWAY
+from diagnosis.evidence.own_sway import own_sway
 from diagnosis.evidence.ranking import Progress, agreed, rank, silent, weigh_all, with_chance
 from diagnosis.evidence.repeats import repeats
 from diagnosis.evidence.score import Score, weigh
@@ -125,11 +127,19 @@ class SearchContext:
         """Return the evidence against the model of `extension`, and all candidates weighed by it, best first."""
         key = self.key(extension)
         if key not in self.ranked:
+            self._notice_sway(extension)
             low, high = _span(step)
             evidence = self.evidence(extension, self._draws())
             tick: Progress = lambda f, text: self.tick(low + f * (high - low), f"step {step}: {text}")  # noqa: E731
             self.ranked[key] = evidence, rank(evidence, self.library, extension.fitted, tick)
         return self.ranked[key]
+
+    def _notice_sway(self, extension: Extension) -> None:
+        """Let the sway of the base be weighed with a phase of its own in every recording, where that is no chance."""
+        names = {one.name for one in self.library.candidates}
+        sway = own_sway(extension.fitted, self.noise(extension), self.rules) if SWAY in names else None
+        if sway is not None and sway.p_value <= self.rules.false_discovery_rate / len(names):
+            self.library.narrow(SWAY, sway.nodes)
 
     def _draws(self) -> int:
         """Return how many placebos a candidate gets: enough that one among so many candidates can be significant."""

@@ -10,6 +10,7 @@ import numpy as np
 from ground.errors import ExoidError, ExpressionError
 from optimisation.fitting.assemble import Assembly, Settled, settle
 from optimisation.fitting.local_shape import descend, own_shapes
+from optimisation.fitting.phases import turning, with_phases
 from optimisation.fitting.settings import MULTISTART
 from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
 from optimisation.linear.loss import huber
@@ -101,8 +102,10 @@ def solve_shape(
     own = bool(own_shapes(model))
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
-        if not began.size:
+        if searched := not began.size:
             began = search_shape(loss, shapes, None, method, at_once).best
+        if began.ndim == 1 and turning(model):
+            began = with_phases(assembly, began, solved(began).linear, searched)
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
         found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
         best = found if own else found[0]

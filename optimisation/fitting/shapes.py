@@ -101,14 +101,14 @@ def grid(shapes: Sequence[Shape]) -> list[tuple[float, ...]]:
 
 def _axes(shapes: Sequence[Shape]) -> list[Sequence[float]]:
     """Return the values of each shape that are tried, in every combination."""
-    points = [len(s.choices) or max(2, s.points) for s in shapes]
+    points = [len(s.choices) or (1 if s.turns else max(2, s.points)) for s in shapes]
     while np.prod(points) > MAX_NODES:
         finest = max(range(len(points)), key=lambda i: 0 if shapes[i].choices else points[i])
         if shapes[finest].choices or points[finest] <= 2:
             break
         points[finest] -= 1
     return [
-        s.choices or tuple(from_unit(s, u) for u in np.linspace(0.0, 1.0, n))
+        s.choices or ((0.0,) if s.turns else tuple(from_unit(s, u) for u in np.linspace(0.0, 1.0, n)))
         for s, n in zip(shapes, points, strict=True)
     ]
 

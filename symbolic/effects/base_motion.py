@@ -1,7 +1,8 @@
 """The pelvis sways: the hip is accelerated harmonically, forwards and upwards.
 
-Derived from the leg on a base with acceleration a(t) = a_s sin(2π f t) + a_c cos(2π f t) in each direction.
-It acts on the masses as gravity does, so its amplitudes are known in m/s² once the inertial parameters are.
+Derived from the leg on a base with acceleration a(t) = a_s sin(2π f t + phi) + a_c cos(2π f t + phi) in each direction.
+It acts on the masses as gravity does, so its amplitudes are known in m/s² once the inertial parameters are. Frequency
+and amplitudes belong to what the leg hangs from; whoever starts a recorder does not ask it for its phase.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
     """Return the leg on a swaying base."""
     from sympy import cos, pi, sin
 
-    phase = 2 * pi * symbols["f"] * mechanism.time
+    phase = 2 * pi * symbols["f"] * mechanism.time + symbols["phi"]
     forward, upward = mechanism.base_acceleration
     return replace(
         mechanism,
@@ -40,7 +41,18 @@ EFFECT = Effect(
         "z_s": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.5, explains="upward, sine part"),
         "z_c": Coefficient("m/s²", min=-20.0, max=20.0, typical=0.0, explains="upward, cosine part"),
     },
-    shape={"f": Shape("Hz", min=0.2, max=5.0, points=200, typical=1.0, explains="frequency of the sway")},
+    shape={
+        "f": Shape("Hz", min=0.2, max=5.0, points=200, typical=1.0, explains="frequency of the sway"),
+        "phi": Shape(
+            "rad",
+            min=-4.0,
+            max=4.0,
+            typical=0.0,
+            explains="phase at the clock's zero",
+            per_recording=True,
+            turns=True,
+        ),
+    },
     family="base",
     tells_apart="An accelerometer on the pelvis bracket; or the same motion with the base clamped.",
     reference="Winter, Biomechanics and Motor Control of Human Movement, 4th ed., Wiley, 2009, chapter 5",

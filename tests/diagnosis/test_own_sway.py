@@ -8,26 +8,36 @@ import numpy as np
 import pytest
 from synthetic import recording, search
 
-from diagnosis.evidence.own_sway import own_sway
+from diagnosis.evidence.own_sway import chance_of, own_sway
 from diagnosis.rules import RULES
+from diagnosis.search.engine import run_search
 from diagnosis.verdict import Conclusion, swayed
+from optimisation.fitting.identify import identify
+from optimisation.fitting.phases import phases_of
 from symbolic.model import Model
 
 NOISE = np.full(2, 0.05)
 OFFSET = {"torque_offset:knee": ([3.0], [])}
 
 
-def fitted(hidden):
-    """The plain model fitted to three recordings and judged on a fourth, with the effects `hidden` (a list) in them."""
-    context = search({}, [])
+PHASES = (0.0, 2.0, 4.0, 5.0)
+
+
+def asked(hidden, candidates=()):
+    """A search on three recordings, judged on a fourth, with the effects `hidden` (a list) in them."""
+    context = search({}, candidates)
     made = [recording(f"run_{k}", k, each) for k, each in enumerate(hidden)]
-    prepared = replace(context.prepared, train=tuple(made[:3]), verify=tuple(made[3:]))
-    return replace(context, prepared=prepared).fit(Model.standard()).fitted
+    return replace(context, prepared=replace(context.prepared, train=tuple(made[:3]), verify=tuple(made[3:])))
+
+
+def fitted(hidden):
+    """The plain model fitted to these."""
+    return asked(hidden).fit(Model.standard()).fitted
 
 
 def sway(phase, hertz=1.3, size=0.8):
     """Forwards alone, so large, with that phase."""
-    return {"base_motion": ([size * np.cos(phase), size * np.sin(phase), 0.0, 0.0], [hertz])}
+    return {"base_motion": ([size * np.cos(phase), size * np.sin(phase), 0.0, 0.0], [hertz, 0.0])}
 
 
 def test_a_sway_with_a_phase_of_its_own_in_every_recording_is_found_with_its_size():
@@ -38,6 +48,7 @@ def test_a_sway_with_a_phase_of_its_own_in_every_recording_is_found_with_its_siz
     assert found.amplitudes[:, 0] == pytest.approx(0.8, rel=0.1)
     assert found.amplitudes[:, 1] == pytest.approx(0.0, abs=0.08)
     assert np.all(found.after < 1.5 * NOISE) and found.share > 0.9
+    assert found.p_value < 0.001
     assert found.parameters["forward"].low <= 0.8 <= found.parameters["forward"].high
     answer = swayed(found, Conclusion("missing", "", "", "", ""), last.model.joints)
     assert answer.verdict == "unexplained"
@@ -56,3 +67,55 @@ def test_a_model_that_sways_already_is_not_asked():
     model = made.model.with_effect("base_motion")
     other = replace(made, fit=replace(made.fit, model=model))
     assert own_sway(other, NOISE) is None
+
+
+def test_a_sway_of_another_phase_in_every_recording_is_accepted_and_judged_on_unseen_motion():
+    context = asked([sway(phase) for phase in PHASES], ["base_motion", "time_delay:hip", "torque_ripple:hip"])
+    state = run_search(context, context.fit(Model.standard())).state
+    assert state.names == ("base_motion",)
+    last = state.last.fitted
+    known = {e.name.removeprefix("base_motion."): e for e in last.fit.estimates}
+    assert known["f"].value == pytest.approx(1.3, abs=0.005)
+    assert known["x_s"].value == pytest.approx(0.8, rel=0.05)  # all of it, and with that sign
+    assert np.abs([known[key].value for key in ("x_c", "z_s", "z_c")]).max() < 0.08
+    turned = np.exp(1j * (last.shapes[:, 1] - last.shapes[0, 1] - PHASES))
+    assert np.abs(turned - 1.0).max() < 0.2  # that of the one which was never fitted, too
+    assert np.all(last.evaluation_rms < 1.5 * NOISE)
+
+
+def test_a_sway_of_another_size_in_every_recording_is_told_and_not_accepted_as_one_of_the_same_size():
+    hidden = [sway(phase, size=size) for phase, size in zip(PHASES, (0.2, 0.9, 0.3, 1.4), strict=True)]
+    context = asked(hidden, ["base_motion"])
+    state = run_search(context, context.fit(Model.standard())).state
+    assert state.names == ()
+    found = own_sway(context.fit(Model.standard()).fitted, NOISE)
+    assert found is not None and np.ptp(found.amplitudes[:, 0]) > 1.0
+
+
+def test_a_model_with_a_sway_finds_phases_and_frequency_by_itself():
+    train = asked([sway(phase) for phase in PHASES]).prepared.train
+    fit = identify(Model.standard().with_effect("base_motion"), train, optimisers=())
+    assert fit.estimate("base_motion.f").value == pytest.approx(1.3, abs=0.005)
+    assert fit.estimate("base_motion.x_s").value == pytest.approx(0.8, rel=0.05)
+    again = identify(Model.standard().with_effect("base_motion"), train, optimisers=(), start=fit.shape)
+    assert again.loss == pytest.approx(fit.loss, rel=0.01)
+
+
+def test_phases_turn_coefficients_of_recordings_to_the_same_ones():
+    common, phases = np.array([0.7, 0.3j]), np.array([0.4, -2.0, 3.0])
+    arrows = common * np.exp(1j * phases)[:, None]
+    parts = np.stack([arrows.real, arrows.imag], axis=2).reshape(3, 4)
+    assert phases_of(parts) == pytest.approx(phases)
+
+
+def test_what_recordings_do_not_share_gains_as_much_from_neighbouring_frequencies():
+    rng = np.random.default_rng(3)
+    near = np.abs(np.arange(81) - 40) <= 20
+    noise = rng.chisquare(4, size=(4, 81))
+    assert chance_of(noise, near, 8, 1499) > 0.05
+    line = np.where(np.abs(np.arange(81) - 40) <= 2, 50.0, 0.0)
+    assert chance_of(noise + line, near, 8, 1499) < 0.001
+    apart = noise + np.stack([np.roll(line, k) for k in (0, 12, -12, 16)])
+    assert chance_of(apart, near, 8, 1499) > 0.01
+    assert chance_of((noise + line)[:2], near, 8, 1499) > 0.01  # two recordings are too few
+    assert chance_of(noise[:, :8], near[:8], 8, 1499) == 1.0

@@ -174,7 +174,7 @@ def test_units_of_a_drive_that_slides():
         ("com_offset_thigh", "com_offset:hip", (0.3,), ()),
         ("com_offset_shank", "com_offset:shank", (0.3,), ()),
         ("encoder_offset_knee", "encoder_offset:shank", (), (0.2,)),
-        ("base_motion", "base_motion", (0.3, 0.1, 0.7, 0.2), (1.3,)),
+        ("base_motion", "base_motion", (0.3, 0.1, 0.7, 0.2), (1.3, 0.4)),
         ("cuff_interaction", "cuff_interaction", (200.0, 20.0, 3.0, 4.0), (0.2,)),
         ("motor_elasticity:hip", "motor_elasticity:hip", (0.02,), ()),
         ("series_backlash:knee", "series_backlash:shank", (0.02,), (1.0,)),

@@ -1,5 +1,6 @@
 """Compiled models and fitness kernels: same numbers as without, in any state of the cache."""
 
+import itertools
 import os
 import subprocess
 import sys
@@ -327,8 +328,9 @@ def test_the_compiler_can_be_switched_off(fresh_cache, monkeypatch):
 def test_columns_at_many_frequencies_are_those_at_each():
     model, motion = Model.standard().with_effect("gravity_tilt").with_effect("base_motion"), random_motion()
     reference = np.random.default_rng(2).normal(size=len(model.parameters))
-    for frequencies in (np.linspace(0.2, 5.0, 40), np.geomspace(0.2, 5.0, 9), np.array([0.7, 1.1])):
-        shapes = np.column_stack([np.full(frequencies.size, 0.03), frequencies])
+    some = (np.linspace(0.2, 5.0, 40), np.geomspace(0.2, 5.0, 9), np.array([0.7, 1.1]))
+    for frequencies, phase in itertools.product(some, (0.0, 0.8)):
+        shapes = np.column_stack([np.full(frequencies.size, 0.03), frequencies, np.full(frequencies.size, phase)])
         many = derived_columns(model, motion, shapes, reference)(shapes)
         for found, shape in zip(many, shapes, strict=True):
             whole = model_columns(model, motion, shape, reference)[:, :, -4:]

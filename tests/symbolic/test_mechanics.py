@@ -67,19 +67,19 @@ def test_tilt_and_knee_zero(m, inertia, along, tilt, offset, seed):
 
 
 @quick
-@given(pairs, pairs, pairs, st.tuples(unit, unit, unit, unit), st.floats(0.2, 5.0), seeds)
-def test_moving_base_on_a_leg_off_axis(m, inertia, along, sway, frequency, seed):
+@given(pairs, pairs, pairs, st.tuples(unit, unit, unit, unit), st.tuples(st.floats(0.2, 5.0), unit), seeds)
+def test_moving_base_on_a_leg_off_axis(m, inertia, along, sway, shape, seed):
     """Coefficients that multiply each other (amplitude × first moment) are counted once."""
     model = Model.standard().with_effect("base_motion").with_effect("com_offset_shank")
     reference, motion = Leg(m, inertia, along, (0.0, 0.2)), random_motion(seed)
     linear = np.concatenate([base_parameters(reference), np.zeros(4), sway, [0.2 * m[1]]])
-    phase = 2 * np.pi * frequency * motion.t
+    phase = 2 * np.pi * shape[0] * motion.t + shape[1]
     x = sway[0] * np.sin(phase) + sway[1] * np.cos(phase)
     z = sway[2] * np.sin(phase) + sway[3] * np.cos(phase)
     rows = zip(motion.q, motion.dq, motion.ddq, zip(x, z, strict=True), strict=True)
     wanted = np.array([torque(reference, q, dq, ddq, base) for q, dq, ddq, base in rows])
     assert model.needs_reference
-    near(model.torque(motion, linear, np.array([frequency])), wanted)
+    near(model.torque(motion, linear, np.array(shape)), wanted)
 
 
 @quick

@@ -1,0 +1,77 @@
+"""A phase of its own in every recording, for a term whose coefficients are sine and cosine parts (`Shape.turns`).
+
+Fitted to one recording alone, coefficients say amplitudes and phase together: where the amplitudes are the same in all
+recordings, those of one are those of another, turned. So phases need no search of their own.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from optimisation.fitting.shapes import grid
+from symbolic.model import Model
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from optimisation.fitting.assemble import Assembly
+
+
+def phases_of(parts: Float) -> Float:
+    """Return the phases (R,) by which coefficients (R, 2m), sine and cosine parts, of recordings are turned to the same
+    ones; chosen so that of these the sine parts are as large as can be, the largest of them positive.
+    """
+    arrows = parts[:, ::2] + 1j * parts[:, 1::2]
+    turned, _, common = np.linalg.svd(arrows, full_matrices=False)
+    sines = float(np.angle(np.sum(common[0] ** 2))) / 2.0
+    if np.real(common[0] * np.exp(-1j * sines))[np.argmax(np.abs(common[0]))] < 0.0:
+        sines += np.pi
+    return np.asarray(np.angle(turned[:, 0] * np.exp(1j * sines)))
+
+
+def turning(model: Model) -> tuple[int, ...]:
+    """Return the indices of the shape values by which each recording turns coefficients of its own term."""
+    return tuple(i for i, entry in enumerate(model.shapes) if entry.shape.turns and entry.shape.per_recording)
+
+
+def with_phases(assembly: Assembly, begun: Float, reference: Float, searched: bool) -> Float:
+    """Return shape values (R, S) that begin at `begun` (S,), each recording with phases of its own; `searched`: at the
+    other shape values of these terms at which recordings, each fitted alone, leave least. What a torque of the model
+    itself needs is computed from the parameters `reference` (P,).
+    """
+    model, prepared = assembly.model, assembly.prepared
+    rows = np.tile(begun, (len(prepared), 1))
+    for index in turning(model):
+        name = model.shapes[index].term
+        places = [k for k, parameter in enumerate(model.parameters) if parameter.term == name]
+        own = [k for k, entry in enumerate(model.shapes) if entry.term == name]
+        tried = grid([model.shapes[k].shape for k in own]) if searched else [rows[0, own]]
+        best, least = rows, np.inf
+        for values in tried:
+            trial = rows.copy()
+            trial[:, own] = values
+            trial[:, index] = 0.0
+            parts, left = _alone(assembly, trial, reference, places)
+            if left < least:
+                trial[:, index] = phases_of(parts)
+                best, least = trial, left
+        rows = best
+    return rows
+
+
+def _alone(assembly: Assembly, rows: Float, reference: Float, places: list[int]) -> tuple[Float, float]:
+    """Return the coefficients `places` (R, m) of every recording fitted alone, and what that leaves of all."""
+    data = assembly.data(rows, reference)
+    parts, left = [], 0.0
+    for number in range(len(rows)):
+        use = data.use[:, data.groups == number]
+        columns, tau = data.columns[:, data.groups == number][use], data.tau[:, data.groups == number][use]
+        length = np.linalg.norm(columns, axis=0)
+        scale = np.where(length > 0.0, length, 1.0)
+        solved = np.linalg.pinv((columns / scale).T @ (columns / scale), rcond=1e-12, hermitian=True) @ (
+            (columns / scale).T @ tau
+        )
+        parts.append((solved / scale)[places])
+        left += float(np.sum((tau - columns @ (solved / scale)) ** 2))
+    return np.array(parts), left
