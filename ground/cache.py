@@ -7,8 +7,10 @@ written to, a private temporary folder serves.
 
 from __future__ import annotations
 
+import atexit
 import errno
 import os
+import shutil
 import stat
 import sys
 import tempfile
@@ -106,9 +108,6 @@ def _say_once(text: str) -> None:
 @lru_cache(maxsize=1)
 def _private_folder() -> Path:
     """Return a temporary folder of this process alone: nothing is kept, nothing can be planted."""
-    import atexit
-    import shutil
-
     folder = Path(tempfile.mkdtemp(prefix="exoid-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder

@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symbolic.codegen.kernel import compiled
+from symbolic.codegen.translate import casadi_from_sympy
 from symbolic.codegen.tree_columns import CONFIRMED
 from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
+from symbolic.mechanics.mechanism import leg
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from symbolic.mechanics.regressor import compare_with_printed, regressor
-from symbolic.motion import Float
+from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
@@ -67,9 +70,6 @@ def check_equations(model: Model) -> tuple[Check, ...]:
 
 def _tree_checks(model: Model) -> tuple[Check, ...]:
     """Return the checks of a machine that is not the leg, at random states of random links that could exist."""
-    from symbolic.codegen.kernel import compiled
-    from symbolic.motion import Motion
-
     rng, joints = np.random.default_rng(SEED), model.chain
     bare, count = compiled(model.base()), len(model.chain)
     at_rest = Motion(np.arange(float(STATES)), *(rng.normal(size=(STATES, count)) for _ in range(3)))
@@ -178,8 +178,6 @@ def positive_terms(mechanism: Mechanism, expression: Expr) -> Expr | None:
 def _smallest_eigenvalue(mass_matrix: Matrix) -> float:
     import casadi
 
-    from symbolic.codegen.translate import casadi_from_sympy
-
     symbols = sorted(mass_matrix.free_symbols, key=str)
     inputs = casadi.SX.sym("inputs", len(symbols))
     values = casadi_from_sympy(list(mass_matrix), {s.name: inputs[k] for k, s in enumerate(symbols)})
@@ -209,8 +207,6 @@ def paper_checks() -> list[Check]:
     """Return what holds, and what does not, of the equations as the paper prints them."""
     from sympy import Matrix
 
-    from symbolic.mechanics.mechanism import leg
-
     plain = leg()
     motion, printed = mechanics(plain), paper_coriolis(plain)
     velocity = Matrix(plain.velocity)
@@ -236,9 +232,6 @@ def paper_checks() -> list[Check]:
 
 def agreement(model: Model) -> Check:
     """Return whether compiled C and CasADi's virtual machine give the same regressor and torque."""
-    from symbolic.codegen.kernel import compiled
-    from symbolic.motion import Motion
-
     rng = np.random.default_rng(SEED)
     motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))
     linear = rng.normal(size=len(model.parameters))

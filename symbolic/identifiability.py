@@ -19,7 +19,10 @@ import numpy as np
 from ground.cache import cache_folder, read_trusted
 from ground.errors import EffectError
 from ground.files import sha256, write_whole
+from symbolic.catalogue import catalogue
+from symbolic.codegen.equation import model_expressions
 from symbolic.codegen.fingerprint import canonical_json, equations, generator_key, library_versions, term_content
+from symbolic.codegen.precise import evaluate_precisely, in_span
 from symbolic.language.lower import to_text
 from symbolic.memory import memory_operations
 from symbolic.motion import Float
@@ -66,8 +69,6 @@ class Tangents:
 
     def precise(self) -> list[list[Any]]:
         """Return the columns (n of (J·PRECISE_STATES,)) in 40 digits."""
-        from symbolic.codegen.precise import evaluate_precisely
-
         rows: list[Any] = []
         for k in range(PRECISE_STATES):
             at = [part[:, k] if part.ndim == 2 else part for part in self.inputs]
@@ -165,8 +166,6 @@ def _read(path: Path) -> tuple[LookAlike, ...] | None:
 
 def every_candidate(model: Model) -> tuple[Term, ...]:
     """Return every effect of the catalogue and of the user at every joint, except the terms the model has."""
-    from symbolic.catalogue import catalogue
-
     present = {term.name for term in model.terms}
     terms = []
     for effect in (*catalogue(model.joints).values(), *model.custom):
@@ -184,8 +183,6 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     Left out are choices, which have no derivative, and shapes that act through an operator's past alone.
     """
     import casadi
-
-    from symbolic.codegen.equation import model_expressions
 
     x = model_expressions(model)
     torque = x.torque
@@ -278,8 +275,6 @@ def _pair(base: Tangents, first: str, one: Tangents, second: str, other: Tangent
 
 
 def _exactly(known: list[list[Any]], column: list[Any]) -> bool:
-    from symbolic.codegen.precise import in_span
-
     return in_span(known, column, EXACT)
 
 

@@ -9,6 +9,8 @@ import numpy as np
 
 from symbolic.evaluation import feedback, motion_words, shape_values, shaped, signs
 from symbolic.language.instant import Operation, split_memory
+from symbolic.language.lower import to_numpy
+from symbolic.language.operators import MEMORY
 from symbolic.language.torque import torques
 from symbolic.language.words import FEEDBACK
 from symbolic.motion import Float, Motion
@@ -36,9 +38,6 @@ def memory_signals(
     `base_columns` gives the columns (J, N, P) from which the model's own torque is computed where a text
     feeds it to an operator.
     """
-    from symbolic.language.lower import to_numpy
-    from symbolic.language.operators import MEMORY
-
     operations = memory_operations(model)
     values = np.zeros((len(motion), len(operations)))
     if not operations:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.errors import EffectError
+from symbolic.codegen.translate import casadi_from_sympy
+from symbolic.mechanics.mechanism import real
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -64,9 +66,6 @@ def _function(mechanism: Mechanism, index: int) -> tuple[Any, tuple[str, ...]]:
     """Return a CasADi function of angles (J, N) and (a_th, along, across, shapes), and the names of those shapes."""
     import casadi as ca
     from sympy import Matrix
-
-    from symbolic.codegen.translate import casadi_from_sympy
-    from symbolic.mechanics.mechanism import real
 
     along, across = real("along"), real("across")
     point = Matrix(mechanism.point(index, along, across))

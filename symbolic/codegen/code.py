@@ -17,6 +17,7 @@ from symbolic.codegen.equation import Expressions, model_expressions
 from symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
 from symbolic.codegen.layout import state_names, widths
 from symbolic.mechanics.base_parameters import base_parameters
+from symbolic.mechanics.rigid import rigid
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -170,8 +171,6 @@ def model_record(model: Model) -> dict[str, Any]:
 
 def inertial(model: Model) -> dict[str, str]:
     """Return {name: formula} of the base parameters in masses, lengths and inertias, as derived."""
-    from symbolic.mechanics.rigid import rigid
-
     if model.chain:
         found = base_parameters(model.chain, model.gravity, model.moving_base)
         return {p.name: base.formula(model.chain) for p, base in zip(model.inertial, found, strict=True)}

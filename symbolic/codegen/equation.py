@@ -14,12 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
 from symbolic.codegen.layout import BASE_STATE, STEMS, state_names
+from symbolic.codegen.translate import casadi_from_sympy
+from symbolic.codegen.tree_columns import tree_columns
 from symbolic.language.deflection import STATES
 from symbolic.language.instant import split_memory
+from symbolic.language.lower import to_casadi, to_sympy
 from symbolic.language.torque import is_transform, torques, uses_slopes
 from symbolic.mechanics.friction import friction
 from symbolic.mechanics.lagrange import mechanics
-from symbolic.mechanics.mechanism import machine
+from symbolic.mechanics.mechanism import machine, real
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from symbolic.mechanics.rigid import changed, rigid, symbols_of
 from symbolic.mechanics.tree import tree_changes
@@ -143,8 +146,6 @@ class _Builder:
         return total
 
     def _rigid(self, symbols: dict[str, Any]) -> Any:
-        from symbolic.codegen.translate import casadi_from_sympy
-
         if self.model.chain:
             return self._tree(symbols)
         form = rigid(self.model.derived)
@@ -160,8 +161,6 @@ class _Builder:
 
     def _tree(self, symbols: dict[str, Any]) -> Any:
         """Add the columns of a machine that is not the leg; what Lagrange gives is compared with Newton and Euler."""
-        from symbolic.codegen.tree_columns import tree_columns
-
         ca, model, joints = self.ca, self.model, self.model.chain
         q, dq, ddq = ([self.state[f"{stem}{k + 1}"] for k in range(self.count)] for stem in STEMS[:3])
         inertial, self.reach = len(model.inertial), ca.SX.sym("reach")
@@ -170,8 +169,6 @@ class _Builder:
         if model.derived:
             mechanism, torques_added, _ = changed(machine(joints), model.derived)
             offset, moments, pull = tree_changes(mechanism)
-            from symbolic.codegen.translate import casadi_from_sympy
-
             translated = casadi_from_sympy([*offset, *moments.values(), *pull, *torques_added], symbols)
             across = tuple(moments)
             q = [angle + more for angle, more in zip(q, translated, strict=False)]
@@ -222,8 +219,6 @@ class _Builder:
 
     def _text(self, term: Term, names: Mapping[str, str]) -> None:
         """Add the columns of a text: its derivative by each coefficient."""
-        from symbolic.codegen.translate import casadi_from_sympy
-
         local = symbols_of(term)
         for torque in torques(term):
             form, words = self._lowered(term, torque)
@@ -248,8 +243,6 @@ class _Builder:
                 )
 
     def _transform(self, term: Term) -> Any:
-        from symbolic.codegen.translate import casadi_from_sympy
-
         total = self.ca.SX(self.count, 1)
         for torque in torques(term):
             form, words = self._lowered(term, torque)
@@ -260,9 +253,6 @@ class _Builder:
         """Return the text in SymPy, and the CasADi symbol behind each of its words; operators become
         memories.
         """
-        from symbolic.language.lower import to_casadi, to_sympy
-        from symbolic.mechanics.mechanism import real
-
         local = symbols_of(term)
         words = {
             **self.words,

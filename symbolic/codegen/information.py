@@ -22,6 +22,7 @@ from symbolic.codegen.compiler import FAST
 from symbolic.codegen.fingerprint import equations
 from symbolic.codegen.information_code import Entries, information_code, sensitivity_function
 from symbolic.columns import model_columns, model_torque, needs_reference
+from symbolic.memory import memory_operations
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -162,8 +163,6 @@ def information(
 
     `backend` "auto" takes C where there is a compiler and the model has no operator with memory; "vm" never does.
     """
-    from symbolic.memory import memory_operations
-
     names = number_names(model)
     rates = np.asarray(np.arange(1, harmonics + 1) * (2.0 * np.pi / period), dtype=float)
     linear, shape = np.asarray(linear, dtype=float), np.asarray(shape, dtype=float)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from symbolic.codegen.cache import GeneratedC
 from symbolic.codegen.compiler import FAST
+from symbolic.codegen.equation import model_expressions
 from symbolic.codegen.instructions import PREAMBLE, scalar_c
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ Entries = tuple[tuple[int, int, int], ...]
 def sensitivity_function(model: Model) -> Any:
     """Return the CasADi function (state (1 + 4J,), numbers (P + S,)) -> sensitivities (J, M)."""
     import casadi
-
-    from symbolic.codegen.equation import model_expressions
 
     x = model_expressions(model)
     kept = [x.shape[k] for k, s in enumerate(model.shapes) if not s.shape.choices]

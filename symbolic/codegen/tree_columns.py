@@ -13,6 +13,7 @@ from symbolic.codegen.translate import casadi_from_sympy
 from symbolic.joints import Joint
 from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.newton_euler import ACROSS, STILL, BaseMotion, link_torques
+from symbolic.mechanics.tree import tree_form
 
 LONGEST_SYMBOLIC = 6
 """Joints up to which Lagrange's equations are the shorter form; Newton and Euler's recursion is used beyond."""
@@ -49,8 +50,6 @@ def tree_columns(
     recursive = [[casadi.SX(entry) for entry in links[link][kind]] for link, kind in wanted_of]
     if len(joints) > LONGEST_SYMBOLIC:
         return recursive
-    from symbolic.mechanics.tree import tree_form
-
     moving = base is not STILL
     form = tree_form(joints, gravity, across, moving, measured)
     symbols: dict[str, Any] = {

@@ -9,6 +9,7 @@ from collections.abc import Collection
 from typing import Any
 
 from ground.errors import ExpressionError
+from symbolic.language.tokens import refusal
 from symbolic.language.tree import Binary, Call, Name, Unary
 
 LINEAR_OPERATORS = frozenset(("delay", "slow", "ddt"))
@@ -64,6 +65,4 @@ def _remedy(what: str) -> str:
 
 
 def _refusal(node: Any, text: str, what: str, remedy: str) -> ExpressionError:
-    from symbolic.language.tokens import refusal
-
     return refusal(what, text, node.span, remedy)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from symbolic.mechanics.mechanism import positive
+
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
@@ -90,8 +92,6 @@ def christoffel(mass_matrix: Matrix, mechanism: Mechanism) -> Matrix:
 def mechanics(mechanism: Mechanism) -> Dynamics:
     """Derive the equations of motion of `mechanism` by Lagrange's method."""
     from sympy import Matrix, diff, expand, hessian
-
-    from symbolic.mechanics.mechanism import positive
 
     kinetic, potential = energies(mechanism)
     angle, velocity = mechanism.angle, mechanism.velocity

@@ -13,6 +13,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from symbolic.mechanics.elimination import eliminate
+from symbolic.mechanics.lagrange import mechanics
+from symbolic.mechanics.mechanism import leg
+
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
@@ -56,9 +60,6 @@ class PrintedEntry:
 @lru_cache(maxsize=32)
 def regressor(mechanism: Mechanism) -> Regressor:
     """Derive the regressor of `mechanism`: base parameters Φ1.., their columns, what stays unidentifiable."""
-    from symbolic.mechanics.elimination import eliminate
-    from symbolic.mechanics.lagrange import mechanics
-
     base = eliminate(mechanism, mechanics(mechanism).torque)
     names = tuple(f"Phi{k + 1}" for k in range(len(base.parameters)))
     return Regressor(
@@ -112,8 +113,6 @@ def printed_matrix(mechanism: Mechanism) -> Matrix:
 def compare_with_printed(mechanism: Mechanism | None = None) -> tuple[PrintedEntry, ...]:
     """Return every entry of the paper's printed Y that differs from the derived one, in readable form."""
     from sympy import factor_terms, simplify
-
-    from symbolic.mechanics.mechanism import leg
 
     plain = mechanism or leg()
     derived, printed = regressor(plain).matrix, printed_matrix(plain)

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
+from symbolic.mechanics.mechanism import Mechanism, leg, real
+from symbolic.mechanics.regressor import regressor
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -52,8 +54,6 @@ def rigid(derived: Sequence[Term]) -> Rigid:
 
 def symbols_of(term: Term) -> dict[str, Symbol]:
     """Return {name in the effect: SymPy symbol of the full name} of a term's coefficients and shapes."""
-    from symbolic.mechanics.mechanism import real
-
     return {key: real(f"{term.name}.{key}") for key in (*term.effect.coefficients, *term.effect.shape)}
 
 
@@ -62,8 +62,6 @@ def changed(mechanism: Mechanism, derived: Sequence[Term]) -> tuple[Mechanism, M
     EffectError where one of them does neither.
     """
     from sympy import Matrix
-
-    from symbolic.mechanics.mechanism import Mechanism
 
     added = Matrix([0] * len(mechanism.links))
     coefficients: list[Symbol] = []
@@ -81,9 +79,6 @@ def changed(mechanism: Mechanism, derived: Sequence[Term]) -> tuple[Mechanism, M
 
 def _derive(derived: Sequence[Term]) -> Rigid:
     from sympy import Matrix
-
-    from symbolic.mechanics.mechanism import leg, real
-    from symbolic.mechanics.regressor import regressor
 
     mechanism, added, coefficients = changed(leg(), derived)
     form = regressor(mechanism)
@@ -104,8 +99,6 @@ def _derive(derived: Sequence[Term]) -> Rigid:
 
 def _call(term: Term, mechanism: Mechanism, symbols: Mapping[str, Symbol]) -> Any:
     """Run the effect's derive(); whatever it returns must be a Mechanism or a pair of torques."""
-    from symbolic.mechanics.mechanism import Mechanism
-
     derive = term.effect.derive
     outcome = derive(mechanism, symbols) if derive is not None else None
     if isinstance(outcome, Mechanism) or (isinstance(outcome, (tuple, list)) and len(outcome) == len(mechanism.links)):

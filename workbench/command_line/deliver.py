@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workbench.command_line.files import check_folder, check_json, make_folder, write_json
@@ -34,8 +35,6 @@ def deliver_results(
     if material is None:
         screen.say(f"wrote {folder}")
         return
-    from dataclasses import replace
-
     from workbench.report.page import write_report
 
     page = write_report(replace(material(), payload=payload), folder)

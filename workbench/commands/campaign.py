@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +51,6 @@ def run(args: argparse.Namespace) -> int:
     check_places(args)
     plan = read_plan(args.plan)
     if args.seed is not None:
-        from dataclasses import replace
-
         plan = replace(plan, jobs=tuple(replace(job, seed=args.seed) for job in plan.jobs))
     screen = Screen.of(args)
     for note in plan.notes:

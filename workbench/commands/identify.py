@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from workbench.command_line.deliver import check_places, deliver_results
@@ -114,8 +115,6 @@ def _identified(
             given.model, prepared.train, **settings_given(args, FitSettings),
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
-        from dataclasses import replace
-
         from diagnosis.compare import verification
         from diagnosis.evidence.channels import channel_findings
         from diagnosis.evidence.fitted import fitted_model

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +93,6 @@ def _show(screen: Screen, table: Any) -> None:
 
 def _asked(table: Any, told: Any, where: str, screen: Screen) -> Any:
     """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
-    from dataclasses import replace
-
     from ground.errors import RecordingError
     from measurement.reading.columns import numbered, required
 
