@@ -21,8 +21,8 @@ def outweighed(context: SearchContext, state: State) -> State:
 
     These are terms at whose joints all terms together explain little of what is more than noise, where the curve
     explains more than they do and the error is far above the noise. At any distance from the noise it is a term that
-    follows the model's own torque (elastic, late) and explains less than the curve at its joint: such torque takes up
-    part of nearly anything.
+    explains less than the curve at its joint and either follows the model's own torque (elastic, late), which takes up
+    part of nearly anything, or gains little at all joints together.
     """
     left = state.left
     if left is None or not state.accepted:
@@ -32,9 +32,12 @@ def outweighed(context: SearchContext, state: State) -> State:
         after.added.name
         for before, after in pairwise(state.extensions)
         if after.added is not None
-        and is_transform(after.added.candidate.term)
         and left.index in after.added.candidate.term.reaches
         and _taken(before, after)[left.index] < by_curve
+        and (
+            is_transform(after.added.candidate.term)
+            or context.unseen_gain(before, after) < context.rules.small_gain
+        )
     ]
     if not names:
         return state

@@ -9,8 +9,9 @@ import pytest
 from synthetic import search, state_with
 
 from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.remainder import Remainder
 from diagnosis.rules import RULES
-from diagnosis.search import choice
+from diagnosis.search import choice, engine
 from diagnosis.search.choice import choose, contains
 from diagnosis.search.doubt import small_while_far
 from diagnosis.search.drop_dependent import drop_dependent
@@ -22,6 +23,7 @@ from diagnosis.search.merge import merge
 from diagnosis.search.outweighed import outweighed
 from diagnosis.search.prune import prune
 from diagnosis.search.take_back import left_over, take_back
+from symbolic.model import Model
 
 STRIBECK = {"stribeck:hip": ([1.5], [0.15])}
 OFFSET = {"torque_offset:knee": ([0.6], [])}
@@ -311,7 +313,35 @@ def test_an_elastic_torque_does_not_stand_beside_a_curve_that_explains_more_of_i
     assert outweighed(with_rules(context, far_above=100.0), state).names == kept
 
 
+def test_what_explains_little_of_its_joint_does_not_stand_beside_a_curve_that_explains_more():
+    """Near the noise too: an offset of a tenth of the error beside a ripple that is no candidate, then of a quarter."""
+    context, state = with_rest({"torque_offset:knee": ([0.03], [])}, "torque_offset:knee")
+    assert outweighed(with_rules(context, far_above=100.0), state).names == ()
+    assert outweighed(with_rules(context, far_above=100.0, small_gain=0.05), state) is state
+    context, state = with_rest({"torque_offset:knee": ([0.1], [])}, "torque_offset:knee")
+    assert outweighed(with_rules(context, far_above=100.0), state) is state
+
+
 def test_what_explains_its_own_joint_stays_beside_what_nobody_knows_at_another():
     context, state = with_rest(STRIBECK, "stribeck:hip")
     assert state.left is not None and state.left.joint == "knee"
     assert outweighed(context, state) is state
+
+
+@pytest.mark.parametrize(
+    ("joint", "left", "taken"), [("knee", None, True), ("hip", None, False), ("knee", "knee", False)]
+)
+def test_the_search_is_repeated_without_what_leaves_something_at_its_joint(monkeypatch, joint, left, taken):
+    """Quadratic viscosity stands for cubic viscosity with Stribeck friction; others must leave nothing."""
+    both = {"viscous_cubic:knee": ([2.0], []), "stribeck:knee": ([1.5], [0.15])}
+    context = search(both, ["viscous_quadratic:knee", *both])
+    rest = {
+        where: Remainder(where, "dq2", "sign", 0.3, 0.3, 0.001, *np.zeros((3, 2)))
+        for where in ("hip", "knee")
+    }
+    near = replace(state_with(context, "viscous_quadratic:knee"), left=rest[joint])
+    true = replace(state_with(context, *both), left=rest.get(left))
+    monkeypatch.setattr(engine, "search_without_proxies", lambda context, begun: true if begun.banned else near)
+    monkeypatch.setattr(engine, "_doubted", lambda context, state: state)
+    found = run_search(context, context.fit(Model.standard())).state
+    assert found is (true if taken else near)
