@@ -36,6 +36,9 @@ EVERY = 20
 """Steps from one sample to the next: 100 Hz."""
 LEAD_IN = 2.0
 KP, KD = np.array([900.0, 320.0]), np.array([70.0, 18.0])
+ROTOR = 0.012
+"""kg·m², of the drive behind a spring or a gap: with a third of it KD · STEP / ROTOR is above 2, the sampled controller
+makes the rotor chatter, and 3 N·m of Coulomb friction come out as 0.2."""
 ENCODER_NOISE, TORQUE_NOISE = 6e-5, 0.4
 """rad and N·m, standard deviations."""
 
@@ -79,7 +82,7 @@ class Leg:
             '<geom name="foot" type="sphere" size="0.04" pos="0 0 -0.45" mass="0"/>'
         )
         if twist:
-            rotor = '<inertial pos="0 0 0" mass="0.001" diaginertia="0.004 0.004 0.004"/>'
+            rotor = f'<inertial pos="0 0 0" mass="0.001" diaginertia="{ROTOR} {ROTOR} {ROTOR}"/>'
             lower = f'<body pos="0 0 -0.4">{joint}{rotor}<body>{twist}{shank}</body></body>'
         else:
             lower = f'<body pos="0 0 -0.4">{joint}{shank}</body>'
