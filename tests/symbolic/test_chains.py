@@ -109,7 +109,7 @@ def test_a_wrong_derivation_is_noticed(monkeypatch):
     from symbolic.mechanics import tree
 
     form = tree.tree_form(KNEE, 9.7)
-    monkeypatch.setattr(tree, "tree_form", lambda *_: tree.TreeForm(form.parameters, 1.0001 * form.matrix))
+    monkeypatch.setattr(tree_columns, "tree_form", lambda *_: tree.TreeForm(form.parameters, 1.0001 * form.matrix))
     with pytest.raises(tree_columns.DerivationError, match="knee"):
         compiled(machine(KNEE, 9.7), "vm")
 
