@@ -6,16 +6,12 @@ recordings, those of one are those of another, turned. So phases need no search 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from optimisation.fitting.assemble import Assembly
 from optimisation.fitting.shapes import grid
 from symbolic.model import Model
 from symbolic.motion import Float
-
-if TYPE_CHECKING:
-    from optimisation.fitting.assemble import Assembly
 
 
 def phases_of(parts: Float) -> Float:
@@ -46,22 +42,28 @@ def with_phases(assembly: Assembly, begun: Float, reference: Float, searched: bo
         name = model.shapes[index].term
         places = [k for k, parameter in enumerate(model.parameters) if parameter.term == name]
         own = [k for k, entry in enumerate(model.shapes) if entry.term == name]
-        tried = grid([model.shapes[k].shape for k in own]) if searched else [rows[0, own]]
-        best, least = rows, np.inf
-        for values in tried:
-            trial = rows.copy()
-            trial[:, own] = values
-            trial[:, index] = 0.0
-            parts, left = _alone(assembly, trial, reference, places)
-            if left < least:
-                trial[:, index] = phases_of(parts)
-                best, least = trial, left
-        rows = best
+        if searched:
+            nodes = np.tile(begun, (len(tried := grid([model.shapes[k].shape for k in own])), 1))
+            nodes[:, own] = tried
+            nodes[:, index] = 0.0
+            rows[:, own] = nodes[np.argmin(_left(assembly, nodes, reference))][own]
+        rows[:, index] = 0.0
+        rows[:, index] = phases_of(_alone(assembly, rows, reference)[0][:, places])
     return rows
 
 
-def _alone(assembly: Assembly, rows: Float, reference: Float, places: list[int]) -> tuple[Float, float]:
-    """Return the coefficients `places` (R, m) of every recording fitted alone, and what that leaves of all."""
+def _left(assembly: Assembly, nodes: Float, reference: Float) -> Float:
+    """Return what recordings, each fitted alone, leave of all (V,) at shape values `nodes` (V, S)."""
+    alone = [Assembly(assembly.model, [one]).sse_at(nodes, reference) for one in assembly.prepared]
+    known = [left for left in alone if left is not None]
+    if len(known) == len(alone):
+        return np.asarray(np.sum(known, axis=0))
+    count = len(assembly.prepared)
+    return np.array([_alone(assembly, np.tile(node, (count, 1)), reference)[1] for node in nodes])
+
+
+def _alone(assembly: Assembly, rows: Float, reference: Float) -> tuple[Float, float]:
+    """Return the parameters (R, P) of every recording fitted alone, and what that leaves of all."""
     data = assembly.data(rows, reference)
     parts, left = [], 0.0
     for number in range(len(rows)):
@@ -72,6 +74,6 @@ def _alone(assembly: Assembly, rows: Float, reference: Float, places: list[int])
         solved = np.linalg.pinv((columns / scale).T @ (columns / scale), rcond=1e-12, hermitian=True) @ (
             (columns / scale).T @ tau
         )
-        parts.append((solved / scale)[places])
+        parts.append(solved / scale)
         left += float(np.sum((tau - columns @ (solved / scale)) ** 2))
     return np.array(parts), left

@@ -103,7 +103,9 @@ def solve_shape(
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
         if searched := not began.size:
-            began = search_shape(loss, shapes, None, method, at_once).best
+            terms = {model.shapes[k].term for k in turning(model)}
+            phases_only = all(entry.term in terms for entry in model.shapes)  # what they need is looked for with them
+            began = model.typical_shape if phases_only else search_shape(loss, shapes, None, method, at_once).best
         if began.ndim == 1 and turning(model):
             began = with_phases(assembly, began, solved(began).linear, searched)
         rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
