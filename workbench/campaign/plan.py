@@ -26,7 +26,7 @@ import itertools
 import os
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -130,8 +130,7 @@ def _named_field(top: Table, key: str, fields: Sequence[str], default: str | Non
     if key not in top.values:
         return default
     name = top.text(key)
-    if name not in fields:
-        raise top.error(key, f"{name!r} is not a field of the groups", f"the fields are {', '.join(fields)}")
+    _known(top, key, name, "the groups", fields)
     return name
 
 
@@ -154,12 +153,11 @@ def _recorded_jobs(
     if not found:
         place = os.path.realpath(base)
         raise top.error("files", "no recording matches this pattern", f"it is looked for below {place}")
-    group = tuple(_texts(top, "group", top.values["group"])) if "group" in top.values else _default_group(verb, names)
+    group = names if verb == WATCH else names[:-1]
+    if "group" in top.values:
+        group = tuple(_texts(top, "group", top.values["group"]))
     for name in group:
-        if name not in names:
-            raise top.error(
-                "group", f"{name!r} is not a field of files", f"the fields are {', '.join(names) or 'none'}"
-            )
+        _known(top, "group", name, "files", names)
     if verb == WATCH and "verify" in top.values:
         raise top.error("verify", "watch holds no recording out", "leave verify out")
     held_out = _held_out(top, names)
@@ -189,8 +187,10 @@ def _recorded_jobs(
     return tuple(jobs), group, tuple(notes)
 
 
-def _default_group(verb: str, names: tuple[str, ...]) -> tuple[str, ...]:
-    return names if verb == WATCH else names[:-1]
+def _known(top: Table, key: str, name: str, whose: str, fields: Iterable[str]) -> None:
+    """Refuse a field that is not among those of files, or of the groups."""
+    if name not in fields:
+        raise top.error(key, f"{name!r} is not a field of {whose}", f"the fields are {', '.join(fields) or 'none'}")
 
 
 def find(base: Path, pattern: str) -> list[tuple[Path, dict[str, str]]]:
@@ -232,8 +232,7 @@ def _held_out(top: Table, names: Sequence[str]) -> Any:
         raise top.error("verify", "verify is neither a number nor a table", 'write verify = 1, or { run = ["4"] }')
     wanted = {name: set(_texts(top, "verify", given)) for name, given in value.items()}
     for name in wanted:
-        if name not in names:
-            raise top.error("verify", f"{name!r} is not a field of files", f"the fields are {', '.join(names)}")
+        _known(top, "verify", name, "files", names)
     return lambda fields, members: all(fields[name] in values for name, values in wanted.items())
 
 
@@ -266,8 +265,7 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
 
 def _filled(top: Table, text: str, fields: Mapping[str, str]) -> str:
     for name in FIELD.findall(text):
-        if name not in fields:
-            raise top.error("model", f"{name!r} is not a field of the groups", f"the fields are {', '.join(fields)}")
+        _known(top, "model", name, "the groups", fields)
     return FIELD.sub(lambda match: fields[match[1]], text)
 
 

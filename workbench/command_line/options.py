@@ -63,11 +63,9 @@ def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callabl
     return read
 
 
-def add_model(parser: argparse.ArgumentParser, *, required: bool = False) -> None:
+def add_model(parser: argparse.ArgumentParser) -> None:
     """Add --model."""
-    parser.add_argument(
-        "--model", metavar="FILE", required=required, help="model file (TOML); without it, the standard leg"
-    )
+    parser.add_argument("--model", metavar="FILE", help="model file (TOML); without it, the standard leg")
 
 
 def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:

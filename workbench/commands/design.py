@@ -7,7 +7,15 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import add_common, add_reading, add_settings, between, finite_number, settings_given
+from workbench.command_line.options import (
+    add_common,
+    add_reading,
+    add_settings,
+    between,
+    finite_number,
+    limits,
+    settings_given,
+)  # fmt: skip
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, warn
@@ -56,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(search, DesignSettings, "starts", "printed", "box")
     noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
-        "--noise", metavar="NM", type=_noise,
+        "--noise", metavar="NM", type=limits,
         help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
     add_settings(noise, DesignSettings, "duration")
@@ -214,12 +222,6 @@ def _numbers(path: str | None) -> Any:
     from symbolic.model_file import read_numbers
 
     return None if path is None else read_numbers(path)
-
-
-def _noise(text: str) -> tuple[float, ...]:
-    from workbench.command_line.options import limits
-
-    return limits(text)
 
 
 def _separate(args: argparse.Namespace) -> int:

@@ -55,7 +55,7 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
 
 def _preview(workspace: Workspace, request: Request) -> Response:
     name = request.query_params.get("effect", "")
-    return _bytes(numbers.preview_of(workspace, _session(workspace), name, _number(request, "recording")))
+    return _bytes(numbers.preview_of(workspace, workspace.opened(), name, _number(request, "recording")))
 
 
 def _export(workspace: Workspace, request: Request) -> Response:
@@ -69,9 +69,9 @@ ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
     "details": lambda workspace, request: JSONResponse(
         views.details(workspace, request.query_params.get("effect", ""))
     ),
-    "motion": lambda workspace, request: _bytes(numbers.motion_of(_session(workspace), _number(request, "recording"))),
+    "motion": lambda workspace, request: _bytes(numbers.motion_of(workspace.opened(), _number(request, "recording"))),
     "error": lambda workspace, request: _bytes(
-        numbers.error_of(workspace, _session(workspace), _number(request, "recording"))
+        numbers.error_of(workspace, workspace.opened(), _number(request, "recording"))
     ),
     "preview": _preview,
     "columns": lambda workspace, request: JSONResponse(
@@ -112,7 +112,7 @@ def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
 
     joint = told.get("joint")
     found = numbers.explained(
-        workspace, _session(workspace), spans_of(told.get("spans", [])), None if joint is None else int(joint),
+        workspace, workspace.opened(), spans_of(told.get("spans", [])), None if joint is None else int(joint),
         told.get("box"),
     )  # fmt: skip
     return {"explained": found}
@@ -244,12 +244,6 @@ def _problem(error: Exception) -> Response:
     said = {"what": f"internal error in exoid ({type(error).__name__})", "where": "",
             "remedy": "please report what the terminal says"}  # fmt: skip
     return JSONResponse(said, status_code=500)
-
-
-def _session(workspace: Workspace) -> Any:
-    if workspace.session is None:
-        raise RecordingError("nothing is open yet", remedy="give at least one recording to fit")
-    return workspace.session
 
 
 def _number(request: Request, name: str) -> int:

@@ -67,9 +67,7 @@ def report(workspace: Workspace) -> str:
     from workbench.report.page import render_report
     from workbench.report.sections.verdict import WORDS
 
-    session = workspace.session
-    if session is None:
-        raise RecordingError("nothing is open yet", remedy="give at least one recording to fit")
+    session = workspace.opened()
     names = workspace.names
     path = [names[:k] for k in range(len(names) + 1)]
     steps = [session.step(p, f"+ {p[-1]}" if p else "base") for p in path]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ground.plain import plain_dict
 from ground.text import printable
+from symbolic.joints import parents
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from workbench.exporting import formats
 from workbench.page.given import VERIFY, error_json, without_path
@@ -98,7 +99,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     base = session.fitted()
     unit = [joint.unit("tau") for joint in session.model.joints]
     lengths = _lengths(session.model)
-    above = _parents(session.model)
+    above = parents(session.model.joints)
     return {
         "joints": [
             {
@@ -139,12 +140,6 @@ def _lengths(model: Any) -> list[float]:
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
     return [length or usual for length in given]
-
-
-def _parents(model: Any) -> list[int | None]:
-    from symbolic.joints import parents
-
-    return list(parents(model.joints))
 
 
 def _signal(session: Session, j: int) -> float:
@@ -298,17 +293,14 @@ def interval(p: float | None, draws: int) -> tuple[float | None, float | None]:
 def _search(workspace: Workspace) -> dict[str, Any]:
     search = workspace.search
     running = search is not None and search.running
+    steps = search.steps if search is not None and running else []
     return {
         "running": running,
         "fraction": search.fraction if search is not None and running else 0.0,
         "text": search.text if search is not None and running else "",
-        "steps": _rows(search.steps) if search is not None and running else [],
+        "steps": [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps],
         "message": printable(workspace.search_message),
     }
-
-
-def _rows(steps: list[dict[str, Any]]) -> list[Mapping[str, Any]]:
-    return [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps]
 
 
 def _effect(workspace: Workspace, name: str) -> Effect:

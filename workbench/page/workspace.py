@@ -273,7 +273,7 @@ class Workspace:
     def add(self, name: str) -> None:
         """Add an effect. What the ranking knows of it is shown until it is fitted."""
         with self.change:
-            session = self._open()
+            session = self.opened()
             session.with_effects([*self.names, name])  # refuses what does not exist
             before, ranking = self.names, self.ranking()
             self.history = self.history.add(name)
@@ -290,7 +290,8 @@ class Workspace:
             self.history = change(self.history)
         self.touch(changed=True)
 
-    def _open(self) -> Session:
+    def opened(self) -> Session:
+        """Return the session; RecordingError where nothing is open."""
         if self.session is None:
             raise RecordingError("nothing is open yet", remedy="give at least one recording to fit")
         return self.session
@@ -302,7 +303,7 @@ class Workspace:
         from workbench.page.search import BackgroundSearch
 
         with self.change:
-            session, names = self._open(), self.names
+            session, names = self.opened(), self.names
             if self.search is not None and self.search.running:
                 return
             session.prepared  # noqa: B018 - what is prepared need not be prepared again over there
@@ -318,7 +319,7 @@ class Workspace:
         from workbench.page.playing import BackgroundWatch
 
         with self.change:
-            session, names = self._open(), self.names
+            session, names = self.opened(), self.names
             recordings = [*session.recordings, *session.verify]
             if not 0 <= index < len(recordings):
                 raise RecordingError("this recording is not open any more", remedy="reload the page")
