@@ -156,7 +156,7 @@ def sniff(text: str, *, where: str) -> Layout:
             where=where,
             remedy="the file needs one header line (t, q1, q2, tau1, tau2) and one row of numbers per sample",
         )
-    return _header(lines, table, width, delimiter, decimal, where)
+    return _header(lines, table, cut[delimiter], width, delimiter, decimal, where)
 
 
 def _lines(text: str) -> Iterator[tuple[int, int, str]]:
@@ -173,26 +173,26 @@ def _lines(text: str) -> Iterator[tuple[int, int, str]]:
 def _header(
     lines: list[tuple[int, int, str]],
     table: list[tuple[int, int, str]],
+    cut: list[list[str]],
     width: int,
     delimiter: str,
     decimal: str,
     where: str,
 ) -> Layout:
-    """Find the first row of numbers and, above it, the unit row and the names."""
+    """Find the first row of numbers and, above it, the unit row and the names; `cut` are the cells of `table`."""
 
-    def numeric(line: str) -> bool:
-        cells = split_line(line, delimiter)
+    def numeric(cells: list[str]) -> bool:
         return len(cells) >= min(width, 2) and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
 
-    first = next(i for i, entry in enumerate(table) if numeric(entry[2]))
-    above = [split_line(entry[2], delimiter) for entry in table[:first]]
+    first = next(i for i, cells in enumerate(cut) if numeric(cells))
+    above = cut[:first]
     if not above:
         # np.savetxt and MATLAB write the names as a comment
         comments = [e[2].lstrip(" \t#%/") for e in lines if e[0] < table[first][0] and e[2].strip()]
         named = [cells for cells in (split_line(c, delimiter) for c in comments) if len(cells) == width]
         named = named or [cells for cells in (re.split(r"[,;\s]+", c.strip()) for c in comments) if len(cells) == width]
         above = named[-1:]
-    rows = [split_line(entry[2], delimiter) for entry in table[first:]]
+    rows = cut[first:]
     open_end = sum(len(cells) == width and not cells[-1] for cells in rows) > len(rows) / 2
     usable = [cells for cells in above if _trimmed(cells, width, open_end) is not None]
     names = _trimmed(usable[-1], width, open_end) if usable else None
