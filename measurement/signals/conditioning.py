@@ -87,7 +87,7 @@ class UniformSignals:
     @cached_property
     def despiked(self) -> Float:
         """Torque (N, J) in N·m without spikes of a few milliseconds, which decimation would smear."""
-        spiky, middle = median_outliers(self.tau, 0.03, self.rate, 8.0)
+        spiky, middle = spikes(self.tau, self.rate)
         return np.where(spiky, middle, self.tau)
 
 
@@ -346,6 +346,27 @@ def median_outliers(x: Float, seconds: float, rate: float, limit: float) -> tupl
     away = np.abs(x - middle)
     scale = np.median(away, axis=0) / 0.6745
     return away > limit * np.maximum(scale, 1e-300), middle
+
+
+SPIKE_SECONDS, SPIKE_SIZE = 0.005, 8.0
+"""Width in s of the medians before and after a spike, and robust deviations that it leaves both by."""
+
+
+def spikes(x: Float, rate: float) -> tuple[NDArray[np.bool_], Float]:
+    """Return where `x` (N, J) has spikes of a few milliseconds, and its running median.
+
+    A spike leaves what is before it and what is after it on the same side, by more than these differ: a jump does not.
+    """
+    far, middle = median_outliers(x, 0.03, rate, SPIKE_SIZE)
+    if not far.any():
+        return far, middle
+    width = max(5, round(SPIKE_SECONDS * rate) | 1)
+    beside = np.column_stack([running_median(channel, width) for channel in x.T])
+    reach = width // 2 + 1
+    padded = np.pad(beside, ((reach, reach), (0, 0)), mode="edge")
+    before, after = padded[: len(x)], padded[2 * reach :]
+    alone = np.where((x > before) == (x > after), np.minimum(np.abs(x - before), np.abs(x - after)), 0.0)
+    return far & (alone > np.abs(after - before)), middle
 
 
 def widen(mask: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:

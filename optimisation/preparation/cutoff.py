@@ -120,7 +120,7 @@ def choose_cutoff(
     weighed = sorted({0, fastest})
     relative = trials.relative(weighed)
     index = fastest
-    if relative[fastest] > 1.0 + tolerance and trials.filter_decides():
+    if relative[fastest] > 1.0 + tolerance and trials.filter_decides(fastest):
         tolerance = LOOSE_TOLERANCE
     if not trials.noise(fastest).clean or relative[fastest] > 1.0 + tolerance:
         weighed = list(range(len(tried)))
@@ -190,9 +190,11 @@ class _Trials:
                 square += np.sum(_part(judge, out).residual(_fit(_part(data(k), ~held))) ** 2, axis=1)
             return np.sqrt(square / np.maximum(judge.use.sum(axis=1), 1))
 
-        def filter_decides() -> bool:
-            wrong = np.sqrt(mean_square(torque_of_filter(base, beta, prepared(0)), prepared(0)))
-            return bool(np.any(wrong > FILTER * error(0)))
+        def filter_decides(fastest: int) -> bool:
+            wrong = torque_of_filter(base, beta, prepared(0))
+            slower = _torque_of_slower(base, beta, prepared(0), prepared(fastest))
+            most = np.max([np.sqrt(mean_square(each, prepared(0))) for each in (wrong, slower)], axis=0)
+            return bool(np.any(most > FILTER * error(0)))
 
         self._noise, self._error, self.filter_decides = noise, error, filter_decides
 
@@ -207,6 +209,18 @@ class _Trials:
         least = np.min([self._error(k) for k in weighed], axis=0)
         seen = least > 0.0
         return {k: float(np.max(self._error(k)[seen] / least[seen], initial=1.0)) for k in weighed}
+
+
+def _torque_of_slower(
+    base: Model, beta: Float, slow: Sequence[PreparedRecording], fast: Sequence[PreparedRecording]
+) -> list[Float]:
+    """Return for each recording what slower angles get wrong of the model's torque, (K, J) N·m: faster ones show it."""
+    out = []
+    for one, other in zip(slow, fast, strict=True):
+        right, own = base.torque(other.motion, beta), base.torque(one.motion, beta)
+        at = [np.interp(one.motion.t, other.motion.t, column) for column in right.T]
+        out.append(one.smooth(np.column_stack(at) - own))
+    return out
 
 
 def _part(data: LinearData, keep: np.ndarray) -> LinearData:

@@ -19,6 +19,7 @@ from measurement.signals.conditioning import (
     UniformSignals,
     bridging,
     derivatives,
+    fine_derivatives,
     low_pass,
     low_pass_at,
     low_pass_every,
@@ -42,6 +43,16 @@ OUTLIER_SECONDS = 0.11
 OUTLIER = Threshold(
     4.0,
     "robust deviations from the local median beyond which a torque sample is replaced: spikes spread by the filter",
+)
+QUICK = Threshold(
+    0.1,
+    "noise of accelerations in the whole band, of the accelerations' own size, up to which outliers are looked for "
+    "beside them: a jump of the force, which slower angles cannot follow, passes for a spike",
+)
+SPIKE = Threshold(
+    0.6,
+    "part of its distance from its neighbours that a torque sample keeps beside angles that are hardly filtered, from "
+    "which it is an outlier: a jump of the force, which the motion follows, is taken off the torque",
 )
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
@@ -194,6 +205,11 @@ def prepare_one(
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
     known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
     bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER if beta is not None else 6.0)
+    quick = _quick(motion, even, factor, rate, noise, reach_of) if beta is not None and smoothed is None else None
+    if quick is not None and bad.any():
+        beside_quick = tau - base.torque(_at_rest(quick, stuck), beta)
+        too, around = median_outliers(beside_quick, OUTLIER_SECONDS, rate, OUTLIER)
+        bad = bad & too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
     bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
     logged, tau = tau, np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
@@ -237,6 +253,21 @@ def _at_rest(motion: Motion, stuck: Bool) -> Motion:
     """
     rests = stuck & (stuck.mean(axis=0) > RESTS)
     return replace(motion, sign=np.where(rests, 0.0, motion.sign)) if rests.any() else motion
+
+
+def _quick(motion: Motion, even: UniformSignals, factor: int, rate: float, noise: Float, reach: Float) -> Motion | None:
+    """Return `motion` with angles filtered as little as the torque is; None where they are too noisy for that.
+
+    Where the force jumps, it differs from what slower angles ask for as if it had outliers there.
+    """
+    band = 0.4 * rate
+    size = np.sqrt(noise * (2.0 * np.pi) ** 4 * band**5 / 5.0)
+    if np.any(size > QUICK * motion.ddq.std(axis=0)):
+        return None
+    angles = low_pass(even.q, band, even.rate)
+    q, dq, ddq = (part[::factor] for part in (angles, *fine_derivatives(angles, even.rate)))
+    sign = np.where(motion.sign == 0.0, 0.0, np.tanh(dq / sign_width(noise, band, reach)))
+    return replace(motion, q=q, dq=dq, ddq=ddq, sign=sign)
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:

@@ -17,8 +17,9 @@ from optimisation.fitting.neighbours import Neighbours
 from optimisation.fitting.thigh_length import ThighLength
 from optimisation.preparation import cutoff
 from optimisation.preparation.cutoff import _Noise
-from optimisation.preparation.filtering import STICK, _at_rest, _bears_load, prepare_one
+from optimisation.preparation.filtering import STICK, _at_rest, _bears_load, _quick, prepare_one
 from optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
+from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Motion
 
@@ -105,7 +106,7 @@ class Cutoffs:
 
     def __init__(self, share: float, worse: float, filter_decides: bool = False):
         self.tried, self.share, self.worse = cutoff.CUTOFFS, share, worse
-        self.filter_decides = lambda: filter_decides
+        self.filter_decides = lambda fastest: filter_decides
 
     def __call__(self, *given):
         return self
@@ -142,11 +143,11 @@ def test_the_filter_decides_where_it_makes_a_third_of_the_error(wrong, decides, 
     """The error at the slowest cut-off is 1 N·m."""
     data = SimpleNamespace(groups=np.zeros(9), use=np.ones((1, 9)), residual=lambda x: np.ones((1, 9)))
     said = {"mean_square": np.array([wrong**2]), "assemble": data, "_folds": [np.ones(9, bool)], "_part": data}
-    said |= dict.fromkeys(("_largest_masses", "prepare_one", "torque_of_filter", "_fit"))
+    said |= dict.fromkeys(("_largest_masses", "prepare_one", "torque_of_filter", "_torque_of_slower", "_fit"))
     for name, answer in said.items():
         monkeypatch.setattr(cutoff, name, lambda *given, answer=answer: answer)
     trials = cutoff._Trials(SimpleNamespace(joints=(None,)), [("run", None)], np.zeros(8), "", (3.0,))
-    assert trials.filter_decides() is decides
+    assert trials.filter_decides(0) is decides
 
 
 def signals(*angles: np.ndarray, tau: np.ndarray | None = None) -> UniformSignals:
@@ -187,6 +188,38 @@ def test_spikes_are_replaced_and_noise_is_not(size, most, least):
     beta = np.full(8, 1e-9)
     one = prepare_one(Model.standard(), "run", signals(SWING, SWING[::-1], tau=tau), 5.0, beta)
     assert np.all((least <= one.outliers) & (one.outliers <= most))
+
+
+def pushed(spike: float) -> tuple[UniformSignals, Model]:
+    """A mass of 1 kg on a slide at 1 kHz, pushed for 80 ms every second; every half second its force has a spike."""
+    t = np.arange(0.0, 20.0, 1e-3)
+    push = np.where((t % 1.0 > 0.5) & (t % 1.0 < 0.58), np.sign(np.sin(3.0 * t)), 0.0)
+    ddq = 0.5 * np.sin(2.0 * t) + np.convolve(push, np.full(5, 0.2), "same")
+    dq = np.cumsum(ddq) * 1e-3
+    tau = ddq + 0.02 * np.random.default_rng(0).standard_normal(t.size)
+    for k in range(12):  # longer than what is taken off at the full rate
+        tau[203 + k :: 500] += spike
+    none = np.zeros(t.size, bool)
+    even = UniformSignals(t, np.cumsum(dq)[:, None] * 1e-3, tau[:, None], none, 1e3, np.zeros(1, bool))
+    return even, Model("slide", gravity=0.0, chain=(Joint("axis", "prismatic"),))
+
+
+@pytest.mark.shows("filtering.SPIKE")
+@pytest.mark.parametrize(("spike", "least", "most"), [(0.0, 0.0, 0.012), (0.8, 0.03, 0.08)])
+def test_a_force_that_jumps_has_no_outliers_there(spike, least, most):
+    """Slow angles do not follow the jumps, those that are hardly filtered do; a spike stays one beside both."""
+    even, model = pushed(spike)
+    one = prepare_one(model, "run", even, 12.0, np.array([1.0, 0.0, 0.0]))
+    assert least <= one.outliers[0] <= most
+
+
+@pytest.mark.shows("filtering.QUICK")
+@pytest.mark.parametrize(("noise", "used"), [(0.07, True), (0.14, False)])
+def test_quick_angles_are_used_where_their_noise_is_little(noise, used):
+    even, model = pushed(0.0)
+    one = prepare_one(model, "run", even, 12.0, None)
+    density = (noise * one.motion.ddq.std(axis=0)) ** 2 * 5.0 / ((2.0 * np.pi) ** 4 * (0.4 * one.rate) ** 5)
+    assert (_quick(one.motion, even, 6, one.rate, density, np.array([0.1])) is not None) is used
 
 
 @pytest.mark.shows("filtering.LOADED")
