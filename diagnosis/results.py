@@ -78,6 +78,11 @@ class Accepted(AsJson):
     outside: tuple[str, ...] = ()
 
     @property
+    def fall(self) -> float:
+        """By what share of itself the squared error of unseen motion fell with it, the joints' mean."""
+        return float(1.0 - np.mean((self.rms_after / self.rms_before) ** 2))
+
+    @property
     def name(self) -> str:
         """Full name, e.g. "stribeck:knee"."""
         return self.effect if self.joint is None else f"{self.effect}:{self.joint}"

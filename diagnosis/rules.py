@@ -110,6 +110,14 @@ class Rules:
     least_possible: float = _rule(STABILITY, 0.2, "share of splits from which a term is listed as possible: noise")
     most_possible: int = _rule(STABILITY, 6, "terms listed as possible at most")
     least_splits: float = _rule(STABILITY, 0.8, "share of splits that must agree: a verdict that depends on the split")
+    nearly_all: float = _rule(
+        STABILITY,
+        0.9,
+        "share of the splits of many recordings that outvotes quiet ones held out: they lose next to nothing and veto",
+    )
+    many_recordings: int = _rule(
+        STABILITY, 6, "recordings of which nearly all splits outvote those held out: a few can agree by chance"
+    )
     split_keeps: float = _rule(
         STABILITY, 0.3, "part of the expected gain that a split must show to agree: terms that only absorb model error"
     )
@@ -228,7 +236,8 @@ class Rules:
     soft_left: float = _rule(
         CHANNELS,
         0.4,
-        "part of the squared error that one such drive leaves of what all accepted effects leave: effects named for it",
+        "part of the squared error that one such drive leaves of what all accepted effects leave, of fitted and of "
+        "unseen motion each: effects named for it",
     )
     soft_beside: float = _rule(
         CHANNELS, 0.9, "the same where the drive is among several accepted: the others make up for its approximation"

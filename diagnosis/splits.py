@@ -46,7 +46,8 @@ def from_scratch(
     for name, entries in found.items():
         values = [numbers for _, numbers in entries]
         ranges = {key: (min(v[key].value for v in values), max(v[key].value for v in values)) for key in values[0]}
-        agreements[name] = Agreement(len(entries), count, ranges, tuple(dict.fromkeys(lost.get(name, ()))))
+        against = tuple(dict.fromkeys(lost.get(name, ())))
+        agreements[name] = Agreement(len(entries), count, ranges, against, len(splits), len(everything))
     possible = [
         Possible(
             score.candidate.term.effect.id,

@@ -36,9 +36,9 @@ def possible_beside(
     """Return what is possible where a drive too soft for its encoder explains more than all that was accepted."""
     reason = f"{soft.name}, its link where the measured torque puts it, explains more than all that was accepted"
     given_up = [
-        Possible(one.effect, one.joint, one.agreement, one.parameters, _fall(one), reason)
+        Possible(one.effect, one.joint, one.agreement, one.parameters, one.fall, reason)
         for one in accepted
-        if _fall(one) >= rules.least_share
+        if one.fall >= rules.least_share
     ]
     names = {one.name for one in accepted}
     both = [*given_up, *(one for one in possible if one.name not in names)]
@@ -51,11 +51,6 @@ def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> 
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
     both = [found, *(one for one in possible if one.effect != SWAY)]
     return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
-
-
-def _fall(one: Accepted) -> float:
-    """Return by what share of itself the squared error fell with an accepted effect, the joints' mean."""
-    return float(1.0 - np.mean((one.rms_after / one.rms_before) ** 2))
 
 
 def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:

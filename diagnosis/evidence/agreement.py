@@ -12,13 +12,16 @@ from diagnosis.rules import Rules
 class Agreement:
     """In how many splits a term is `accepted`, of those that can tell (`of`), and the `ranges` of its parameters there.
 
-    `against` are indices of the recordings that, set aside, lose by it.
+    `against` are indices of the recordings that, set aside, lose by it. `splits` counts those that cannot tell too,
+    `recordings` what they are splits of.
     """
 
     accepted: int = 0
     of: int = 0
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     against: tuple[int, ...] = ()
+    splits: int = 0
+    recordings: int = 0
 
     @property
     def share(self) -> float | None:
@@ -28,3 +31,8 @@ class Agreement:
     def enough(self, rules: Rules) -> bool:
         """Whether so many splits agree that the term may be accepted; without splits nothing speaks against it."""
         return self.share is None or self.share >= rules.least_splits
+
+    def repeats(self, rules: Rules) -> bool:
+        """Whether nearly all splits of many recordings agree: so many do not by chance, whichever are held out."""
+        many = self.recordings >= rules.many_recordings
+        return many and self.accepted >= rules.nearly_all * self.splits

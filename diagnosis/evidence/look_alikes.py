@@ -62,7 +62,8 @@ def _one_node(
 ) -> Score:
     single = replace(candidate, nodes=chosen[:, None, :])
     found = weigh(evidence, single, columns)
-    return replace(found, p_value=before.p_value, significant=before.significant, caution=before.caution)
+    known = {name: getattr(before, name) for name in ("p_value", "significant", "caution", "agreement")}
+    return replace(found, **known)
 
 
 def look_alikes(

@@ -18,7 +18,7 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.placebo import as_good, p_value, searches
-from diagnosis.evidence.score import Score, weigh
+from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
 from ground.engines.workers import allowed_processes, share_out, shared
 
@@ -104,9 +104,16 @@ def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Se
             best = [c.node(int(n)) for c, n in zip(columns[score.name], score.nodes, strict=True)]
             agreement = splits.candidate(score, best)
             steady = score.steady if agreement.share is None else agreement.enough(rules)
-            score = replace(score, agreement=agreement, steady=steady)
+            helps = score.helps or (agreement.repeats(rules) and _outvoted(evidence, score))
+            score = replace(score, agreement=agreement, steady=steady, helps=helps)
         out.append(score)
     return out
+
+
+def _outvoted(evidence: Evidence, score: Score) -> bool:
+    """Whether the recordings held out lose little beside what the fitted ones gain, in units of torque."""
+    gained = score.share * float(evidence.fold_losses.sum())
+    return harmless(evidence.rules, np.array([gained, (score.unseen or 0.0) * evidence.unseen_loss]))
 
 
 def mark_significant(scores: Sequence[Score], rate: float) -> list[Score]:

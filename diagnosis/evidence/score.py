@@ -69,6 +69,10 @@ class Score:
         """Whether it may be accepted if it is not chance: it helps, with a possible sign, in enough splits."""
         return self.helps and self.steady and not self.caution
 
+    def repeats(self, rules: Rules) -> bool:
+        """Whether nearly all splits of many recordings support it."""
+        return self.agreement is not None and self.agreement.repeats(rules)
+
     def to_plain(self) -> dict[str, Any]:
         """Return what weighing found as JSON can write it, to the last digit."""
         found = {name: getattr(self, name) for name in _FOUND}
@@ -118,7 +122,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
     helps = share >= rules.least_share and (unseen is None or unseen >= 0.5 * rules.least_share)
-    steady = _harmless(rules, gain.folds[:, 0])
+    steady = harmless(rules, gain.folds[:, 0])
     return Score(
         candidate,
         nodes,
@@ -134,7 +138,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     )
 
 
-def _harmless(rules: Rules, gains: Float) -> bool:
+def harmless(rules: Rules, gains: Float) -> bool:
     """Whether what held-out recordings lose is small beside what the others gain.
 
     `gains` (F,) are in units of the pooled residual, so that a quiet recording, which can only lose little torque, does

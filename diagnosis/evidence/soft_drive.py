@@ -54,8 +54,9 @@ NO_BETTER = 0.95
 class SoftDrive:
     """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
 
-    Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged; at joints that
-    are `asked` (J,) that was more than noise. `sure` is the joint where the other joints' errors fall as well.
+    Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged, and `fitted`
+    (J,) on fitted motion; at joints that are `asked` (J,) that was more than noise. `sure` is the joint where the other
+    joints' errors fall as well.
     """
 
     joint: str
@@ -66,6 +67,7 @@ class SoftDrive:
     before: Float
     after: Float
     asked: np.ndarray
+    fitted: Float
     sure: bool = True
 
     @property
@@ -106,7 +108,9 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             others = np.arange(len(before)) != joint
             one = replace(one, before=before, asked=asked, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
-            if one.share <= (rules.soft_beside if beside else rules.soft_left) and np.all(
+            # What explains unseen motion better than the motion it was fitted to does so by chance.
+            left = max(one.share, float(np.max((one.fitted[asked] / last.train_rms[asked]) ** 2)))
+            if left <= (rules.soft_beside if beside else rules.soft_left) and np.all(
                 one.after <= one.before * (1.0 + ~asked)
             ):
                 found.append(one)
@@ -170,8 +174,9 @@ def _sought(fitted: FittedModel, joint: int) -> float | None:
 def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
     """Return the drive of this compliance at `joint`, and what it leaves."""
     links, count, scale = _links(fitted, joint), len(fitted.prepared.train), np.maximum(fitted.train_rms, 1e-12)
+    every = fitted.prepared.all
     judged = slice(count, None) if fitted.verified else slice(0, count)
-    left = _left(links, count, compliance, scale, fitted.linear)[judged]
+    left = _left(links, count, compliance, scale, fitted.linear)
     one = fitted.model.joints[joint]
     return SoftDrive(
         one.name,
@@ -180,8 +185,9 @@ def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
         f"{one.unit('tau')}/{one.unit('q')}",
         float((compliance * _inertia(links, fitted)) ** -0.5 / (2.0 * np.pi)),
         fitted.evaluation_rms,
-        pooled_rms(left, fitted.prepared.all[judged]),
+        pooled_rms(left[judged], every[judged]),
         fitted.evaluation_rms > 0.0,
+        pooled_rms(left[:count], every[:count]),
     )
 
 

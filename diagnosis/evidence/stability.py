@@ -135,7 +135,8 @@ class Splits:
         order = np.argsort(gain)
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
         against = tuple(dict.fromkeys(r for k in worst for r in self.held_out[k]))
-        return Agreement(int((tells & agrees).sum()), int(tells.sum()), ranges, against)
+        told, recordings = int(tells.sum()), len({r for held in self.held_out for r in held})
+        return Agreement(int((tells & agrees).sum()), told, ranges, against, len(gain), recordings)
 
 
 def _ranges(names: Sequence[str], values: Sequence[Float] | Float) -> dict[str, tuple[float, float]]:

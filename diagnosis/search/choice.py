@@ -18,7 +18,7 @@ from diagnosis.evidence.look_alikes import columns_at, gains_beside, look_alikes
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.search.containing import EXACT, contains, is_within
 from diagnosis.search.context import SearchContext
-from diagnosis.search.doubt import on_bound
+from diagnosis.search.doubt import on_bound, undetermined
 from diagnosis.search.state import Extension
 from symbolic.motion import Float
 
@@ -105,13 +105,16 @@ def refitted(
     """
     rules, scale = context.rules, extension.fitted.scale
     tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
-    # What fits only with its shape on a bound is something else; a number that is a size alone may be merely large.
+    # What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. And
+    # what the interval of every number says may be absent explains nothing in its place.
     shaped = [(score, found) for score, found in tried if not score.candidate.tangent]
     elsewhere = {score.name for score, found in shaped if on_bound(found.fitted, score.name, rules)}
+    elsewhere |= {score.name for score, found in tried if undetermined(found.fitted, score.name)}
     tried = [
         (score, found)
         for score, found in tried
-        if context.unseen_gain(extension, found) > 0.0 and not context.doubt(extension, found)
+        if (context.unseen_gain(extension, found) > 0.0 or extension.outvotes(found, rules))
+        and not context.doubt(extension, found)
     ]
     if not tried:
         return None

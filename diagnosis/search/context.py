@@ -192,7 +192,8 @@ class SearchContext:
         evidence = self.evidence(extension)
         candidate = self.library.find(score.name)
         columns = self.library.columns(candidate, extension.fitted)
-        return with_chance(evidence, [weigh(evidence, candidate, columns)], {score.name: columns})[0]
+        known = {score.name: columns}
+        return with_chance(evidence, agreed(evidence, [weigh(evidence, candidate, columns)], known), known)[0]
 
     def sure(self, score: Score) -> bool:
         """Whether an accepted term that was tested anew beside the others may stay."""

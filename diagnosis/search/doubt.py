@@ -138,6 +138,8 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     """
     wrong = after.fitted.prepared.filter_error
     taken = np.sqrt(np.maximum(before.fitted.evaluation_rms**2 - after.fitted.evaluation_rms**2, 0.0))
+    if after.added is not None and after.added.repeats(rules):  # whichever recordings are held out
+        taken = np.maximum(taken, np.sqrt(np.maximum(before.fitted.train_rms**2 - after.fitted.train_rms**2, 0.0)))
     if np.any(taken > rules.filter_error * wrong) or not np.any(wrong > 0.0):
         return ""
     j = int(np.argmax(taken / np.maximum(wrong, 1e-300)))
@@ -158,7 +160,9 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     # At any joint: what is missing at one bends the inertias of all, and a small term elsewhere may bend them back.
     ratio = after.fitted.evaluation_rms / np.maximum(floor, 1e-12)
     times = float(ratio.max()) / rules.far_above
-    if times < 1.0 or share >= rules.small_gain * rules.farther ** np.log10(times):
+    # What model error makes of a term differs between recordings: one that repeats over many is there at any distance.
+    farther = 1.0 if score.repeats(rules) else rules.farther ** np.log10(times)
+    if times < 1.0 or share >= rules.small_gain * farther:
         return ""
     joint = after.fitted.model.joint_names[int(np.argmax(ratio))]
     return (

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.evidence.score import Score
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension, State
 from symbolic.language.torque import is_transform
@@ -34,10 +35,7 @@ def outweighed(context: SearchContext, state: State) -> State:
         if after.added is not None
         and left.index in after.added.candidate.term.reaches
         and _taken(before, after)[left.index] < by_curve
-        and (
-            is_transform(after.added.candidate.term)
-            or context.unseen_gain(before, after) < context.rules.small_gain
-        )
+        and (is_transform(after.added.candidate.term) or _gain(context, before, after) < context.rules.small_gain)
     ]
     if not names:
         return state
@@ -52,10 +50,17 @@ def outweighed(context: SearchContext, state: State) -> State:
     return shorter
 
 
+def _gain(context: SearchContext, before: Extension, after: Extension) -> float:
+    """Return what the term that `after` adds gains on unseen motion, and where it repeats, whichever is held out."""
+    gain, score = context.unseen_gain(before, after), after.added
+    return max(gain, score.share) if score is not None and score.repeats(context.rules) else gain
+
+
 def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, by_curve: float) -> list[str]:
     """Return the terms at whose joints all together explain little, the error being far above the noise.
 
-    Of the fitted and the unseen motion together: where unseen motion is quiet it hardly shows a term.
+    Of the fitted and the unseen motion together: where unseen motion is quiet it hardly shows a term. A curve at a
+    joint that a term does not reach says nothing against one that repeats over many recordings.
     """
     rules, first, last = context.rules, state.extensions[0], state.last
     noise, taken = context.noise(last) ** 2, _taken(first, last)
@@ -66,10 +71,12 @@ def _far_from_the_noise(context: SearchContext, state: State, left: Remainder, b
     fallen = np.sum([before**2 - after**2 for before, after in pairs], axis=0)
     whole = np.sum([np.maximum(before**2 - noise, 0.0) for before, _ in pairs], axis=0)
 
-    def little(at: list[int]) -> bool:
-        return bool(far[at].any() and fallen[at].sum() < rules.outweighed * whole[at].sum())
+    def little(one: Score) -> bool:
+        at = list(one.candidate.term.reaches)
+        there = left.index not in at and one.repeats(rules)
+        return not there and bool(far[at].any() and fallen[at].sum() < rules.outweighed * whole[at].sum())
 
-    return [one.name for one in state.accepted if little(list(one.candidate.term.reaches))]
+    return [one.name for one in state.accepted if little(one)]
 
 
 def _taken(before: Extension, after: Extension) -> Float:

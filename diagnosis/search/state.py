@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.remainder import Remainder
-from diagnosis.evidence.score import Score
+from diagnosis.evidence.score import Score, harmless
 from diagnosis.rules import RULES, Rules
 
 
@@ -29,6 +31,18 @@ class Extension:
         """
         scale = self.fitted.unseen_scale
         return 1.0 - later.fitted.unseen_loss(scale, rules) / max(self.fitted.unseen_loss(scale, rules), 1e-300)
+
+    def outvotes(self, later: Extension, rules: Rules = RULES) -> bool:
+        """Whether what `later` adds repeats over many recordings, and those held out lose little beside what it gains.
+
+        In units of torque: quiet recordings that happen to be held out lose next to nothing.
+        """
+        if later.added is None or not later.added.repeats(rules):
+            return False
+        scale = self.fitted.scale
+        unseen = self.fitted.unseen_loss(scale, rules) - later.fitted.unseen_loss(scale, rules)
+        blocks = self.fitted.block_losses(scale, rules) - later.fitted.block_losses(scale, rules)
+        return harmless(rules, np.array([float(blocks.sum()) - unseen, unseen]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from synthetic import search, state_with
 import diagnosis.discover  # noqa: F401
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.score import _harmless, admissible
+from diagnosis.evidence.score import admissible, harmless
 from diagnosis.evidence.stability import Splits
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES
@@ -37,7 +37,7 @@ from symbolic.term import Term
 @pytest.mark.shows("harmless")
 @pytest.mark.parametrize(("lost", "passes"), [(0.2, True), (0.4, False)])
 def test_what_some_recordings_lose_is_small_beside_what_others_gain(lost, passes):
-    assert _harmless(RULES, np.array([0.7, -lost, 0.3])) is passes
+    assert harmless(RULES, np.array([0.7, -lost, 0.3])) is passes
 
 
 @pytest.mark.shows("tangent_reach")
@@ -71,15 +71,24 @@ def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
 
 @pytest.mark.shows("small_gain", "far_above", "farther")
 @pytest.mark.parametrize(
-    ("share", "times", "doubted"),
-    [(0.1, 2.5, False), (0.1, 3.5, True), (0.2, 3.5, False), (0.3, 25.0, False), (0.3, 40.0, True)],
+    ("share", "times", "repeats", "doubted"),
+    [
+        (0.1, 2.5, False, False),
+        (0.1, 3.5, False, True),
+        (0.2, 3.5, False, False),
+        (0.3, 25.0, False, False),
+        (0.3, 40.0, False, True),
+        (0.2, 40.0, True, False),
+        (0.1, 40.0, True, True),
+    ],
 )
-def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, doubted):
+def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, repeats, doubted):
+    """Unless it repeats over many recordings."""
     fitted = SimpleNamespace(
         verified=False, evaluation_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
     )
     before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
-    after.added = SimpleNamespace(share=share, unseen=None)
+    after.added = SimpleNamespace(share=share, unseen=None, repeats=lambda rules: repeats)
     assert bool(small_while_far(before, after, np.ones(2), RULES)) is doubted
 
 
@@ -176,6 +185,18 @@ def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recording
     little = replace(offset, explained_share=0.1)
     assert conclude((), None, near, near, True, 4, possible=(little,)).verdict == "adequate"
     assert conclude((), None, near, near, True, 4).verdict == "adequate"
+
+
+@pytest.mark.parametrize(("after", "recordings", "said"), [(1.1, 9, True), (0.9, 9, False), (1.1, 4, False)])
+def test_it_is_said_where_the_recordings_held_out_lose_by_what_nearly_all_splits_support(after, recordings, said):
+    last = state_with(search({}, ["torque_offset:knee"])).last.fitted
+    agreement = Agreement(81, 83, {}, (), 84, recordings)
+    one = Accepted(
+        "rotor_inertia", "knee", {}, (), (), 0.001, np.ones(2), np.array([1.0, after]), "Rotor inertia", agreement
+    )
+    found = conclude((one,), None, last, last, True, recordings)
+    assert ("lose a little by rotor_inertia:knee" in found.sentence) is said
+    assert ("though not on those held out" in found.rule) is said and found.verdict == "missing"
 
 
 @pytest.mark.shows("at_bound")

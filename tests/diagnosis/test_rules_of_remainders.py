@@ -156,11 +156,11 @@ def test_a_soft_drive_among_several_effects_need_not_explain_more_than_all(left,
     long = SimpleNamespace(train=[SimpleNamespace(t=np.array([0.0, 60.0]))])
     base = SimpleNamespace(model=none, prepared=long, evaluation_rms=np.full(1, 9.0))
     last = SimpleNamespace(
-        model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]), evaluation_rms=np.ones(1)
+        model=SimpleNamespace(terms=[SimpleNamespace(name=n) for n in names], joints=[None]),
+        evaluation_rms=np.ones(1), train_rms=np.ones(1),
     )  # fmt: skip
-    best = soft_drive.SoftDrive(
-        "hip", 0.01, "rad/(N·m)", "N·m/rad", 3.0, np.ones(1), np.full(1, np.sqrt(left)), np.ones(1, bool)
-    )
+    rest = np.full(1, np.sqrt(left))
+    best = soft_drive.SoftDrive("hip", 0.01, "rad/(N·m)", "N·m/rad", 3.0, np.ones(1), rest, np.ones(1, bool), rest)
     monkeypatch.setattr(soft_drive, "swinging", lambda fitted: None)
     monkeypatch.setattr(soft_drive, "_best", lambda fitted, joint: best if fitted is base else None)
     assert (soft_drive.soft_drive(base, last, np.full(1, 0.1)) is not None) is found

@@ -61,6 +61,7 @@ def chosen(losses, monkeypatch):
     monkeypatch.setattr(choice, "contains", lambda *asked: not asked[3].startswith("all nodes of"))
     monkeypatch.setattr(choice, "_twins", lambda *asked: [])
     monkeypatch.setattr(choice, "on_bound", lambda *asked: "")
+    monkeypatch.setattr(choice, "undetermined", lambda *asked: "")
     rivals = [score(name, 0.5, numbers, folds=np.full(3, hash_of(name))) for name, (numbers, _) in losses.items()]
     extension = SimpleNamespace(fitted=SimpleNamespace(scale=np.ones(1)))
     return refitted(context, extension, None, rivals, ())
@@ -200,7 +201,8 @@ def test_a_term_takes_off_more_than_the_filter_gets_wrong(times, doubted):
     prepared = SimpleNamespace(filter_error=np.array([0.1]))
     model = SimpleNamespace(joints=[joint])
     before = SimpleNamespace(fitted=SimpleNamespace(evaluation_rms=np.array([np.hypot(0.5, 0.1 * times)])))
-    after = SimpleNamespace(fitted=SimpleNamespace(evaluation_rms=np.array([0.5]), prepared=prepared, model=model))
+    fitted = SimpleNamespace(evaluation_rms=np.array([0.5]), prepared=prepared, model=model)
+    after = SimpleNamespace(fitted=fitted, added=None)
     assert bool(made_by_the_filter(before, after, RULES)) is doubted
 
 

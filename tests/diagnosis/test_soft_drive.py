@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from diagnosis.discover import discover
+from diagnosis.evidence import soft_drive as soft_drives
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
 from diagnosis.rules import RULES
@@ -58,6 +60,18 @@ def test_a_drive_whose_resonance_lies_in_the_motion_is_found_with_its_stiffness(
 def test_how_much_better_a_soft_drive_must_be():
     base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
     assert soft_drive(base, base, NOISE, replace(RULES, soft_left=1e-4)) is None
+
+
+def test_a_soft_drive_explains_the_motion_it_was_fitted_to_as_well(monkeypatch):
+    base = fitted(MODEL, [behind(0, 0.005, k) for k in range(3)])
+    found = soft_drive(base, base, NOISE)
+    assert found is not None and np.all(found.fitted < base.train_rms)
+    monkeypatch.setattr(soft_drives, "swinging", lambda fitted: None)
+    for left, kept in ((0.35, True), (0.45, False)):
+        rest = np.full(2, found.fitted.max() / np.sqrt(left))
+        last = SimpleNamespace(model=base.model, evaluation_rms=base.evaluation_rms, train_rms=rest)
+        monkeypatch.setattr(soft_drives, "_best", lambda fitted, joint: found)
+        assert (soft_drive(base, last, NOISE) is not None) is kept
 
 
 def test_the_entry_of_the_catalogue_cannot_express_it():

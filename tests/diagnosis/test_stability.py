@@ -18,6 +18,7 @@ from diagnosis.evidence.stability import Splits, splits_of
 from diagnosis.results import stability_of
 from diagnosis.rules import RULES
 from diagnosis.search.doubt import Objection, doubt, on_bound, small_while_far, too_short, undetermined
+from diagnosis.search.engine import run_search
 from diagnosis.search.possible import agreements_of, possible_of
 from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import Bench, simulate_runs
@@ -98,6 +99,30 @@ def test_a_candidate_of_a_single_recording_is_not_asked_of_splits():
     evidence = context.evidence(start, draws=0)
     score = context.weighed(start, evidence, context.library.find("torque_offset:knee"))
     assert Splits(evidence).candidate(score, context.columns_of(score, start.fitted)) == Agreement()
+
+
+@pytest.mark.shows("nearly_all", "many_recordings")
+@pytest.mark.parametrize(
+    ("accepted", "recordings", "repeats"), [(95, 7, True), (85, 7, False), (95, 5, False), (100, 5, False)]
+)
+def test_what_nearly_all_splits_of_many_recordings_support_repeats(accepted, recordings, repeats):
+    """Splits that cannot tell count against it."""
+    assert Agreement(accepted, accepted, {}, (), 100, recordings).repeats(RULES) is repeats
+
+
+def test_two_recordings_do_not_veto_what_nearly_all_splits_of_eight_support():
+    """They lose by an offset that is larger in all others; lost in N·m it must be little beside what those gain."""
+    name, loud = "torque_offset:knee", [1.0] * 6
+    context = search(OFFSET, [name], scales=(*loud, 0.3, 0.3), verify=2)
+    start = state_with(context).last
+    (score,) = context.rank(start, 1)[1]
+    assert score.unseen < 0.0 and score.eligible and score.repeats(RULES)
+    found = run_search(context, start).state
+    assert found.names == (name,) and context.unseen_gain(start, found.last) < 0.0
+    few = replace(context, rules=replace(context.rules, many_recordings=9), ranked={}, refits={}, doubts={})
+    assert run_search(few, start).state.names == ()
+    lost = search(OFFSET, [name], scales=(*loud, -0.4, -0.4), verify=2)
+    assert run_search(lost, state_with(lost).last).state.names == ()
 
 
 def test_what_splits_say_in_words():
