@@ -32,6 +32,8 @@ ENTRY = "base_motion"
 NEAR, FINE = 0.25, 4
 """Part of a frequency about it in which that of the sway is searched: swings of the machine itself bend the line that
 it leaves; and frequencies per reciprocal duration."""
+MOST = 100
+"""Frequencies to either side of it at most, for speed: of a long recording the line is sharp."""
 ASIDE, APART = 2, 2.0
 """Times that part to which placebos reach, and how far they are shifted at least, in reciprocal durations."""
 ROUNDS = 2
@@ -100,7 +102,7 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
         return None
     lasts = [float(one.t[-1] - one.t[0]) for one in last.prepared.all]
     step = 1.0 / (FINE * max(lasts))
-    count = int(NEAR * swing.hertz / step)
+    count = min(MOST, int(NEAR * swing.hertz / step))
     tried = _within(swing.hertz, step, count)
     candidate = Candidate(Term(effect, None, model.joints), np.zeros((1, 1, 2)), False)
     blocks = last.evidence(seed=0, draws=0).blocks
