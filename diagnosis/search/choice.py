@@ -236,7 +236,8 @@ def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> 
     ]
     loss = float(evidence.fold_losses.sum())
     gain = float(level.gain(level.plain(columns)).total[0]) / loss
-    left = float(level.fold_losses.sum()) / loss  # most of what offsets leave is enough: a drift makes some of both
+    # Most of what offsets leave at its joints is enough: a drift makes some of both, and others what is left elsewhere.
+    left = float(level.fold_losses.sum()) * level.portion(columns[0].joints) / loss
     return gain >= max(rules.least_share, rules.own_place * min(score.share, left))
 
 

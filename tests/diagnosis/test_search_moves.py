@@ -359,3 +359,10 @@ def test_what_repeats_over_many_recordings_stays_beside_a_curve_at_another_joint
     last = replace(state.last, added=replace(state.last.added, agreement=agreement))
     state = state.grown(state.extensions[0], last)
     assert outweighed(context, state).names == kept
+
+
+def test_a_drift_is_no_offset_for_what_is_left_at_another_joint():
+    """Most of the drift is a mean, as an offset is; what that leaves is nearly all a ripple at the hip."""
+    hidden = {"torque_drift:knee": ([0.2], [0.0]), "torque_ripple:hip": ([1.5, 0.6], [9.0])}
+    context = search(hidden, ["torque_drift:knee"])
+    assert forward(context, state_with(context)).names == ("torque_drift:knee",)
