@@ -49,6 +49,11 @@ QUICK = Threshold(
     "noise of accelerations in the whole band, of the accelerations' own size, up to which outliers are looked for "
     "beside them: a jump of the force, which slower angles cannot follow, passes for a spike",
 )
+MANY = Threshold(
+    0.1,
+    "share of a joint's samples far off their neighbours beyond which they are no spikes, which are rare, unless they "
+    "are far off beside hardly filtered angles too: fewer jumps are left out, where clocks that differ count most",
+)
 SPIKE = Threshold(
     0.6,
     "part of its distance from its neighbours that a torque sample keeps beside angles that are hardly filtered, from "
@@ -206,10 +211,11 @@ def prepare_one(
     known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
     bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER if beta is not None else 6.0)
     quick = _quick(motion, even, factor, rate, noise, reach_of) if beta is not None and smoothed is None else None
-    if quick is not None and bad.any():
+    if quick is not None and np.any(bad.mean(axis=0) > MANY):
         beside_quick = tau - base.torque(_at_rest(quick, stuck), beta)
         too, around = median_outliers(beside_quick, OUTLIER_SECONDS, rate, OUTLIER)
-        bad = bad & too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
+        spikes = too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
+        bad = bad & (spikes | (bad.mean(axis=0) <= MANY))
     bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
     logged, tau = tau, np.where(bad, known + middle, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
