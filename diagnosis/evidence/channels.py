@@ -37,10 +37,17 @@ def doubts_before(
     `explained` returns what share of the squared error the best entry of the catalogue explains: one that leaves less
     than another timing of the torque is the nearer answer, as dry friction that builds up slowly.
     """
+    return (
+        _noisy_angles(base, rules)
+        or _driven_by_friction(base)
+        or _late(base, rules, explained)
+        or _follows_the_angles(base, rules)
+    )
+
+
+def _late(base: FittedModel, rules: Rules, explained: Callable[[], float]) -> Doubt | None:
     late = late_torque(base, rules)
-    if late is not None and 1.0 - explained() < late.share:
-        late = None
-    return _noisy_angles(base, rules) or _driven_by_friction(base) or late or _follows_the_angles(base, rules)
+    return None if late is not None and 1.0 - explained() < late.share else late
 
 
 def doubts_after(base: FittedModel, last: FittedModel, rules: Rules = RULES) -> Doubt | None:

@@ -328,7 +328,14 @@ def acceleration_quality(even: UniformSignals, cutoff: float) -> Float:
 
 def acceleration_noise(even: UniformSignals, cutoff: float) -> Float:
     """Return the standard deviation (J,) of the acceleration noise left below `cutoff` Hz, rad/s²."""
-    return np.asarray(np.sqrt(noise_density(even) * (2 * np.pi) ** 4 * cutoff**5 / 5.0))
+    return acceleration_deviation(noise_density(even), cutoff)
+
+
+def acceleration_deviation(density: Float, band: float) -> Float:
+    """Return the standard deviation (J,) of the acceleration noise below `band` Hz that angle noise of `density` (J,),
+    rad²/Hz, makes, rad/s².
+    """
+    return np.asarray(np.sqrt(density * (2 * np.pi) ** 4 * band**5 / 5.0))
 
 
 def velocity_noise(density: Float, cutoff: float) -> Float:

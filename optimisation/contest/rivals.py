@@ -31,7 +31,6 @@ from symbolic.model import Model
 if TYPE_CHECKING:
     from measurement.recording import Recording
     from optimisation.fitting.assemble import FilteredRecording
-    from symbolic.model import Model
 
 Progress = Callable[[float, str], None]
 

@@ -17,6 +17,7 @@ from measurement.auditing.checks.motion import NOTHING
 from measurement.signals.conditioning import (
     Bridge,
     UniformSignals,
+    acceleration_deviation,
     bridging,
     derivatives,
     fine_derivatives,
@@ -267,8 +268,7 @@ def _quick(motion: Motion, even: UniformSignals, factor: int, rate: float, noise
     Where the force jumps, it differs from what slower angles ask for as if it had outliers there.
     """
     band = 0.4 * rate
-    size = np.sqrt(noise * (2.0 * np.pi) ** 4 * band**5 / 5.0)
-    if np.any(size > QUICK * motion.ddq.std(axis=0)):
+    if np.any(acceleration_deviation(noise, band) > QUICK * motion.ddq.std(axis=0)):
         return None
     angles = low_pass(even.q, band, even.rate)
     q, dq, ddq = (part[::factor] for part in (angles, *fine_derivatives(angles, even.rate)))
