@@ -248,7 +248,10 @@ def _impossible(fitted: FittedModel) -> list[Finding]:
 
 
 def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
-    """Return whether held-out recordings are well explained by numbers of their own, and badly by those fitted."""
+    """Return whether held-out recordings are well explained by numbers of their own, and badly by those fitted.
+
+    At least one number must differ by more than both intervals allow.
+    """
     unseen = last.verify_rms
     if unseen is None:
         return None
@@ -269,6 +272,8 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
         for e in last.fit.estimates
         if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
     ]
+    if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ
+        return None
     errors = ", ".join(
         f"{joint.name} {a:.3g} {joint.unit('tau')} on fitted and {b:.3g} {joint.unit('tau')} on held-out motion"
         for joint, a, b, k in zip(last.model.joints, last.train_rms, unseen, known, strict=True)

@@ -191,6 +191,16 @@ def test_held_out_recordings_of_another_leg(good):
     assert found is not None and "not of the machine" in found.sentence and "Phi1" in found.sentence
 
 
+def test_short_recordings_of_one_machine_are_not_taken_for_two(shared_data):
+    """Six seconds of a pendulum fitted, three held out: a much larger error there, and no number that differs."""
+    fitted, unseen = (read_recording(shared_data / "one_joint_rig" / f"swing_up_{k}.csv") for k in ("ddp", "slow"))
+    machine = Model("pendulum", limits={}, chain=(Joint("axis"),))
+    prepared = prepare(machine, [fitted], [unseen])
+    found = fitted_model(identify(machine, prepared.train, optimisers=()), prepared)
+    assert found.verify_rms is not None and found.verify_rms[0] > RULES.another_machine * found.train_rms[0]
+    assert doubts_after(found, found) is None
+
+
 @pytest.mark.slow
 def test_a_fit_without_a_search_tells_its_doubts_too(good):
     assert not channel_findings(base(good))
