@@ -31,9 +31,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.evidence.candidates import build_library  # noqa: E402
 from diagnosis.evidence.columns import Columns  # noqa: E402
 from diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
+from diagnosis.evidence.library import build_library  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
 from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
 from measurement.bench.leg import random_leg  # noqa: E402

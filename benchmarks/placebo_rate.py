@@ -23,9 +23,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.evidence.candidates import build_library  # noqa: E402 - the repository must be on the path first
 from diagnosis.evidence.columns import Columns  # noqa: E402
 from diagnosis.evidence.fitted import fitted_model  # noqa: E402
+from diagnosis.evidence.library import build_library  # noqa: E402 - the repository must be on the path first
 from diagnosis.evidence.placebo import placebo  # noqa: E402
 from diagnosis.evidence.score import weigh  # noqa: E402
 from measurement.reading.read import read_recording  # noqa: E402

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.channels import doubts_before
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.library import build_library
 from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from diagnosis.evidence.stretches import searched_stretches
 from diagnosis.results import Step

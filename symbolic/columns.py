@@ -30,9 +30,9 @@ from symbolic.evaluation import (
     vector,
 )
 from symbolic.language.deflection import STATES
-from symbolic.language.lower import turns
 from symbolic.language.torque import is_transform, part_of, torques, uses_feedback, uses_slopes
 from symbolic.motion import Float, Motion
+from symbolic.waves import FEW, Waves
 
 if TYPE_CHECKING:
     from symbolic.joints import Joint
@@ -310,8 +310,8 @@ def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Floa
 
     still = [names.index(f"{term.name}.{key}") for key, entry in term.effect.shape.items() if entry.turns]
     unturned = {key: entry for key, entry in term.effect.shape.items() if not entry.turns}
-    waves = [entry.unit for entry in unturned.values()] == ["Hz"] and not shapes[:, still].any()
-    if len(shapes) < FEW or count % 2 or not waves:
+    swings = [entry.unit for entry in unturned.values()] == ["Hz"] and not shapes[:, still].any()
+    if len(shapes) < FEW or count % 2 or not swings:
         return computed
     place = names.index(f"{term.name}.{next(iter(unturned))}")
     few = shapes[[0, len(shapes) // 2, -1]]
@@ -319,29 +319,13 @@ def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Floa
     phase = 2.0 * np.pi * motion.t
     first, carried = few[0, place] * phase, np.swapaxes(known[0], 0, 1)
     carried = np.sin(first) * carried[0::2] + np.cos(first) * carried[1::2]
-    turned = partial(_turned, carried, phase)
+    waves = Waves(carried, phase, place)
     rounding = SAME * np.abs(known).max() * (1.0 + np.ptp(motion.t) * np.abs(few[:, place]).max())
-    if np.abs(turned(few[:, place]) - known).max() > rounding:
-        return computed
-    return lambda some: turned(some[:, place])
+    return waves if np.abs(waves(few) - known).max() <= rounding else computed
 
 
-FEW = 8
-"""Frequencies from which on it is seen whether columns are waves that differ in nothing else."""
 SAME = 1e-12
 """Rounding of a column, of its size, for each turn of the phase."""
-
-
-def _turned(carried: Float, phase: Float, frequencies: Float) -> Float:
-    """Return columns (V, J, 2m, N): pairs of `carried` (m, J, N) times sin(fφ), cos(fφ), at `frequencies` f (V,)
-    and the phase φ (N,) at 1 Hz.
-    """
-    pairs, *rest = carried.shape
-    out = np.empty((len(frequencies), pairs, 2, *rest))  # in the order in which columns are filtered
-    for values, turn in zip(out, turns(frequencies, phase), strict=True):
-        np.multiply(np.ascontiguousarray(turn.imag), carried, out=values[:, 0])
-        np.multiply(np.ascontiguousarray(turn.real), carried, out=values[:, 1])
-    return np.swapaxes(out.reshape(len(frequencies), 2 * pairs, *rest), 1, 2)
 
 
 _KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...], bool], Float]] = WeakKeyDictionary()

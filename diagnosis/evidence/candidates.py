@@ -8,43 +8,34 @@ trial value. Nothing here ever looks at the measured torque.
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.columns import Columns, LateColumns
 from diagnosis.evidence.fitted import FittedModel
-from ground.engines.workers import shared
 from ground.errors import ExpressionError
-from optimisation.fitting.shapes import from_unit
 from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
-from symbolic.catalogue import catalogue
 from symbolic.columns import derived_columns, slopes_of, transformed
-from symbolic.effect import Effect, Shape
 from symbolic.evaluation import carrying, motion_words, torque_values
 from symbolic.language.deflection import SLOPES
+from symbolic.language.lower import to_numpy
 from symbolic.language.torque import Torque, is_transform, part_of, torques
+from symbolic.language.tree import Binary, Call, Name
 from symbolic.language.words import FEEDBACK
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
-from symbolic.term import Term, places_of
+from symbolic.term import Term
+from symbolic.waves import Waves
 
 TANGENT_STEP = 1e-3
 """Step of a tangent, as a share of the range of the number."""
-FINE = 50
-"""Nodes from which on columns that depend on the model's numbers are not computed at every step."""
-QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
-"""Where on a joint's path a position is tried (and mirrored for the other end)."""
 TOGETHER = 150_000
 """Values that are computed and filtered at once: more no longer fit into a processor's cache."""
-MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
-"""Moments after the end of a recording that are tried, in its lengths (and mirrored, before its beginning)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,135 +88,8 @@ class Candidate:
         return tuple(i for i, s in enumerate(self.term.effect.shape.values()) if s.per_recording)
 
 
-@dataclass(frozen=True, eq=False)
-class Library:
-    """The candidates for a question, and their columns; those that no parameter can change are kept, the others for as
-    long as the same model is asked about.
-    """
-
-    entries: tuple[Candidate, ...]
-    _own: dict[str, Candidate] = field(default_factory=dict)
-    _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
-    _beside: WeakKeyDictionary[FittedModel, dict[str, tuple[Columns, ...]]] = field(default_factory=WeakKeyDictionary)
-
-    @property
-    def candidates(self) -> tuple[Candidate, ...]:
-        """The candidates, in the order of the catalogue."""
-        return tuple(self._own.get(one.name, one) for one in self.entries)
-
-    def narrow(self, name: str, nodes: Float) -> None:
-        """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
-        self._own[name] = replace(self.find(name), nodes=nodes)
-        for kept in (self._kept, *self._beside.values()):
-            kept.pop(name, None)
-
-    def find(self, name: str) -> Candidate:
-        """Return the candidate called `name` with all its nodes."""
-        return next(c for c in self.candidates if c.name == name)
-
-    def columns(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
-        """Return the columns of `candidate` on every recording, beside the model `fitted` at its numbers.
-
-        Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
-        computed anew where it is compared (`look_alikes.refine`).
-        """
-        if candidate.name in (beside := self._beside.get(fitted, {})):
-            return beside[candidate.name]
-        room = self.room(candidate, fitted.prepared)
-        self.fill(candidate, fitted, room)
-        return self.keep(candidate, fitted, room)
-
-    def room(self, candidate: Candidate, prepared: Prepared) -> tuple[Columns, ...]:
-        """Return the columns that are kept of `candidate`, or room for them which copies of this process see."""
-        if candidate.name in self._kept:
-            return self._kept[candidate.name]
-        own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
-        shapes = [(*own, len(one.kept)) for one in prepared.all]
-        sizes = [int(np.prod(shape)) for shape in shapes]
-        values = np.frombuffer(shared(sum(sizes)), dtype=float)
-        parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
-        return tuple(
-            Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))
-            for part, shape in zip(parts, shapes, strict=True)
-        )
-
-    def fill(self, candidate: Candidate, fitted: FittedModel, room: tuple[Columns, ...]) -> None:
-        """Compute the columns of `candidate` into the `room` for them, unless they are kept."""
-        if candidate.name not in self._kept:
-            for nodes, one, columns in zip(candidate.nodes, fitted.prepared.all, room, strict=True):
-                _fill(candidate, nodes, one, fitted, columns)
-
-    def keep(self, candidate: Candidate, fitted: FittedModel, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
-        """Keep the columns of `candidate` beside `fitted`, beside any model if no parameter can change them; and return
-        them.
-        """
-        fine = candidate.nodes.shape[1] > FINE
-        if not candidate.tangent and (fine or not _feeds_back(candidate.term)):
-            self._kept[candidate.name] = columns
-            return columns
-        if fitted not in self._beside:
-            self._beside.clear()
-        self._beside.setdefault(fitted, {})[candidate.name] = columns
-        return columns
-
-
-def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
-    """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
-
-    Terms that `model` already has are left out, and effects of a drive, or of the model's own torque, at a joint that
-    has no drive in any recording.
-    """
-    driven = [any(one.driven[j] for one in prepared) for j in range(len(model.joints))]
-    known = {term.name for term in model.terms}
-    found = []
-    for effect in (*catalogue(model.joints).values(), *extra):
-        for joint in places_of(effect, model.joints):
-            term = Term(effect, joint, model.joints)
-            # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
-            undriven = joint is not None and not driven[term.first]
-            idle = undriven and (effect.drive or (effect.derive is None and _feeds_back(term)))
-            if term.name not in known and not idle:
-                own = any(shape.per_recording for shape in effect.shape.values())
-                tangent = not effect.coefficients and not own
-                found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
-    return Library(tuple(found))
-
-
-def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> Float:
-    shapes = list(term.placed_shape.values())
-    if tangent or not shapes:
-        return np.zeros((len(prepared), 1, len(shapes)))
-    if not any(shape.per_recording and not shape.turns for shape in shapes):
-        return _product(shapes, term, [prepared] * len(prepared))
-    # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
-    # says little about where.
-    own = _product(shapes, term, [[one] for one in prepared])
-    return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
-
-
-def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[PreparedRecording]]) -> Float:
-    return np.array([list(itertools.product(*(_axis(s, term, path) for s in shapes))) for path in paths], dtype=float)
-
-
-def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
-    if shape.choices:
-        return shape.choices
-    if shape.turns:  # another one for all recordings is other coefficients
-        return (0.0,)
-    if shape.spacing == "position" and term.joint is not None:
-        joint = term.first
-        levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
-        places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
-        return tuple(np.clip(places, shape.min, shape.max))
-    if shape.spacing == "time":
-        begin = min(float(p.motion.t[0]) for p in paths)
-        lasts = max(float(p.motion.t[-1]) for p in paths) - begin
-        far = [*MOMENTS, *(1.0 - moment for moment in MOMENTS)]
-        return tuple(np.clip([begin + u * lasts for u in (*np.linspace(0.0, 1.0, 11), *far)], shape.min, shape.max))
-    return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))
-
-
-def _feeds_back(term: Term) -> bool:
+def feeds_back(term: Term) -> bool:
+    """Whether the columns of a term follow the model's own torque."""
     if term.effect.derive is not None:
         return True
     return any(torque.names & FEEDBACK for torque in torques(term))
@@ -235,18 +99,43 @@ def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording
     """Return the filtered columns of a candidate on one recording at `nodes` (V, S)."""
     shape = len(nodes), candidate.width, len(candidate.joints), len(one.kept)
     columns = Columns(candidate.joints, np.moveaxis(np.empty(shape), 1, 3))
-    _fill(candidate, nodes, one, fitted, columns)
+    fill_columns(candidate, nodes, one, fitted, columns)
     return columns
 
 
-def _fill(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel, into: Columns) -> None:
+def late_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> LateColumns:
+    """Return the columns of a candidate on one recording, which are computed when they are asked for."""
+    shape = candidate.width, len(candidate.joints), len(one.kept)
+    unfiltered: list[Callable[[Float], Float]] = []
+
+    def at(which: slice | np.ndarray) -> Float:
+        if not unfiltered:
+            unfiltered.append(unfiltered_columns(candidate, nodes, one, fitted))
+        values = np.empty((len(nodes[which]), *shape))
+        _filter(unfiltered[0], candidate, nodes[which], one, values)
+        return np.moveaxis(values, 1, 3)
+
+    return LateColumns(candidate.joints, len(nodes), at)
+
+
+def fill_columns(
+    candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel, into: Columns
+) -> None:
     """Write the filtered columns of a candidate on one recording at `nodes` (V, S)."""
-    values = np.moveaxis(into.values, 3, 1)  # (V, m, A, K): as the evidence reads it
-    parts = -(-len(nodes) * candidate.width * len(candidate.joints) * len(one.motion) // TOGETHER)
     unfiltered = unfiltered_columns(candidate, nodes, one, fitted)
+    _filter(unfiltered, candidate, nodes, one, np.moveaxis(into.values, 3, 1))
+
+
+def _filter(
+    unfiltered: Callable[[Float], Float], candidate: Candidate, nodes: Float, one: PreparedRecording, into: Float
+) -> None:
+    """Write columns at `nodes` (V, S) into (V, m, A, K), as the evidence reads it, filtered."""
+    if isinstance(unfiltered, Waves) and one.smooth_waves(unfiltered, nodes, candidate.joints, into):
+        return
+    parts = -(-len(nodes) * candidate.width * len(candidate.joints) * len(one.motion) // TOGETHER)
     for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
         raw = np.ascontiguousarray(np.swapaxes(unfiltered(nodes[some]), 1, 2))
-        one.smooth_rows(raw, candidate.joints, 2, values[some[0] : some[-1] + 1])
+        one.smooth_rows(raw, candidate.joints, 2, into[some[0] : some[-1] + 1])
 
 
 def unfiltered_columns(
@@ -268,8 +157,10 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
     term, motion = candidate.term, one.motion
     keys, shape_keys = tuple(term.effect.coefficients), tuple(term.effect.shape)
     words = motion_words(motion)
-    if _feeds_back(term):
+    if feeds_back(term):
         words |= fed_back((term,), one, fitted)
+    if (waves := _waves(term, words, len(motion))) is not None:
+        return waves
 
     def at(nodes: Float) -> Float:
         out, kept = np.zeros((len(nodes), len(candidate.joints), len(keys), len(motion))), dict[Any, Any]()
@@ -284,6 +175,21 @@ def _texts(candidate: Candidate, one: PreparedRecording, fitted: FittedModel) ->
         return out
 
     return at
+
+
+def _waves(term: Term, words: dict[str, Float | float], samples: int) -> Waves | None:
+    """Return the columns of a term at one joint that is a sin(n x) + b cos(n x), n its only shape; None of others."""
+    keys, texts = tuple(term.effect.coefficients), torques(term)
+    if len(texts) != 1 or len(keys) != 2 or len(term.effect.shape) != 1:
+        return None
+    parts = [part_of(texts[0], key, keys).node for key in keys]
+    (number,) = term.effect.shape
+    match parts:
+        case [Call("sin", (Binary("*", Name(first), x),)), Call("cos", (Binary("*", Name(second), y),))]:
+            if first == second == number and x == y and number not in x.names():
+                phase = np.broadcast_to(to_numpy(x, words), (samples,))
+                return Waves(np.ones((1, 1, samples)), np.ascontiguousarray(phase))
+    return None
 
 
 def _at_nodes(
@@ -380,6 +286,8 @@ def _derived(term: Term, one: PreparedRecording, fitted: FittedModel, nodes: Flo
         return np.column_stack([np.tile(fitted.shape, (len(some), 1)), some])
 
     columns, joints = derived_columns(extended, one.motion, shapes(nodes), reference), list(term.reaches)
+    if isinstance(columns, Waves):
+        return Waves(columns.carried[:, joints], columns.phase, columns.place - len(fitted.shape))
     if joints == list(range(len(extended.joints))):
         return lambda some: columns(shapes(some))
     return lambda some: columns(shapes(some))[:, joints]

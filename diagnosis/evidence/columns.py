@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from symbolic.joints import LEG
 from symbolic.motion import Float
+
+AT_ONCE = 32
+"""Nodes of late columns that are computed at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,11 @@ class Columns:
     def absent(cls, joints: tuple[int, ...], shape: tuple[int, ...]) -> Columns:
         """Return the columns of a candidate that does not act on a recording; one zero stands for all."""
         return cls(joints, np.broadcast_to(0.0, shape))
+
+    @property
+    def pieces(self) -> list[slice]:
+        """The nodes in pieces that are worth having at once."""
+        return [slice(0, len(self.values))]
 
     @property
     def is_absent(self) -> bool:
@@ -47,7 +55,42 @@ class Columns:
 
     def node(self, index: int) -> Columns:
         """Return the columns of one node alone."""
-        return Columns(self.joints, self.values[index : index + 1])
+        return self.some(slice(index, index + 1))
+
+    def some(self, nodes: slice | np.ndarray) -> Columns:
+        """Return the columns of some nodes."""
+        return Columns(self.joints, self.values[nodes])
+
+
+class LateColumns(Columns):
+    """Columns of so many nodes, `count`, that those of some are computed, `at`, when they are asked for: memory for all
+    takes longer to get than they take to be computed.
+    """
+
+    def __init__(self, joints: tuple[int, ...], count: int, at: Callable[[slice | np.ndarray], Float]) -> None:
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "_late", (count, at))
+
+    _late: tuple[int, Callable[[slice | np.ndarray], Float]]
+
+    @property
+    def values(self) -> Float:
+        """The columns of all nodes."""
+        return self._late[1](slice(None))
+
+    @property
+    def pieces(self) -> list[slice]:
+        """The nodes in pieces that are worth having at once."""
+        return [slice(at, at + AT_ONCE) for at in range(0, self._late[0], AT_ONCE)]
+
+    @property
+    def is_absent(self) -> bool:
+        """Whether it is known not to act on this recording."""
+        return False
+
+    def some(self, nodes: slice | np.ndarray) -> Columns:
+        """Return the columns of some nodes."""
+        return Columns(self.joints, self._late[1](nodes))
 
 
 def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:

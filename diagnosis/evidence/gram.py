@@ -26,6 +26,13 @@ class Gram:
         sums = ((units @ each.reshape(len(each), -1), each) for each in (self.g, self.h, self.a))
         return Gram(*(total.reshape(len(units), *each.shape[1:]) for total, each in sums))
 
+    @classmethod
+    def joined(cls, parts: Sequence[Gram]) -> Gram:
+        """Return the Gram blocks of several lots of entries (D,) as one."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(*(np.concatenate(each, axis=-1) for each in zip(*((p.g, p.h, p.a) for p in parts), strict=True)))
+
     def entries(self, *which: Any) -> Gram:
         """Return those of some entries of D, one index for each axis that it has."""
         return Gram(self.g[..., *which], self.h[..., *which], self.a[..., *which])

@@ -57,7 +57,7 @@ def as_good(
     if seen <= 0.0:  # a placebo that gains nothing is as good
         return np.ones(evidence.draws, dtype=bool)
     some = [
-        _telegraph(Columns(c.joints, c.values[search.nodes]), rules.telegraph * block.rate, r)
+        _telegraph(c.some(search.nodes), rules.telegraph * block.rate, r)
         for r, (c, block) in enumerate(zip(columns, evidence.blocks, strict=True))
     ]
 

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Library
+from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.library import Library
 from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
@@ -55,7 +56,7 @@ def weigh_all(
 ) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
     """Return the candidates `todo` weighed, without placebos, and their columns; shared with copies of this process."""
     many = allowed_processes()
-    rooms = [library.room(c, fitted.prepared) for c in todo]
+    rooms = [library.room(c, fitted) for c in todo]
     found: dict[int, Score] = {}
 
     def weighed(k: int) -> dict[str, Any]:

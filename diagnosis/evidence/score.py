@@ -92,16 +92,18 @@ class Score:
 
 def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
     """Return the score of a candidate at its best node, without placebos."""
-    grams = evidence.plain(columns)
+    parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
+    each = [(evidence.plain(part), _active(evidence, part)) for part in parts]
+    grams, active = Gram.joined([gram for gram, _ in each]), np.concatenate([share for _, share in each])
     novelty = evidence.novelty(grams)
     rules = evidence.rules
-    alive = (novelty > rules.least_novelty) & (_active(evidence, columns) >= rules.least_active)
+    alive = (novelty > rules.least_novelty) & (active >= rules.least_active)
     if not alive.any():
         nodes = np.zeros(len(columns), dtype=int)
         blank = np.zeros(len(evidence.fold_losses))
         text = "the model's own parameters already contain it, on this motion"
         return Score(
-            candidate, nodes, 0.0, blank, 0.0, np.zeros(columns[0].values.shape[3]), float(novelty.max()), caution=text
+            candidate, nodes, 0.0, blank, 0.0, np.zeros(candidate.width), float(novelty.max()), caution=text
         )
     best: tuple[np.ndarray, Gain] | None = None
     wrong = 0.0

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Library
+from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.library import Library
 from diagnosis.evidence.look_alikes import columns_at, refine
 from diagnosis.evidence.model_error import noise_with
 from diagnosis.evidence.own_sway import ENTRY as SWAY

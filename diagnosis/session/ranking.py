@@ -12,10 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Library
+from diagnosis.evidence.candidates import Candidate
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, pooled_rms
 from diagnosis.evidence.gain import Evidence
+from diagnosis.evidence.library import Library
 from diagnosis.evidence.look_alikes import columns_at, look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant

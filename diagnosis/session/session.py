@@ -19,8 +19,8 @@ import numpy as np
 
 from diagnosis.compare import Comparison, compare_prepared
 from diagnosis.discover import answer_of
-from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.library import Library, build_library
 from diagnosis.evidence.model_error import ModelError, model_error
 from diagnosis.evidence.stretches import origins, searched_stretches
 from diagnosis.question import Question, own_effects

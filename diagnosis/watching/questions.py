@@ -11,9 +11,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, Library, build_library, candidate_columns
+from diagnosis.evidence.candidates import Candidate, candidate_columns
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.library import Library, build_library
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.language.torque import torques
 from symbolic.mechanics.payload import LINKS, Payload

@@ -8,6 +8,7 @@ are the check on it in the tests; importing them takes longer than most recordin
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from ctypes import c_double, c_long, c_void_p
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from measurement.signals.compiled import LANES, row_library
+from measurement.signals.compiled import FEWEST, BridgeInC, row_library
 from symbolic.codegen.cache import CompiledLibrary
 from symbolic.motion import Float
+from symbolic.waves import RENEWED, Waves, spacing, turned
 
 STRETCH = 64
 """Samples that one matrix product filters."""
@@ -156,7 +158,7 @@ def both_ways_at(
     continued by their odd reflection. Written into `out` (C, K), contiguous, where that is given.
     """
     out = np.empty((len(rows), count)) if out is None else out
-    library = row_library(one.poles.size) if len(rows) >= LANES else None
+    library = row_library(one.poles.size) if len(rows) >= FEWEST else None
     if library is None:
         out[:] = _by_products(one, rows, first, step, count, reach)
         return out
@@ -167,19 +169,47 @@ def _compiled(
     library: CompiledLibrary, one: Filter, rows: Float, first: int, step: int, reach: int, out: Float
 ) -> Float:
     """Do it sample by sample, some rows side by side."""
-    x, count = np.ascontiguousarray(rows, dtype=float), out.shape[1]
-    samples, beyond = x.shape[1], -(-count // KEPT) * KEPT * step  # as far as products reach
+    x = np.ascontiguousarray(rows, dtype=float)
+    given, modes = _given(one, x.shape[1], first, step, out.shape[1], reach)
+    data = (c_void_p(array.ctypes.data) for array in (*modes, x, out))
+    if library.c.exoid_both_ways_at(c_long(len(x)), *given, *data):
+        raise MemoryError("no memory for the rows that are filtered")
+    return out
+
+
+def _given(
+    one: Filter, samples: int, first: int, step: int, count: int, reach: int
+) -> tuple[list[c_long | c_double], tuple[Float, Float]]:
+    """Return what C is told of the samples that are kept of so many, and the poles and factors of the filter."""
+    beyond = -(-count // KEPT) * KEPT * step  # as far as products reach
     before = max(0, min(samples - 1, reach - first))
     after = max(0, min(samples - 1, first + beyond + reach - samples))
     poles, factors, extra = _modes(one)
-    failed = library.c.exoid_both_ways_at(
-        *map(c_long, (len(x), samples, first, step, count, before, after)),
-        c_double(extra - float(np.sum(factors.real))),  # both ways a sample counts itself
-        *(c_void_p(array.ctypes.data) for array in (_parts(poles), _parts(factors), x, out)),
-    )
-    if failed:
-        raise MemoryError("no memory for the rows that are filtered")
-    return out
+    counts = [c_long(number) for number in (samples, first, step, count, before, after)]
+    own = c_double(extra - float(np.sum(factors.real)))  # both ways a sample counts itself
+    return [*counts, own], (_parts(poles), _parts(factors))
+
+
+def filtered_waves(
+    one: Filter, waves: Waves, numbers: Float, bridges: Sequence[BridgeInC], first: int, step: int, reach: int,
+    out: Float,
+) -> bool:
+    """Write evenly spaced waves at `numbers` (V,), bridged joint by joint and filtered both ways, into `out` (V, 2m, A,
+    K), as `both_ways_at` does with rows of them; return False, having done nothing, where there is no compiler.
+    """  # fmt: skip
+    library = row_library(one.poles.size)
+    if library is None:
+        return False
+    pairs, joints, samples = waves.carried.shape
+    given, modes = _given(one, samples, first, step, out.shape[-1], reach)
+    turn, carried = waves.turn(spacing(numbers)), np.ascontiguousarray(waves.carried)
+    for at in range(0, len(numbers), RENEWED):
+        some, start = out[at : at + RENEWED], turned(numbers[at] * waves.phase)
+        data = [c_void_p(array.ctypes.data) for array in (*modes, start, turn, carried, some)]
+        data.insert(-1, (BridgeInC * joints)(*bridges))
+        if library.c.exoid_waves_at(*map(c_long, (len(some), pairs, joints)), *given, *data):
+            raise MemoryError("no memory for the waves that are filtered")
+    return True
 
 
 def _by_products(one: Filter, rows: Float, first: int, step: int, count: int, reach: int) -> Float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import c_long, c_void_p
+from ctypes import Structure, c_long, c_void_p
 from functools import lru_cache
 
 import numpy as np
@@ -14,15 +14,27 @@ from symbolic.motion import Float
 POLES = 2
 """Pairs of poles of the filter that everything goes through."""
 
-LANES = 8
-"""Rows that are filtered side by side in C; fewer are filtered by products."""
+FEWEST = 8
+"""Rows from which on filtering in C is worth its call; fewer are filtered by products."""
 
 _SOURCE = """
 #include <stdlib.h>
 #include <string.h>
+#ifdef __AVX512F__
+#define WIDE 8
+#else
 #define WIDE 4
-#define VECTORS (LANES / WIDE)
+#endif
+#define VECTORS 2
+#define LANES (VECTORS * WIDE)
 typedef double V __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
+
+/* What lies across runs of hidden samples: see `Bridge`. */
+struct bridge {
+  long hidden, means;
+  const long *at, *ends, *begins, *beside;
+  const double *share;
+};
 
 /* One sample more: state * pole + x[n]. */
 #define STEP                                                                   \\
@@ -62,28 +74,103 @@ static void filter(long samples, long first, long step, long count, double extra
   }
 }
 
+/* Puts lines across hidden samples of rows side by side; ends of lines are means of samples `beside`, `level`. */
+static inline void bridged(const long lanes, const struct bridge *b, double *restrict level, double *restrict x) {
+  for (long m = 0; m < b->means; ++m) {
+    double *to = level + m * lanes;
+    for (long k = 0; k < lanes; ++k) to[k] = 0.0;
+    for (long n = b->begins[m]; n < b->begins[m + 1]; ++n)
+      for (long k = 0; k < lanes; ++k) to[k] += x[b->beside[n] * lanes + k];
+    for (long k = 0; k < lanes; ++k) to[k] /= (double)(b->begins[m + 1] - b->begins[m]);
+  }
+  for (long h = 0; h < b->hidden; ++h) {
+    const double *from = level + b->ends[h] * lanes, *to = level + b->ends[b->hidden + h] * lanes;
+    for (long k = 0; k < lanes; ++k) x[b->at[h] * lanes + k] = from[k] + b->share[h] * (to[k] - from[k]);
+  }
+}
+
+/* Continues rows side by side, `before` and `after` samples beyond their ends, by their odd reflection. */
+static void reflect(long samples, long before, long after, double *x) {
+  const double *last = x + (samples - 1) * LANES;
+  for (long n = 1; n <= before; ++n)
+    for (int k = 0; k < LANES; ++k) x[k - n * LANES] = 2.0 * x[k] - x[k + n * LANES];
+  for (long n = 1; n <= after; ++n)
+    for (int k = 0; k < LANES; ++k) x[(samples - 1 + n) * LANES + k] = 2.0 * last[k] - last[k - n * LANES];
+}
+
 /* 0, or 1 where there is no memory. */
 int exoid_both_ways_at(long rows, long samples, long first, long step, long count, long before, long after,
                        double extra, const double *poles, const double *factors, const double *x, double *out) {
   const long all = before + samples + after;
   double *beside = malloc((size_t)(all + count) * LANES * sizeof(double));
   if (!beside) return 1;
-  double *kept = beside + all * LANES;
+  double *kept = beside + all * LANES, *begin = beside + before * LANES;
   for (long at = 0; at < rows; at += LANES) {
     const int some = (int)(rows - at < LANES ? rows - at : LANES);
     const double *row[LANES];
     for (int k = 0; k < LANES; ++k) row[k] = x + (at + (k < some ? k : 0)) * samples;
-    double *to = beside;
-    for (long n = before; n > 0; --n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][0] - row[k][n];
-    for (long n = 0; n < samples; ++n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = row[k][n];
-    for (long n = samples - 2; n > samples - 2 - after; --n, to += LANES)
-      for (int k = 0; k < LANES; ++k) to[k] = 2.0 * row[k][samples - 1] - row[k][n];
+    for (long n = 0; n < samples; ++n)
+      for (int k = 0; k < LANES; ++k) begin[n * LANES + k] = row[k][n];
+    reflect(samples, before, after, begin);
     filter(all, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside,
            (V(*)[VECTORS])kept);
-    for (long j = 0; j < count; ++j)
-      for (int k = 0; k < some; ++k) out[(at + k) * count + j] = kept[j * LANES + k];
+    for (long j = 0; j < count; j += WIDE)  /* as many samples of a row as lie side by side */
+      for (int k = 0; k < some; ++k)
+        for (long i = j; i < j + WIDE && i < count; ++i) out[(at + k) * count + i] = kept[i * LANES + k];
+  }
+  free(beside);
+  return 0;
+}
+
+/* Filters carried[pair][joint] * sin and cos of `numbers` angles, each a `turn` beyond the one before, the first at
+   `start`, bridged as is that joint, into out[number][pair][sine, cosine][joint][kept]. 0, or 1 without memory. */
+int exoid_waves_at(long numbers, long pairs, long joints, long samples, long first, long step, long count, long before,
+                   long after, double extra, const double *poles, const double *factors, const double *start,
+                   const double *turn, const double *carried, const struct bridge *bridges, double *out) {
+  const long all = before + samples + after;
+  long means = 0;
+  for (long a = 0; a < joints; ++a) means = bridges[a].means > means ? bridges[a].means : means;
+  double *beside = malloc((size_t)((all + count + samples + means) * LANES + 2 * samples) * sizeof(double));
+  if (!beside) return 1;
+  double *begin = beside + before * LANES, *kept = beside + all * LANES, *wave = kept + count * LANES;
+  double *level = wave + samples * LANES, *far = level + means * LANES;
+  V(*const waves)[VECTORS] = (V(*)[VECTORS])wave;
+  for (long n = 0; n < samples; ++n) {
+    double c[WIDE + 1] = {1.0}, s[WIDE + 1] = {0.0};
+    for (int k = 0; k < WIDE; ++k) {
+      c[k + 1] = c[k] * turn[2 * n] - s[k] * turn[2 * n + 1];
+      s[k + 1] = c[k] * turn[2 * n + 1] + s[k] * turn[2 * n];
+    }
+    const V cosine = *(const V *)c, sine = *(const V *)s;
+    waves[n][0] = start[2 * n + 1] * cosine + start[2 * n] * sine;
+    waves[n][1] = start[2 * n] * cosine - start[2 * n + 1] * sine;
+    far[2 * n] = c[WIDE];
+    far[2 * n + 1] = s[WIDE];
+  }
+  for (long at = 0; at < numbers; at += WIDE) {
+    const int some = (int)(numbers - at < WIDE ? numbers - at : WIDE);
+    for (long p = 0; p < pairs * joints; ++p) {
+      const double *by = carried + p * samples;
+      double *to = out + (at * pairs * 2 + p / joints * 2) * joints * count + p % joints * count;
+      V(*const x)[VECTORS] = (V(*)[VECTORS])begin;
+      for (long n = 0; n < samples; ++n)
+        for (int way = 0; way < VECTORS; ++way) x[n][way] = by[n] * waves[n][way];
+      bridged(LANES, bridges + p % joints, level, begin);
+      reflect(samples, before, after, begin);
+      filter(all, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside,
+             (V(*)[VECTORS])kept);
+      for (long j = 0; j < count; j += WIDE)
+        for (int k = 0; k < some; ++k)
+          for (int way = 0; way < VECTORS; ++way) {
+            double *row = to + (k * pairs * 2 + way) * joints * count;
+            for (long i = j; i < j + WIDE && i < count; ++i) row[i] = kept[i * LANES + way * WIDE + k];
+          }
+    }
+    for (long n = 0; n < samples; ++n) {
+      const V sine = waves[n][0], cosine = waves[n][1];
+      waves[n][0] = sine * far[2 * n] + cosine * far[2 * n + 1];
+      waves[n][1] = cosine * far[2 * n] - sine * far[2 * n + 1];
+    }
   }
   free(beside);
   return 0;
@@ -112,30 +199,28 @@ void exoid_pentadiagonal(long n, double *own, double *next, double *second, doub
   }
 }
 
-/* Puts lines across hidden samples; the ends of a line are means of `beside`, end after end from `begins` on. */
-void exoid_bridge(long rows, long stride, long hidden, const long *at, const long *ends, const double *share,
-                  long means, const long *begins, const long *beside, double *level, double *x) {
-  for (long k = 0; k < rows; ++k, x += stride) {
-    for (long m = 0; m < means; ++m) {
-      double sum = 0.0;
-      for (long n = begins[m]; n < begins[m + 1]; ++n) sum += x[beside[n]];
-      level[m] = sum / (double)(begins[m + 1] - begins[m]);
-    }
-    for (long h = 0; h < hidden; ++h) {
-      const double before = level[ends[h]];
-      x[at[h]] = before + share[h] * (level[ends[hidden + h]] - before);
-    }
-  }
+/* Bridges rows that lie `stride` apart. */
+void exoid_bridge(long rows, long stride, const struct bridge *across, double *level, double *x) {
+  for (long k = 0; k < rows; ++k, x += stride) bridged(1, across, level, x);
 }
 """
 """Filters rows both ways and keeps every step-th sample: what came before is carried forwards, what comes after is
 carried backwards, mode by mode. Reflections beyond the ends are as many as products take."""
 
 
+class BridgeInC(Structure):
+    """A `Bridge` as C reads it; whoever makes one keeps its arrays."""
+
+    _fields_ = (
+        ("hidden", c_long), ("means", c_long), ("at", c_void_p), ("ends", c_void_p), ("begins", c_void_p),
+        ("beside", c_void_p), ("share", c_void_p),
+    )  # fmt: skip
+
+
 @lru_cache
 def row_library(poles: int) -> CompiledLibrary | None:
     """Return `exoid_both_ways_at` for filters of so many poles, and the other functions; None without a compiler."""
-    text = f"#define POLES {poles}\n#define LANES {LANES}\n{_SOURCE}"
+    text = f"#define POLES {poles}\n{_SOURCE}"
     return load_library("rows", text, FAST, lambda: GeneratedC(text, FAST, {}))
 
 

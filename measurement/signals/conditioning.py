@@ -6,7 +6,8 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 
 from __future__ import annotations
 
-from ctypes import c_long, c_void_p
+from collections.abc import Sequence
+from ctypes import byref, c_long, c_void_p
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from ground.errors import NotEnoughDataError
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
-from measurement.signals.butterworth import Filter, both_ways, both_ways_at, low_pass_filter
-from measurement.signals.compiled import LANES, POLES, row_library
+from measurement.signals.butterworth import Filter, both_ways, both_ways_at, filtered_waves, low_pass_filter
+from measurement.signals.compiled import FEWEST, POLES, BridgeInC, row_library
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
+from symbolic.waves import FEW, Waves, are_even
 
 ORDER = 2 * POLES
 BRIDGE_ENDS = 0.03
@@ -143,6 +145,27 @@ def low_pass_at(
     return both_ways_at(_filter(cutoff, rate), rows, int(kept[0]), int(kept[1] - kept[0]), kept.size, reach, out)
 
 
+def waves_at(
+    waves: Waves,
+    shapes: Float,
+    bridges: Sequence[Bridge],
+    cutoff: float,
+    rate: float,
+    kept: NDArray[np.int_],
+    out: Float,
+) -> bool:
+    """Write waves at `shapes` (V, S), bridged joint by joint and filtered by `low_pass_at`, into `out` (V, 2m, A, K),
+    contiguous, without ever having all of their samples; return False where that cannot be done.
+    """
+    numbers, reach = shapes[:, waves.place], _reach(cutoff, rate)
+    if kept.size < 2 or reach >= waves.phase.size - 1 or len(numbers) < FEW or not are_even(numbers):
+        return False
+    across = [bridge.in_c for bridge in bridges]
+    return filtered_waves(
+        _filter(cutoff, rate), waves, numbers, across, int(kept[0]), int(kept[1] - kept[0]), reach, out
+    )
+
+
 def _reach(cutoff: float, rate: float) -> int:
     """Return after how many samples a response has ended."""
     return int(np.ceil(response_seconds(cutoff) * rate))
@@ -188,8 +211,8 @@ class Bridge:
         """Bridge `x` (..., N) in place. Being linear, this may be done to a torque and to the columns of its regressor
         alike, and what holds between them goes on to hold.
         """
-        if self.rows.size and self.beside.size:  # nothing stands beside a joint that sticks throughout
-            if x.size >= LANES * x.shape[-1] and self._compiled(x):
+        if self.means:
+            if x.size >= FEWEST * x.shape[-1] and self._compiled(x):
                 return
             level = np.add.reduceat(x[..., self.beside], self.begins, axis=-1) / self._sizes
             before, behind = level[..., self.ends[0]], level[..., self.ends[1]]
@@ -207,11 +230,22 @@ class Bridge:
             return False
         if library is None or x.dtype != np.float64 or rows.strides[1] != x.itemsize:
             return False
-        arrays = self.rows, self.ends, self.share, self._ends, self.beside, np.empty(self.begins.size), rows
-        at, ends, share, begins, *rest = (c_void_p(array.ctypes.data) for array in arrays)
-        counts = len(rows), rows.strides[0] // x.itemsize, self.rows.size, self.begins.size
-        library.c.exoid_bridge(*map(c_long, counts[:3]), at, ends, share, c_long(counts[3]), begins, *rest)
+        level, counts = np.empty(self.means), (len(rows), rows.strides[0] // x.itemsize)
+        data = (c_void_p(array.ctypes.data) for array in (level, rows))
+        library.c.exoid_bridge(*map(c_long, counts), byref(self.in_c), *data)
         return True
+
+    @property
+    def means(self) -> int:
+        """How many ends there are; none where a joint sticks throughout, and nothing stands beside."""
+        return self.begins.size if self.rows.size else 0
+
+    @cached_property
+    def in_c(self) -> BridgeInC:
+        """The same for C, as long as this lives."""
+        arrays = self.rows, self.ends, self._ends, self.beside, self.share
+        hidden = self.rows.size if self.means else 0
+        return BridgeInC(hidden, self.means, *(array.ctypes.data for array in arrays))
 
     @cached_property
     def _ends(self) -> NDArray[np.int_]:

@@ -28,6 +28,7 @@ from measurement.signals.conditioning import (
     noise_density,
     quiet_noise,
     velocity_noise,
+    waves_at,
     widen,
 )
 from measurement.signals.derivatives import METHODS
@@ -36,6 +37,7 @@ from optimisation.linear.loss import Bool
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
+from symbolic.waves import Waves
 
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
@@ -153,6 +155,11 @@ class PreparedRecording:
         out = np.empty((*x.shape[:-1], len(self.kept))) if out is None else out
         low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept, out.reshape(-1, len(self.kept)))
         return out
+
+    def smooth_waves(self, waves: Waves, shapes: Float, joints: Sequence[int], out: Float) -> bool:
+        """Do the same to `waves` at `shapes` (V, S), into `out` (V, 2m, A, K); False where that cannot be done."""
+        across = [self._bridges[joint] for joint in joints]
+        return waves_at(waves, shapes, across, self.cutoff, self.rate, self.kept, out)
 
     @cached_property
     def _bridges(self) -> list[Bridge]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +13,11 @@ from symbolic.language.operators import MEMORY
 from symbolic.language.tree import CONSTANTS, OPERATORS, Binary, Call, Name, Node
 from symbolic.language.walk import NONE, Spelling, lower
 from symbolic.language.writing import to_text
+from symbolic.waves import FEW, are_even, sines
 
 if TYPE_CHECKING:
     from symbolic.motion import Float
 
-FEW = 8
-"""Trial values from which on waves are turned from one to the next."""
-RENEWED = 32
-"""Turns after which a wave is computed anew."""
 ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
@@ -61,10 +58,10 @@ def to_numpy(
         if call.function not in ("sin", "cos") or not isinstance(argument, Binary) or argument.operator != "*":
             return None
         numbers = np.asarray(env.get(argument.left.name) if isinstance(argument.left, Name) else None)
-        if numbers.ndim != 2 or len(numbers) < FEW or not _even(numbers[:, 0]):
+        if numbers.ndim != 2 or len(numbers) < FEW or not are_even(numbers[:, 0]):
             return None
         signal = np.asarray(lower(argument.right, table))
-        return waves(numbers[:, 0], signal) if signal.ndim == 1 else None
+        return sines(numbers[:, 0], signal) if signal.ndim == 1 else None
 
     def called(call: Call) -> Any:
         """Return what a call is worth, which texts ask for again and again."""
@@ -159,37 +156,6 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
         signs=signs,
     )
     return lower(node, table)
-
-
-def waves(numbers: Float, x: Float) -> dict[str, Float]:
-    """Return sin and cos of n x, (V, N), for evenly spaced `numbers` n (V,)."""
-    sines, cosines = np.empty((len(numbers), len(x))), np.empty((len(numbers), len(x)))
-    for sine, cosine, turn in zip(sines, cosines, turns(numbers, x), strict=True):
-        sine[:], cosine[:] = turn.imag, turn.real
-    return {"sin": sines, "cos": cosines}
-
-
-def turns(numbers: Float, x: Float) -> Iterator[Any]:
-    """Yield exp(i n x), (N,), for each of `numbers` n (V,): where they are evenly spaced each from the one before by a
-    turn of step · x, which takes an eighth of the time of a sine, and anew every so often so that nothing adds up.
-    """
-    even = len(numbers) > 1 and _even(numbers)
-    now = turn = _turn((numbers[-1] - numbers[0]) / (len(numbers) - 1) * x) if even else x
-    for k, number in enumerate(numbers):
-        now = now * turn if even and k % RENEWED else _turn(number * x)
-        yield now
-
-
-def _turn(angle: Float) -> Any:
-    """Return exp(i angle): NumPy has sine and cosine of many numbers at once, but no such complex exponential."""
-    out = np.empty(angle.shape, dtype=complex)
-    out.real, out.imag = np.cos(angle), np.sin(angle)
-    return out
-
-
-def _even(numbers: Float) -> bool:
-    step = np.diff(numbers)
-    return bool(np.ptp(step) <= 1e-12 * np.abs(numbers).max())
 
 
 def known(name: str, env: Mapping[str, Any]) -> Any:

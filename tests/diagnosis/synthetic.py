@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Library, build_library
+from diagnosis.evidence.library import Library, build_library
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import State

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from synthetic import CUTOFF, recording
 
-from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
 from diagnosis.evidence.gram import inverse_of
+from diagnosis.evidence.library import build_library
 from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext
 from optimisation.preparation.prepare import CutoffChoice, Prepared

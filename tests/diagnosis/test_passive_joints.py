@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.candidates import build_library
 from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.library import build_library
 from diagnosis.evidence.model_error import model_error, sensor_noise
 from diagnosis.evidence.remainder import remainders
 from ground.errors import NotEnoughDataError, RecordingError

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.candidates import Library, build_library
 from diagnosis.evidence.channels import doubts_before
 from diagnosis.evidence.columns import Columns, stacked
 from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.library import Library, build_library
 from diagnosis.question import most_explained
 from diagnosis.rules import RULES
 from diagnosis.search.context import SearchContext

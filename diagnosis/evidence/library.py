@@ -1,0 +1,166 @@
+"""The candidates for a question, and their columns, which are kept as long as they stay what they are."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from diagnosis.evidence.candidates import Candidate, feeds_back, fill_columns, late_columns
+from diagnosis.evidence.columns import Columns, LateColumns
+from diagnosis.evidence.fitted import FittedModel
+from ground.engines.workers import shared
+from optimisation.fitting.shapes import from_unit
+from optimisation.preparation.filtering import PreparedRecording
+from symbolic.catalogue import catalogue
+from symbolic.effect import Effect, Shape
+from symbolic.model import Model
+from symbolic.motion import Float
+from symbolic.term import Term, places_of
+
+FINE = 50
+"""Nodes from which on columns that depend on the model's numbers are not computed at every step."""
+QUANTILES = (0.3, 0.5, 0.6, 0.7, 0.78, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995)
+"""Where on a joint's path a position is tried (and mirrored for the other end)."""
+MANY = 250
+"""Columns of a candidate on a recording beyond which they are not kept."""
+MOMENTS = (1.12, 1.25, 1.4, 1.6, 1.85, 2.15, 2.6, 3.2, 4.2, 6.0, 10.0)
+"""Moments after the end of a recording that are tried, in its lengths (and mirrored, before its beginning)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """The candidates for a question, and their columns; those that no parameter can change are kept, the others for as
+    long as the same model is asked about.
+    """
+
+    entries: tuple[Candidate, ...]
+    _own: dict[str, Candidate] = field(default_factory=dict)
+    _kept: dict[str, tuple[Columns, ...]] = field(default_factory=dict)
+    _beside: WeakKeyDictionary[FittedModel, dict[str, tuple[Columns, ...]]] = field(default_factory=WeakKeyDictionary)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """The candidates, in the order of the catalogue."""
+        return tuple(self._own.get(one.name, one) for one in self.entries)
+
+    def narrow(self, name: str, nodes: Float) -> None:
+        """From now on let the candidate called `name` have these nodes (R, V, S) alone."""
+        self._own[name] = replace(self.find(name), nodes=nodes)
+        for kept in (self._kept, *self._beside.values()):
+            kept.pop(name, None)
+
+    def find(self, name: str) -> Candidate:
+        """Return the candidate called `name` with all its nodes."""
+        return next(c for c in self.candidates if c.name == name)
+
+    def columns(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
+        """Return the columns of `candidate` on every recording, beside the model `fitted` at its numbers.
+
+        Those of a finely searched candidate stay as they were first: other numbers only scale them, and they are
+        computed anew where it is compared (`look_alikes.refine`).
+        """
+        if candidate.name in (beside := self._beside.get(fitted, {})):
+            return beside[candidate.name]
+        room = self.room(candidate, fitted)
+        self.fill(candidate, fitted, room)
+        return self.keep(candidate, fitted, room)
+
+    def room(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
+        """Return the columns that are kept of `candidate`, or room for them which copies of this process see; those of
+        many nodes are computed when they are asked for.
+        """
+        prepared = fitted.prepared
+        if candidate.name in self._kept:
+            return self._kept[candidate.name]
+        if candidate.nodes.shape[1] * candidate.width * len(candidate.joints) > MANY:
+            each = zip(candidate.nodes, prepared.all, strict=True)
+            return tuple(late_columns(candidate, nodes, one, fitted) for nodes, one in each)
+        own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
+        shapes = [(*own, len(one.kept)) for one in prepared.all]
+        sizes = [int(np.prod(shape)) for shape in shapes]
+        values = np.frombuffer(shared(sum(sizes)), dtype=float)
+        parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
+        return tuple(
+            Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))
+            for part, shape in zip(parts, shapes, strict=True)
+        )
+
+    def fill(self, candidate: Candidate, fitted: FittedModel, room: tuple[Columns, ...]) -> None:
+        """Compute the columns of `candidate` into the `room` for them, unless they are kept."""
+        if candidate.name not in self._kept:
+            for nodes, one, columns in zip(candidate.nodes, fitted.prepared.all, room, strict=True):
+                if not isinstance(columns, LateColumns):
+                    fill_columns(candidate, nodes, one, fitted, columns)
+
+    def keep(self, candidate: Candidate, fitted: FittedModel, columns: tuple[Columns, ...]) -> tuple[Columns, ...]:
+        """Keep the columns of `candidate` beside `fitted`, beside any model if no parameter can change them; and return
+        them.
+        """
+        fine = candidate.nodes.shape[1] > FINE
+        if not candidate.tangent and (fine or not feeds_back(candidate.term)):
+            self._kept[candidate.name] = columns
+            return columns
+        if fitted not in self._beside:
+            self._beside.clear()
+        self._beside.setdefault(fitted, {})[candidate.name] = columns
+        return columns
+
+
+def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:
+    """Return every effect of the catalogue, and the user's `extra` ones, at every joint where it exists.
+
+    Terms that `model` already has are left out, and effects of a drive, or of the model's own torque, at a joint that
+    has no drive in any recording.
+    """
+    driven = [any(one.driven[j] for one in prepared) for j in range(len(model.joints))]
+    known = {term.name for term in model.terms}
+    found = []
+    for effect in (*catalogue(model.joints).values(), *extra):
+        for joint in places_of(effect, model.joints):
+            term = Term(effect, joint, model.joints)
+            # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
+            undriven = joint is not None and not driven[term.first]
+            idle = undriven and (effect.drive or (effect.derive is None and feeds_back(term)))
+            if term.name not in known and not idle:
+                own = any(shape.per_recording for shape in effect.shape.values())
+                tangent = not effect.coefficients and not own
+                found.append(Candidate(term, _nodes(term, prepared, tangent), tangent))
+    return Library(tuple(found))
+
+
+def _nodes(term: Term, prepared: Sequence[PreparedRecording], tangent: bool) -> Float:
+    shapes = list(term.placed_shape.values())
+    if tangent or not shapes:
+        return np.zeros((len(prepared), 1, len(shapes)))
+    if not any(shape.per_recording and not shape.turns for shape in shapes):
+        return _product(shapes, term, [prepared] * len(prepared))
+    # Each recording at its own place, and all of them at the same one: where a recording hardly shows it, its own path
+    # says little about where.
+    own = _product(shapes, term, [[one] for one in prepared])
+    return np.concatenate([own, _product(shapes, term, [prepared] * len(prepared))], axis=1)
+
+
+def _product(shapes: Sequence[Shape], term: Term, paths: Sequence[Sequence[PreparedRecording]]) -> Float:
+    return np.array([list(itertools.product(*(_axis(s, term, path) for s in shapes))) for path in paths], dtype=float)
+
+
+def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
+    if shape.choices:
+        return shape.choices
+    if shape.turns:  # another one for all recordings is other coefficients
+        return (0.0,)
+    if shape.spacing == "position" and term.joint is not None:
+        joint = term.first
+        levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
+        places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
+        return tuple(np.clip(places, shape.min, shape.max))
+    if shape.spacing == "time":
+        begin = min(float(p.motion.t[0]) for p in paths)
+        lasts = max(float(p.motion.t[-1]) for p in paths) - begin
+        far = [*MOMENTS, *(1.0 - moment for moment in MOMENTS)]
+        return tuple(np.clip([begin + u * lasts for u in (*np.linspace(0.0, 1.0, 11), *far)], shape.min, shape.max))
+    return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))
