@@ -103,7 +103,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
         blank = np.zeros(len(evidence.fold_losses))
         text = "the model's own parameters already contain it, on this motion"
         return Score(
-            candidate, nodes, 0.0, blank, 0.0, np.zeros(candidate.width), float(novelty.max()), caution=text
+            candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
         )
     best: tuple[np.ndarray, Gain] | None = None
     wrong = 0.0
