@@ -39,7 +39,7 @@ import blind  # noqa: E402 - the repository must be on the path first
 
 from diagnosis.discover import discover  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
-from measurement.bench.blind import draw  # noqa: E402
+from measurement.bench.blind import draw_hidden  # noqa: E402
 from measurement.bench.hidden import Hidden, true_model  # noqa: E402
 from measurement.bench.leg import Leg  # noqa: E402
 from measurement.reading.read import read_recording  # noqa: E402
@@ -132,7 +132,7 @@ def hidden_in(task: Task, leg: Leg, motions: Sequence[Motion], rng: np.random.Ge
     identifier, _, joint = task.name.partition(":")
     effect = catalogue()[identifier]
     alone = effect if effect.on_both else replace(effect, joints=(joint,))
-    (drawn,) = draw(rng, [alone], leg=leg, nothing=0.0)
+    (drawn,) = draw_hidden(rng, [alone], leg=leg, nothing=0.0)
     hidden = placed(Hidden(effect, joint or None, drawn.values), motions, rng)
     base = Model.standard(thigh_length=task.thigh)
     for _ in range(3):  # effects that change the model's inputs are not quite linear in their size

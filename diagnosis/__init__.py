@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from diagnosis.compare import compare as compare
     from diagnosis.discover import diagnose as diagnose
     from diagnosis.discover import discover as discover
+    from diagnosis.evidence.fitted import fitted_model as fitted_model
     from diagnosis.extend import add as add
     from diagnosis.separation.design import separate as separate
     from diagnosis.session.session import Session as Session
@@ -24,6 +25,7 @@ __all__ = lend(
     {
         "diagnosis.compare": "compare",
         "diagnosis.discover": "diagnose discover",
+        "diagnosis.evidence.fitted": "fitted_model",
         "diagnosis.extend": "add",
         "diagnosis.separation.design": "separate",
         "diagnosis.session.session": "Session",

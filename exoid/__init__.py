@@ -7,10 +7,13 @@
     found = exoid.discover(leg, runs[:3], verify=runs[3:])
 
 the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, `catalogue`, `read_model`, `write_model`
+any machine      `Joint`, `Payload`; its equations and code: `mechanics`, `regressor`, `check_equations`, `compiled`
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
-                 `simulate`, `simulate_runs`
+                 `simulate`, `simulate_runs`, `draw_hidden`
 numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`
-what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; all of one preparation: `Session`
+what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; all of one preparation: `Session`;
+                 a fit with its errors: `fitted_model`
+figures          `figure_style`, `new_figure`, `label`
 bad input        `ExoidError`: what is wrong, where, what to do
 
 `dir(exoid)` has them all. Every name lives in one of the packages `symbolic`, `measurement`, `optimisation` and
@@ -32,11 +35,19 @@ from ground.lazy import lend, lent  # noqa: E402
 if TYPE_CHECKING:
     from diagnosis import *  # noqa: F403
     from ground.errors import ExoidError as ExoidError
+    from ground.figures import figure_style as figure_style
+    from ground.figures import label as label
+    from ground.figures import new_figure as new_figure
     from measurement import *  # noqa: F403
     from optimisation import *  # noqa: F403
     from symbolic import *  # noqa: F403
+    from symbolic.mechanics.lagrange import mechanics as mechanics
 
-_HOMES = {"ground.errors": "ExoidError"}
+_HOMES = {
+    "ground.errors": "ExoidError",
+    "ground.figures": "figure_style label new_figure",
+    "symbolic.mechanics.lagrange": "mechanics",  # `symbolic.mechanics` is a folder
+}
 for _package in (symbolic, measurement, optimisation, diagnosis):
     _HOMES |= lent(_package)
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
+    from measurement.bench.blind import draw_hidden as draw_hidden
+    from measurement.bench.blind import write_runs as write_runs
     from measurement.bench.control import track as track
     from measurement.bench.hidden import Hidden as Hidden
     from measurement.bench.leg import paper_leg as paper_leg
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = lend(
     __name__,
     {
+        "measurement.bench.blind": "draw_hidden write_runs",
         "measurement.bench.control": "track",
         "measurement.bench.hidden": "Hidden",
         "measurement.bench.leg": "paper_leg standard_leg",

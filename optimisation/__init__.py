@@ -8,21 +8,23 @@ from typing import TYPE_CHECKING
 from ground.lazy import lend
 
 if TYPE_CHECKING:
+    from optimisation.contest.rivals import entrants as entrants
     from optimisation.contest.rivals import rivals as rivals
     from optimisation.excitation.design import design as design
     from optimisation.excitation.design import evaluate as evaluate
     from optimisation.excitation.design import evaluate_paper as evaluate_paper
     from optimisation.fitting.fit import Fit as Fit
+    from optimisation.fitting.identify import Search as Search
     from optimisation.fitting.identify import identify as identify
     from optimisation.preparation.prepare import prepare as prepare
 
 __all__ = lend(
     __name__,
     {
-        "optimisation.contest.rivals": "rivals",
+        "optimisation.contest.rivals": "entrants rivals",
         "optimisation.excitation.design": "design evaluate evaluate_paper",
         "optimisation.fitting.fit": "Fit",
-        "optimisation.fitting.identify": "identify",
+        "optimisation.fitting.identify": "Search identify",
         "optimisation.preparation.prepare": "prepare",
     },
 )

@@ -10,9 +10,15 @@ from ground.lazy import lend, lend_methods
 if TYPE_CHECKING:
     from symbolic.catalogue import catalogue as catalogue
     from symbolic.catalogue import find_effect as find_effect
+    from symbolic.check import check_equations as check_equations
+    from symbolic.codegen.code import stale_files as stale_files
+    from symbolic.codegen.kernel import compiled as compiled
     from symbolic.effect import Coefficient as Coefficient
     from symbolic.effect import Effect as Effect
     from symbolic.effect import Shape as Shape
+    from symbolic.joints import Joint as Joint
+    from symbolic.mechanics.payload import Payload as Payload
+    from symbolic.mechanics.regressor import regressor as regressor
     from symbolic.model import Limits as Limits
     from symbolic.model import Model as Model
     from symbolic.model_file import read_model as read_model
@@ -23,7 +29,13 @@ __all__ = lend(
     __name__,
     {
         "symbolic.catalogue": "catalogue find_effect",
+        "symbolic.check": "check_equations",
+        "symbolic.codegen.code": "stale_files",
+        "symbolic.codegen.kernel": "compiled",
         "symbolic.effect": "Coefficient Effect Shape",
+        "symbolic.joints": "Joint",
+        "symbolic.mechanics.payload": "Payload",
+        "symbolic.mechanics.regressor": "regressor",
         "symbolic.model": "Limits Model",
         "symbolic.model_file": "read_model write_model",
         "symbolic.motion": "Motion",

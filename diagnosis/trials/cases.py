@@ -32,7 +32,7 @@ from diagnosis.trials.machines import (
     kept_in,
     without_knee_drive,
 )
-from measurement.bench.blind import draw, relative_size
+from measurement.bench.blind import draw_hidden, relative_size
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, random_leg
 from measurement.bench.machine import Machine, random_machine
@@ -225,7 +225,7 @@ def _drawn(name: str, model: Model, leg: Leg | Machine, rng: np.random.Generator
     """Return the term called `name` with numbers drawn, of any size."""
     identifier, _, joint = name.partition(":")
     effect = OUTSIDE[name][0] if name in OUTSIDE else catalogue(model.joints)[identifier]
-    (drawn,) = draw(rng, [effect], leg=leg, model=model, nothing=0.0, joint=joint or None)
+    (drawn,) = draw_hidden(rng, [effect], leg=leg, model=model, nothing=0.0, joint=joint or None)
     return _placed(drawn, model, rng)
 
 

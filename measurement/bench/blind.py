@@ -39,7 +39,7 @@ TRIALS = 30
 """Attempts to place an effect where the leg moves; an end stop has little chance at a random angle."""
 
 
-def draw(
+def draw_hidden(
     rng: np.random.Generator,
     effects: Iterable[Effect],
     *,

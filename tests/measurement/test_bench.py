@@ -8,7 +8,7 @@ import pytest
 
 import workbench
 from ground.errors import EffectError, ExoidError
-from measurement.bench.blind import SEAL, draw, relative_size, write_runs
+from measurement.bench.blind import SEAL, draw_hidden, relative_size, write_runs
 from measurement.bench.controller import Controller
 from measurement.bench.demo import write_demo
 from measurement.bench.hidden import Hidden, parse_hidden, true_model
@@ -179,7 +179,7 @@ def test_draws_respect_bounds_and_leave_some_legs_alone():
     rng = np.random.default_rng(0)
     both = Effect(id="b", explains="", torque={"hip": "c", "knee": "c"}, joints=("both",),
                   coefficients={"c": Coefficient("N·m", typical=2.0)})  # fmt: skip
-    drawn = [draw(rng, [BRAKE, both]) for _ in range(200)]
+    drawn = [draw_hidden(rng, [BRAKE, both]) for _ in range(200)]
     assert 0.04 < np.mean([hidden == () for hidden in drawn]) < 0.17
     values = [hidden[0].values for hidden in drawn if hidden and hidden[0].joint == "knee"]
     assert all(0.02 <= v["w"] <= 0.6 and v["c"] > 0 for v in values)

@@ -109,11 +109,11 @@ def _draw(seed: int, model: Any) -> Any:
     """Return something to hide, drawn at random from the catalogue."""
     import numpy as np
 
-    from measurement.bench.blind import draw
+    from measurement.bench.blind import draw_hidden
     from symbolic.catalogue import catalogue
 
     # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
-    return draw(np.random.default_rng([seed, 99]), catalogue().values(), model=model)
+    return draw_hidden(np.random.default_rng([seed, 99]), catalogue().values(), model=model)
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:
