@@ -236,8 +236,8 @@ class Rules:
     soft_left: float = _rule(
         CHANNELS,
         0.4,
-        "part of the squared error that one such drive leaves of what all accepted effects leave, of fitted and of "
-        "unseen motion each: effects named for it",
+        "part of the squared error beyond the noise that one such drive leaves of what all accepted effects leave, of "
+        "fitted and of unseen motion each: effects named for it",
     )
     soft_beside: float = _rule(
         CHANNELS, 0.9, "the same where the drive is among several accepted: the others make up for its approximation"
@@ -245,8 +245,8 @@ class Rules:
     soft_plain: float = _rule(
         CHANNELS,
         0.2,
-        "part of the squared error that such a drive leaves of what its entry leaves, at which nothing else is looked "
-        "for: minutes of search for what is not accepted",
+        "part of the squared error beyond the noise that such a drive leaves of what its entry leaves, at which "
+        "nothing else is looked for: minutes of search for what is not accepted",
     )
     filter_error: float = _rule(
         CHANNELS, 2.0, "times the error of filter and derivatives: that error passes for a flexible drive"

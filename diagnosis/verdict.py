@@ -226,7 +226,7 @@ def behind(soft: SoftDrive, joints: Sequence[Joint]) -> Conclusion:
     return Conclusion(
         "unexplained",
         f"a soft drive, its twist found from the measured torque, leaves {100 * soft.share:.0f} % of the squared error "
-        "that all accepted entries together leave",
+        "beyond the noise that all accepted entries together leave",
         f"The link does not stand where {whose} says: the torques fit a drive of the {soft.joint} of about "
         f"{1.0 / soft.compliance:.2g} {soft.stiffness} with its encoder at the motor ({falls}). The link swings behind "
         f"it at about {soft.hertz:.2g} Hz, and no model of the encoder's motion alone predicts that: nothing is "

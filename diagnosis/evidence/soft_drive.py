@@ -55,8 +55,8 @@ class SoftDrive:
     """A drive at `joint` whose `compliance` (in `unit`, its inverse in `stiffness`) lets its link swing at `hertz`.
 
     Read so, the model leaves `after` (J,) N·m instead of `before` on the motion by which it is judged, and `fitted`
-    (J,) on fitted motion; at joints that are `asked` (J,) that was more than noise. `sure` is the joint where the other
-    joints' errors fall as well.
+    (J,) on fitted motion; at joints that are `asked` (J,) that was more than noise, of which it leaves the `share`.
+    `sure` is the joint where the other joints' errors fall as well.
     """
 
     joint: str
@@ -68,17 +68,13 @@ class SoftDrive:
     after: Float
     asked: np.ndarray
     fitted: Float
+    share: float = 1.0
     sure: bool = True
 
     @property
     def name(self) -> str:
         """Full name of the entry of the catalogue that comes nearest."""
         return f"{ENTRY}:{self.joint}"
-
-    @property
-    def share(self) -> float:
-        """Share of the squared error that it leaves, at the joint where it is largest."""
-        return float(np.max((self.after[self.asked] / self.before[self.asked]) ** 2))
 
 
 _BEST: WeakKeyDictionary[FittedModel, dict[int, SoftDrive | None]] = WeakKeyDictionary()
@@ -106,10 +102,11 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             before = last.evaluation_rms
             falls = (one.after**2 <= rules.soft_left * base.evaluation_rms**2) | (base.evaluation_rms <= noise)
             others = np.arange(len(before)) != joint
-            one = replace(one, before=before, asked=asked, sure=bool(falls[others].all()))
+            share = _share_left(one.after[asked], before[asked], noise[asked])
+            one = replace(one, before=before, asked=asked, share=share, sure=bool(falls[others].all()))
             beside = fitted is base and one.name in added and len(added) > 1
             # What explains unseen motion better than the motion it was fitted to does so by chance.
-            left = max(one.share, float(np.max((one.fitted[asked] / last.train_rms[asked]) ** 2)))
+            left = max(share, _share_left(one.fitted[asked], last.train_rms[asked], noise[asked]))
             if left <= (rules.soft_beside if beside else rules.soft_left) and np.all(
                 one.after <= one.before * (1.0 + ~asked)
             ):
@@ -127,8 +124,14 @@ def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftD
         return None
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms
-    plain = bool(np.all(one.after[one.asked] ** 2 <= rules.soft_plain * entry[one.asked] ** 2))
-    return one if plain else None
+    left = _share_left(one.after[one.asked], entry[one.asked], noise[one.asked])
+    return one if left <= rules.soft_plain else None
+
+
+def _share_left(after: Float, before: Float, noise: Float) -> float:
+    """Return the share that is left of squared errors (J,) beyond their `noise`, each in units of that, together."""
+    rest, whole = (float(np.sum(np.maximum((rms / noise) ** 2 - 1.0, 0.0))) for rms in (after, before))
+    return rest / whole if whole > 0.0 else 1.0
 
 
 def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
