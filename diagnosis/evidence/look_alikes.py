@@ -7,6 +7,7 @@ the data cannot distinguish them (in the manner of Vuong, Econometrica 57(2), 19
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -23,30 +24,50 @@ from symbolic.motion import Float
 
 
 def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score, list[Columns]]:
-    """Return the score at shape values refined between the nodes, and the columns there (one node)."""
+    """Return the score at shape values refined between the nodes, and the columns there (one node).
+
+    Another choice, where there is one, is refined from there as well: which of two is the better one at a node says
+    little about which is between the nodes.
+    """
+    own = score.shape  # (R, S)
+    shapes = [] if score.candidate.tangent else list(score.candidate.term.placed_shape.values())
+    chosen = [i for i, shape in enumerate(shapes) if shape.choices]
+    best = _refined(evidence, score, own, fitted)
+    for other in itertools.product(*(shapes[i].choices for i in chosen)):
+        if np.any(own[0, chosen] != other):
+            begin = own.copy()
+            begin[:, chosen] = other
+            best = max(best, _refined(evidence, score, begin, fitted), key=lambda pair: pair[0].share)
+    return best
+
+
+def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedModel) -> tuple[Score, list[Columns]]:
+    """Return the score at the best shape values around `chosen` (R, S), choices as they are, and the columns there."""
     candidate = score.candidate
-    chosen = score.shape  # (R, S)
-    free = [
-        i
-        for i, s in enumerate(candidate.term.placed_shape.values())
-        if not candidate.tangent and not s.choices and not s.per_recording
-    ]
+    entries = list(candidate.term.placed_shape.values())
     columns = columns_at(candidate, chosen, fitted)
     best = _one_node(evidence, candidate, chosen, columns, score)
-    for index in free:
-        entry = list(candidate.term.placed_shape.values())[index]
+    # What all recordings share may lie between nodes, and places, which move in all of them together.
+    free = [i for i, s in enumerate(entries) if not s.choices and not (s.per_recording and s.spacing != "position")]
+    for index in [] if candidate.tangent else free:
+        entry = entries[index]
         reach = 1.0 / max(1, entry.points - 1)
         for _ in range(evidence.rules.refinements):
-            middle = to_unit(entry, float(chosen[0, index]))
-            for unit in (middle - 0.5 * reach, middle + 0.5 * reach):
+            middle = chosen[:, index].copy()
+            for step in (-0.5 * reach, 0.5 * reach):
                 trial = chosen.copy()
-                trial[:, index] = from_unit(entry, unit)
+                trial[:, index] = [from_unit(entry, to_unit(entry, float(value)) + step) for value in middle]
                 trial_columns = columns_at(candidate, trial, fitted)
                 found = _one_node(evidence, candidate, trial, trial_columns, score)
                 if found.share > best.share:
                     best, chosen, columns = found, trial, trial_columns
             reach *= 0.5
     return best, columns
+
+
+def placed(candidate: Candidate) -> bool:
+    """Whether a candidate sits at a place of its own, beside which its nodes may lie."""
+    return any(s.per_recording and s.spacing == "position" for s in candidate.term.placed_shape.values())
 
 
 def columns_at(candidate: Candidate, chosen: Float, fitted: FittedModel) -> list[Columns]:

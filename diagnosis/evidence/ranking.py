@@ -18,6 +18,7 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.library import Library
+from diagnosis.evidence.look_alikes import placed, refine
 from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
@@ -40,7 +41,7 @@ def rank(
     present = {term.name for term in fitted.model.terms}
     todo = [c for c in library.candidates if c.name not in present]
     scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
-    scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns)
+    scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns, fitted)
     promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
     tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
     known = {s.name: s for s in tested}
@@ -96,14 +97,25 @@ def with_chance(
     return [replace(s, p_value=p_value(evidence, found)) for s, found in zip(scores, own, strict=True)]
 
 
-def agreed(evidence: Evidence, scores: Sequence[Score], columns: Mapping[str, Sequence[Columns]]) -> list[Score]:
-    """Return `scores` with what splits of the recordings say about those that gain enough to matter."""
+def agreed(
+    evidence: Evidence,
+    scores: Sequence[Score],
+    columns: Mapping[str, Sequence[Columns]],
+    fitted: FittedModel | None = None,
+) -> list[Score]:
+    """Return `scores` with what splits of the recordings say about those that gain enough to matter.
+
+    What has a place is asked at its best one beside the model `fitted` where it hardly convinces at a node: a stop that
+    begins beside its node leaves most where one recording goes furthest into it.
+    """
     splits, rules = Splits(evidence), evidence.rules
     out = []
     for score in scores:
         if score.share >= rules.least_share:
             best = [c.node(int(n)) for c, n in zip(columns[score.name], score.nodes, strict=True)]
             agreement = splits.candidate(score, best)
+            if fitted is not None and placed(score.candidate) and not agreement.enough(rules):
+                agreement = splits.candidate(*refine(evidence, score, fitted))
             steady = score.steady if agreement.share is None else agreement.enough(rules)
             helps = score.helps or (agreement.repeats(rules) and _outvoted(evidence, score))
             score = replace(score, agreement=agreement, steady=steady, helps=helps)

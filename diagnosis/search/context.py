@@ -158,7 +158,7 @@ class SearchContext:
     def agreed(self, extension: Extension, evidence: Evidence, scores: Sequence[Score]) -> list[Score]:
         """Return `scores` with what splits of the recordings say about them."""
         columns = {s.name: self.library.columns(s.candidate, extension.fitted) for s in scores}
-        return agreed(evidence, scores, columns)
+        return agreed(evidence, scores, columns, extension.fitted)
 
     def doubt(self, before: Extension, after: Extension) -> Objection | None:
         """Return why the term added last must not be accepted, and remember it; None where nothing speaks against."""
@@ -194,7 +194,8 @@ class SearchContext:
         candidate = self.library.find(score.name)
         columns = self.library.columns(candidate, extension.fitted)
         known = {score.name: columns}
-        return with_chance(evidence, agreed(evidence, [weigh(evidence, candidate, columns)], known), known)[0]
+        weighed = [weigh(evidence, candidate, columns)]
+        return with_chance(evidence, agreed(evidence, weighed, known, extension.fitted), known)[0]
 
     def sure(self, score: Score) -> bool:
         """Whether an accepted term that was tested anew beside the others may stay."""

@@ -93,7 +93,7 @@ class Ranking:
             self._columns[candidate.name] = columns
             self._scores[candidate.name] = weigh(self.evidence, candidate, columns)
             yield candidate.name
-        for score in agreed(self.evidence, self.scores, self._columns):
+        for score in agreed(self.evidence, self.scores, self._columns, self.fitted):
             self._scores[score.name] = score
         promising = [s.name for s in self.scores if s.eligible][: self.rules.placebo_for]
         few = self.fitted.evidence(seed=self.seed, draws=FIRST_DRAWS, rules=self.rules)

@@ -9,6 +9,7 @@ import pytest
 from synthetic import search, state_with
 
 from diagnosis.evidence import look_alikes, placebo, ranking
+from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.consistency import _Pooled, _Question, differing
 from diagnosis.evidence.fitted import FittedModel
@@ -189,7 +190,7 @@ def test_the_best_dozen_gets_placebos(monkeypatch):
         return Score(one, np.zeros(1, int), 0.9 - 0.01 * int(one.name), np.zeros(1), None, np.zeros(1), 1.0, True)
 
     monkeypatch.setattr(ranking, "weigh", weighs)
-    monkeypatch.setattr(ranking, "agreed", lambda evidence, scores, columns: scores)
+    monkeypatch.setattr(ranking, "agreed", lambda evidence, scores, *asked: scores)
     monkeypatch.setattr(ranking, "searches", lambda evidence, score: [None])
     monkeypatch.setattr(ranking, "as_good", lambda *asked: np.zeros(99, bool))
     fitted = SimpleNamespace(model=SimpleNamespace(terms=[]), prepared=None)
@@ -257,6 +258,51 @@ def test_a_shape_value_is_found_to_an_eighth_of_the_step_of_the_grid(monkeypatch
     best, _ = refine(SimpleNamespace(rules=RULES), start, None)
     assert best.chosen == pytest.approx(3.25)
     assert len(tried) == 1 + 2 * 3
+
+
+def sought(monkeypatch, one, start: list[list[float]], gain):
+    """Refine the shape values `start` (R, S) of the candidate `one`, where `gain` says what values (R, S) gain."""
+
+    def score_at(evidence, candidate, chosen, columns, before):
+        return SimpleNamespace(share=gain(chosen), chosen=chosen)
+
+    monkeypatch.setattr(look_alikes, "columns_at", lambda *asked: None)
+    monkeypatch.setattr(look_alikes, "_one_node", score_at)
+    begun = SimpleNamespace(candidate=one, shape=np.array(start))
+    return refine(SimpleNamespace(rules=RULES), begun, None)[0].chosen
+
+
+def test_the_places_of_all_recordings_are_refined_together(monkeypatch):
+    one = candidate()
+    one.term.placed_shape["s"] = Shape("rad", 0.0, 8.0, spacing="position", points=5, per_recording=True)
+    found = sought(monkeypatch, one, [[2.0], [2.5]], lambda at: -abs(at[0, 0] - 3.25))
+    assert found == pytest.approx(np.array([[3.25], [3.75]]))
+    one.term.placed_shape["s"] = Shape("s", 0.0, 8.0, points=5, per_recording=True)
+    assert np.array_equal(sought(monkeypatch, one, [[2.0], [2.5]], lambda at: -abs(at[0, 0] - 3.25)), [[2.0], [2.5]])
+
+
+def test_the_other_choice_is_refined_as_well(monkeypatch):
+    """At the node the first law gains more, between the nodes the second one."""
+    one = candidate()
+    one.term.placed_shape |= {"w": Shape("", 0.0, 8.0, points=5), "law": Shape("", 0.0, 1.0, choices=(0.0, 1.0))}
+    found = sought(monkeypatch, one, [[2.0, 0.0]], lambda at: (3.0 if at[0, 1] else 2.0) - abs(at[0, 0] - 4.0))
+    assert found == pytest.approx(np.array([[3.75, 1.0]]))
+
+
+def test_what_hardly_convinces_at_a_node_is_asked_at_its_best_place(monkeypatch):
+    """Three of four splits agree at the node, all four at the refined place; what has no place is asked once."""
+    one = candidate(nodes=np.zeros((2, 1, 1)))
+    score = Score(one, np.zeros(2, int), 0.5, np.zeros(1), None, np.zeros(1), 1.0, True)
+    told = {"node": Agreement(3, 4), "between": Agreement(4, 4)}
+    asked = SimpleNamespace(candidate=lambda score, columns: told[columns if columns == "between" else "node"])
+    monkeypatch.setattr(ranking, "Splits", lambda evidence: asked)
+    monkeypatch.setattr(ranking, "refine", lambda evidence, score, fitted: (score, "between"))
+    place = Shape("rad", -2.0, 2.0, spacing="position", per_recording=True)
+    for shape, steady in ((Shape("rad", -2.0, 2.0), False), (place, True)):
+        one.term.placed_shape["s"] = shape
+        wave = at(noise(1), noise(2))
+        found = ranking.agreed(SimpleNamespace(rules=RULES), [score], {"it": wave}, SimpleNamespace())
+        assert found[0].steady is steady
 
 
 # -- consistency ----------------------------------------------------------------------------------------------
