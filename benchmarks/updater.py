@@ -22,8 +22,8 @@ sys.path.insert(0, str(ROOT))
 
 import numpy as np  # noqa: E402 - the repository must be on the path first
 
+from benchmarks.python_updater import Updater  # noqa: E402
 from diagnosis.watching.front import CUTOFF  # noqa: E402
-from diagnosis.watching.updater import Updater  # noqa: E402
 from measurement.bench.leg import standard_leg  # noqa: E402
 from measurement.bench.simulation import Bench, simulate  # noqa: E402
 from symbolic.model import Model  # noqa: E402

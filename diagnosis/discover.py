@@ -18,7 +18,7 @@ from diagnosis.evidence.timing import FilterOnTorque, filtered
 from diagnosis.question import Question
 from diagnosis.results import Diagnosis, Step
 from diagnosis.rules import Rules
-from diagnosis.search.context import Progress, SearchContext, silent
+from diagnosis.search.context import SearchContext
 from diagnosis.search.doubt import DELAY
 from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
@@ -26,6 +26,7 @@ from diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, Discove
 from diagnosis.splits import from_scratch
 from diagnosis.verdict import behind, conclude, doubted, swayed
 from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit

@@ -14,11 +14,12 @@ from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
 from diagnosis.evidence.stretches import searched_stretches
 from diagnosis.results import Step
 from diagnosis.rules import Rules
-from diagnosis.search.context import Progress, SearchContext
+from diagnosis.search.context import SearchContext
 from diagnosis.search.engine import Found, run_search
 from diagnosis.search.state import Extension, State
 from diagnosis.settings import DiscoverySettings
 from diagnosis.verdict import Conclusion, check_channels, doubted, within_filter_error
+from ground.progress import Progress
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare

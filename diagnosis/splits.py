@@ -10,9 +10,9 @@ from diagnosis.evidence.score import Score
 from diagnosis.evidence.stability import splits_of
 from diagnosis.question import Question
 from diagnosis.results import Possible
-from diagnosis.search.context import Progress, silent
 from diagnosis.write_up import estimates_in
 from ground.errors import NotEnoughDataError
+from ground.progress import Progress, silent
 from measurement.recording import Recording
 from symbolic.quantity import Estimate
 

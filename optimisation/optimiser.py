@@ -91,7 +91,7 @@ class OptimiserRun(AsJson):
 
     `history` (G,) is the best fitness after `counts` (G,) evaluations; `found_at` (K,) are the evaluations that found
     something better, and `found` (K,) what they found. `gap` is the relative distance of the fitness to a certified
-    optimum where one is known.
+    optimum where one is known; `state` is the optimiser's last.
     """
 
     JSON = "name parameters=x loss=fitness evaluations seconds seed gap"
@@ -108,6 +108,7 @@ class OptimiserRun(AsJson):
     found: Float = field(repr=False)
     optimiser: Any = None
     gap: float | None = None
+    state: Any = field(default=None, repr=False)
 
     def to_frame(self) -> pd.DataFrame:
         """Return the best fitness after so many evaluations, one row per generation."""
@@ -131,12 +132,14 @@ def minimise(
     generations: int = GENERATIONS,
     seed: int = 0,
     start: Float | None = None,
+    form: Callable[[Float], Float] = lambda x: x,
     progress: Callable[[int, float], None] | None = None,
 ) -> OptimiserRun:
     """Run `optimiser` on `problem` for exactly `individuals` × `generations` evaluations and return the Run.
 
-    The first population is drawn evenly from the box unless `start` (I, n) gives it. `progress(evaluations,
-    best)` is called once per generation.
+    The first population is drawn evenly from the box unless `start` (I, n) gives it. `form` turns candidates (I, n)
+    into such as stand for the same and are nearer to each other. `progress(evaluations, best)` is called once per
+    generation.
     """
     began = time.perf_counter()
     rng = np.random.default_rng(seed)
@@ -153,7 +156,7 @@ def minimise(
     # The very first evaluation is the best so far whatever it found.
     places, values = [np.ones(1), 1.0 + _better(f, f[0])], [f[:1], f[_better(f, f[0])]]
     while spent < budget:
-        x = inside(optimiser.ask(state, rng)[: budget - spent], problem.low, problem.high)
+        x = inside(form(optimiser.ask(state, rng))[: budget - spent], problem.low, problem.high)
         f = _evaluate(problem, x)
         spent += len(x)
         winner = int(np.argmin(f))
@@ -180,6 +183,7 @@ def minimise(
         np.concatenate(places),
         np.concatenate(values),
         optimiser,
+        state=state,
     )
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import keyword
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError, ExpressionError
 from symbolic.language.deflection import deflected
@@ -20,37 +20,18 @@ from symbolic.language.dimensions import check_dimensions
 from symbolic.language.linearity import check_proportional
 from symbolic.language.tokens import refusal
 from symbolic.language.tree import OPERATORS, Call, Node
-from symbolic.language.words import MODEL_TORQUE, RESERVED, allowed_words, read_text, stem_of, word_dimension
+from symbolic.language.words import MODEL_TORQUE, RESERVED, read_text, stem_of, word_dimension
 from symbolic.quantity import JOINTS
 from symbolic.units import FORCE, TORQUE, dimension
 
-
-class Declared(Protocol):
-    """The part of an Effect that is checked."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def torque(self) -> str | Mapping[str, str] | None: ...  # noqa: D102
-    @property
-    def derive(self) -> Callable[..., Any] | None: ...  # noqa: D102
-    @property
-    def deflection(self) -> Mapping[str, str] | None: ...  # noqa: D102
-    @property
-    def joints(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def coefficients(self) -> Mapping[str, Any]: ...  # noqa: D102
-    @property
-    def shape(self) -> Mapping[str, Any]: ...  # noqa: D102
-    @property
-    def on_both(self) -> bool: ...  # noqa: D102
-
+if TYPE_CHECKING:
+    from symbolic.effect import Effect
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")
 
 
-def check_effect(effect: Declared) -> None:
+def check_effect(effect: Effect) -> None:
     """Refuse an effect that contradicts itself: EffectError for a declaration, ExpressionError for a text."""
     _check_place(effect)
     for key in (*effect.coefficients, *effect.shape):
@@ -80,19 +61,14 @@ def check_effect(effect: Declared) -> None:
         _check_text(effect, text, node)
 
 
-def texts(effect: Declared) -> tuple[str, ...]:
+def texts(effect: Effect) -> tuple[str, ...]:
     """Return the torque texts of an effect; none for a derived one."""
     if effect.torque is None:
         return ()
     return (effect.torque,) if isinstance(effect.torque, str) else tuple(effect.torque.values())
 
 
-def allowed_names(effect: Declared) -> frozenset[str]:
-    """Return the names the effect's texts may use."""
-    return allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape))
-
-
-def _check_text(effect: Declared, text: str, node: Node) -> None:
+def _check_text(effect: Effect, text: str, node: Node) -> None:
     """Check one torque text."""
     if effect.coefficients:
         check_proportional(node, text, effect.coefficients, "coefficient")
@@ -108,9 +84,8 @@ def _check_text(effect: Declared, text: str, node: Node) -> None:
                 call.arguments[1].span,
                 "it is a number or a shape: the memory of a joint does not change while it moves",
             )
-    units = {
-        key: dimension(number.unit, effect.id) for key, number in (*effect.coefficients.items(), *effect.shape.items())
-    }
+    numbers: dict[str, Any] = {**effect.coefficients, **effect.shape}
+    units = {key: dimension(number.unit, effect.id) for key, number in numbers.items()}
     words = [name for name in node.names() if name not in units]
     try:
         check_dimensions(node, text, {**{w: word_dimension(w) for w in words}, **units}, TORQUE, effect.coefficients)
@@ -126,7 +101,7 @@ def _memory(node: Node) -> Iterator[Call]:
     return (part for part in node.walk() if isinstance(part, Call) and part.function in OPERATORS)
 
 
-def _check_place(effect: Declared) -> None:
+def _check_place(effect: Effect) -> None:
     """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
     if not _ID.fullmatch(effect.id) or keyword.iskeyword(effect.id):
         raise EffectError(
@@ -163,7 +138,7 @@ def _check_place(effect: Declared) -> None:
         )
 
 
-def _check_word(effect: Declared, key: str) -> None:
+def _check_word(effect: Effect, key: str) -> None:
     """Check the name of a coefficient or shape."""
     where = f"{effect.id}.{key}"
     if not _IDENTIFIER.fullmatch(key) or keyword.iskeyword(key):

@@ -172,6 +172,15 @@ class Model:
         )
 
     @property
+    def mixture(self) -> Float:
+        """Base parameters (P, J, 3) of inertia, first moment and mass of every link, about its upper joint."""
+        from symbolic.mechanics.base_parameters import leg_mixture, tree_mixture
+
+        if not self.chain:
+            return leg_mixture(self.thigh_length)
+        return tree_mixture(self.chain, self.gravity, self.moving_base)
+
+    @property
     def base_count(self) -> int:
         """How many parameters the model without terms has: inertial, then two of friction per joint."""
         return len(self.inertial) + 2 * len(self.joints)

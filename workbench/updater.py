@@ -1,21 +1,21 @@
 """The recursive estimator in C99: a struct, no allocation, no dependency but math.h; the numbers of
-`diagnosis.watching.updater.Updater` step by step.
+`diagnosis.watching.estimator` step by step.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.watching.estimator import ROBUST, constants
+from diagnosis.watching.estimator import ROBUST, Estimator, constants
 from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, filled
 from diagnosis.watching.front import COMMON_ORDER, HALF, ORDER, SIGN_WIDTH, SPIKE, Filters
-from diagnosis.watching.updater import first_estimator
 from diagnosis.watching.window import LEAST_WEIGHT
 from ground.text import in_comment
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.model import Model, require_still_base
 from symbolic.model_file import Numbers
+from symbolic.motion import Float
 from workbench.identified import ExportError
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 USUAL_SCALE = 0.5
 """N·m; the scale of the residual at first, where the model file does not say its Huber thresholds."""
+SPREAD, LEAST = 0.3, 0.05
+"""A number is known to this part of itself at first, and to no less than this in its unit."""
 
 
 def write_updater(
@@ -57,6 +59,12 @@ def write_updater(
         "OPERATIONS": _operations(function, joints, count, filters),
     }  # fmt: skip
     return {f"{name}_updater.h": filled(_HEADER, values), f"{name}_updater.c": filled(_SOURCE, values)}
+
+
+def first_estimator(model: Model, linear: Float, unit: Float, rate: float) -> Estimator:
+    """Return an estimator that begins at identified numbers (P,); `unit` (J,) N·m is the scale of the residual."""
+    names, units = [p.name for p in model.parameters], [p.unit for p in model.parameters]
+    return Estimator.start(names, units, linear, SPREAD * abs(linear) + LEAST, unit, rate, len(model.inertial))
 
 
 def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:

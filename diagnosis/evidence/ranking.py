@@ -7,7 +7,7 @@ catalogue the false-discovery rate is controlled (Benjamini, Hochberg 1995).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -23,12 +23,7 @@ from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
 from ground.engines.workers import allowed_processes, share_out, shared
-
-Progress = Callable[[float, str], None]
-
-
-def silent(fraction: float, text: str) -> None:
-    """Report no progress."""
+from ground.progress import Progress, silent
 
 
 def rank(

@@ -17,12 +17,13 @@ from diagnosis.evidence.look_alikes import columns_at, refine
 from diagnosis.evidence.model_error import noise_with
 from diagnosis.evidence.own_sway import ENTRY as SWAY
 from diagnosis.evidence.own_sway import own_sway
-from diagnosis.evidence.ranking import Progress, agreed, rank, silent, weigh_all, with_chance
+from diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
 from diagnosis.evidence.repeats import repeats
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import Objection, doubt
 from diagnosis.search.state import Extension, State
+from ground.progress import Progress, silent
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model

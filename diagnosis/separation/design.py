@@ -10,17 +10,18 @@ recordings, and a motion drawn at random, are evaluated the same way.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Unpack
 
 import numpy as np
 
-from diagnosis.separation.distance import Filtered, Rival, Sketch, distance, planned, residual_noise
+from diagnosis.separation.distance import Rival, Sketch, distance, planned, residual_noise
 from diagnosis.separation.indistinguishable import Same, same_torques
 from diagnosis.separation.result import Separation
 from diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from ground.errors import ExoidError
+from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from measurement.bench.simulation import bench_machine
 from measurement.recording import Recording
@@ -28,13 +29,13 @@ from measurement.trajectories.extremes import bounds, uses
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from optimisation.excitation.criteria import Noise
 from optimisation.excitation.design import space_of
-from optimisation.excitation.search import Remembering
 from optimisation.excitation.space import MotionSpace
 from optimisation.fitting.identify import identify
 from optimisation.fitting.nominal import nominal
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import minimise
 from optimisation.optimisers.nfo import NFO
+from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.joints import Joint
 from symbolic.model import Model, require_still_base
@@ -53,9 +54,6 @@ FINALISTS = 4
 """Motions that are evaluated by full refits; the best of them is the design."""
 USUAL = 3
 """Motions drawn at random for comparison; their median counts."""
-
-Progress = Callable[[float, str], None]
-
 
 class SeparateError(ExoidError):
     """Rivals that cannot be compared: fewer than two, or the same one twice."""
@@ -79,7 +77,7 @@ def separate(
     exist.
     """
     began = time.perf_counter()
-    say = progress or _silent
+    say = progress or silent
     asked = SeparationSettings.chosen(settings, changes)
     require_still_base(model, "the design of a motion")
     base, terms = _without(model, rivals)
@@ -120,10 +118,6 @@ def separate(
         seed=asked.seed,
         seconds=time.perf_counter() - began,
     )
-
-
-def _silent(fraction: float, text: str) -> None:
-    """Say nothing."""
 
 
 def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ...]]:
@@ -230,10 +224,9 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
         return np.array([-sketch.smallest(one) for one in stretched(y)])
 
     edge = np.ones(space.size)
-    remember = Remembering(NFO(alpha=0.8, crossover=0.95), lambda y: y)
     run = minimise(
         Problem(fitness, -edge, edge, space.names, ("1",) * space.size),
-        remember,
+        NFO(alpha=0.8, crossover=0.95),
         individuals=INDIVIDUALS,
         generations=generations,
         seed=seed,
@@ -241,7 +234,7 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
             0.3 + 0.5 * spent / (INDIVIDUALS * generations), f"NFO: {np.sqrt(max(-best, 0.0)):.1f} σ apart"
         ),
     )
-    last = remember.last[0]
+    last = run.state
     return stretched(np.concatenate([run.x[None], last.x[np.argsort(last.f)[1:FINALISTS]]]))
 
 
@@ -265,7 +258,7 @@ class _Evaluator:
         """Return D of every pair on a motion of `duration` s."""
         return self.recordings([planned(trajectory, self.duration, self.cutoff, joints=self.joints)])
 
-    def recordings(self, prepared: Sequence[Filtered]) -> dict[tuple[str, str], float]:
+    def recordings(self, prepared: Sequence[PreparedRecording]) -> dict[tuple[str, str], float]:
         """Return D of every pair on prepared recordings together."""
         out = {}
         for (a, b), names in zip(self.pairs, self.names, strict=True):

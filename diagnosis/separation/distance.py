@@ -15,23 +15,22 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import ExpressionError, NotEnoughDataError
 from ground.plain import AsJson
-from measurement.signals.conditioning import ORDER, low_pass, widen
+from measurement.signals.conditioning import ORDER, widen
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import Noise
-from optimisation.fitting.assemble import Assembly, FilteredRecording, settle
+from optimisation.fitting.assemble import Assembly, settle
 from optimisation.fitting.shapes import from_unit, search_shape
 from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import solve_sse
 from optimisation.linear.uncertainty import block_length, block_outer
-from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, bridged, reaches
+from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, PreparedRecording, reaches
 from symbolic.joints import LEG, Joint
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -66,67 +65,9 @@ class Rival(AsJson):
         return {n: float(v) for n, v in zip(named, values, strict=True) if n.startswith(f"{self.name}.")}
 
 
-class Filtered(FilteredRecording, Protocol):
-    """A recording ready to be fitted that says how fast its kept samples follow each other."""
-
-    @property
-    def kept_rate(self) -> float: ...  # noqa: D102
-
-
-@dataclass(frozen=True, eq=False)
-class SimulatedRecording:
-    """The same motion with the torque `tau` (K, J) that a truth makes of it."""
-
-    like: Filtered
-    tau: Float
-
-    @property
-    def name(self) -> str:
-        """As the motion's own."""
-        return self.like.name
-
-    @property
-    def motion(self) -> Motion:
-        """As the motion's own."""
-        return self.like.motion
-
-    @property
-    def use(self) -> Bool:
-        """As the motion's own."""
-        return self.like.use
-
-    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
-        """Filter as the motion is filtered."""
-        return self.like.smooth(x, joints)
-
-
-@dataclass(frozen=True, eq=False)
-class Planned:
-    """A motion as if it had been recorded and prepared: `use` and `tau` (K, J; zero) at the K samples `kept`."""
-
-    name: str
-    motion: Motion
-    tau: Float
-    use: Bool
-    kept: np.ndarray
-    cutoff: float
-    rate: float
-    stuck: Bool
-
-    @property
-    def kept_rate(self) -> float:
-        """Rate of the kept samples, Hz."""
-        return self.rate / float(self.kept[1] - self.kept[0])
-
-    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
-        """Bridge and filter `x` (N, J, ...) over time as recordings are; return the kept samples (K, J, ...)."""
-        stuck = self.stuck if joints is None else self.stuck[:, joints]
-        return low_pass(bridged(x, stuck, self.rate), self.cutoff, self.rate)[self.kept]
-
-
 def planned(
     trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE, joints: Sequence[Joint] = LEG
-) -> Planned:
+) -> PreparedRecording:
     """Return a motion as if it had been recorded for `duration` s and prepared with `cutoff` Hz; its torque is zero."""
     t = np.arange(round(duration * rate)) / rate
     motion = trajectory.at(t)
@@ -135,7 +76,25 @@ def planned(
     if len(kept) < 2:
         raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="take at least 5 s of motion")
     stuck = _stuck(motion, joints, int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))).T
-    return Planned("designed", motion, np.zeros((len(kept), len(joints))), ~stuck[kept], kept, cutoff, rate, stuck)
+    none = np.zeros(len(joints))
+    return PreparedRecording(
+        name="designed",
+        motion=motion,
+        tau=np.zeros((len(kept), len(joints))),
+        use=~stuck[kept],
+        kept=kept,
+        cutoff=cutoff,
+        rate=rate,
+        outliers=none,
+        wide_tau=np.zeros(motion.q.shape),
+        angle_noise=none,
+        band=INNER * cutoff,
+        stuck=stuck,
+        standing=none > 0.0,
+        driven=none == 0.0,
+        full_rate=rate,
+        reach=reaches(joints),
+    )
 
 
 def _stuck(motion: Motion, joints: Sequence[Joint], near: int) -> Bool:
@@ -163,10 +122,10 @@ def residual_noise(
     return Noise(sd, np.minimum(per_second, 2.0 * cutoff), source, tuple(joints))
 
 
-def distance(truth: Rival, rival: Model, prepared: Sequence[Filtered], noise: Noise, start: Float) -> float:
+def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
     made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
-    told = [SimulatedRecording(one, tau) for one, tau in zip(prepared, made, strict=True)]
+    told = [replace(one, tau=tau) for one, tau in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
     root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]
     weights = np.concatenate(

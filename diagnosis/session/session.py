@@ -26,9 +26,9 @@ from diagnosis.evidence.stretches import origins, searched_stretches
 from diagnosis.question import Question, own_effects
 from diagnosis.results import Diagnosis, Step
 from diagnosis.rules import Rules
-from diagnosis.search.context import Progress, silent
 from diagnosis.session.ranking import Ranking
 from diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from ground.progress import Progress, silent
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ground.errors import RecordingError
+from ground.progress import Progress
 from measurement.finding import SEVERITIES, Finding
 from measurement.reading.raw import RawTable
 from measurement.recording import Recording
 
 STRETCHES, STRETCH = 12, 150.0
 """How many recordings a long file becomes, and how many s each of them at most."""
-Progress = Callable[[float, str], None]
 
 
 @dataclass(eq=False)

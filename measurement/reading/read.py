@@ -14,13 +14,14 @@ from typing import Any
 from ground.errors import RecordingError
 from ground.files import sha256
 from ground.inputs import open_input
+from ground.progress import Progress
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
 from measurement.reading.columns import assign, inferred, legs
 from measurement.reading.conventions import read_as
 from measurement.reading.frames import table_from
 from measurement.reading.join import joined_pieces
-from measurement.reading.large import Progress, in_stretches
+from measurement.reading.large import in_stretches
 from measurement.reading.mapping import FILE, StatedMapping, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired

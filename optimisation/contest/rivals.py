@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ground.engines.engine import completed
 from ground.engines.processes import processes
+from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, paper_contest, race
 from optimisation.contest.settings import SEEDS, ContestOptions, ContestSettings
@@ -30,10 +31,7 @@ from symbolic.model import Model
 
 if TYPE_CHECKING:
     from measurement.recording import Recording
-    from optimisation.fitting.assemble import FilteredRecording
-
-Progress = Callable[[float, str], None]
-
+    from optimisation.preparation.filtering import PreparedRecording
 
 def entrants(whitened: bool = False) -> Mapping[str, Search]:
     """Return who competes: NFO as printed and whitened, and every other file of `optimisers/` as it comes.
@@ -51,7 +49,7 @@ def entrants(whitened: bool = False) -> Mapping[str, Search]:
 @spelt_out(ContestSettings)
 def rivals(
     subject: Model | Fit | Contest | None = None,
-    recordings: Sequence[FilteredRecording] | Sequence[Recording] = (),
+    recordings: Sequence[PreparedRecording] | Sequence[Recording] = (),
     settings: ContestSettings | None = None,
     *,
     progress: Progress | None = None,
@@ -83,7 +81,7 @@ def rivals(
         )
     missing = [task for task in tasks if task not in done]
     resumed = len(done)
-    report = progress or _silent
+    report = progress or silent
     for outcome in _run(contest, missing, asked):
         store.write(outcome, searches[outcome.name])
         done[outcome.name, outcome.seed] = outcome
@@ -124,10 +122,6 @@ def _run(contest: Contest, tasks: Sequence[tuple[str, int]], asked: ContestSetti
     finally:
         if engine is None:
             chosen.close(ended)
-
-
-def _silent(fraction: float, text: str) -> None:
-    """Say nothing."""
 
 
 __all__ = ["Contest", "Outcome", "Rivals", "entrants", "rivals"]

@@ -15,12 +15,13 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from measurement.trajectories.extremes import bounds, margin, uses
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
 from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
 from optimisation.excitation.result import DesignedMotion, Excitation, Precision
-from optimisation.excitation.search import MotionSearch, NoMotionError, Progress
+from optimisation.excitation.search import MotionSearch, NoMotionError
 from optimisation.excitation.settings import DURATION, DesignError, DesignOptions, DesignSettings, MotionSettings
 from optimisation.excitation.space import MotionSpace, motion_space
 from optimisation.fitting.nominal import Nominal, nominal, sizes
@@ -54,7 +55,7 @@ def design(
     determines the model.
     """
     began = time.perf_counter()
-    say = progress or _silent
+    say = progress or silent
     asked = DesignSettings.chosen(settings, changes)
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
@@ -120,10 +121,6 @@ def evaluate(
 def evaluate_paper(period: float = 10.0, model: Model | None = None) -> Excitation:
     """Return what the paper's published coefficients are worth at a `period` in s, which the paper does not print."""
     return evaluate(paper_trajectory(period), model, name="the paper's")
-
-
-def _silent(fraction: float, text: str) -> None:
-    """Say nothing."""
 
 
 def shrunk(room: Float, share: float) -> Float:

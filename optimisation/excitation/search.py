@@ -16,11 +16,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ground.progress import Progress, silent
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
@@ -28,12 +29,10 @@ from optimisation.excitation.result import DesignedMotion
 from optimisation.excitation.settings import DesignError, DesignSettings
 from optimisation.excitation.space import MotionSpace
 from optimisation.linear.problem import Problem
-from optimisation.optimiser import Box, Optimiser, minimise
+from optimisation.optimiser import minimise
 from optimisation.optimisers.nfo import NFO
 from symbolic.codegen.information import Information
 from symbolic.motion import Float
-
-Progress = Callable[[float, str], None]
 
 
 class NoMotionError(DesignError):
@@ -78,44 +77,6 @@ SHORT = 120
 """Generations of the search from whose result IPOPT starts."""
 
 
-@dataclass(frozen=True)
-class Remembering:
-    """An optimiser whose candidates are brought into a common form, and which keeps its last population.
-
-    `form` turns points (I, n) into points (I, n) that stand for the same motions, so that near points are near motions.
-    """
-
-    optimiser: Optimiser
-    form: Callable[[Float], Float]
-    last: list[Any] = field(default_factory=list)
-
-    @property
-    def boundary(self) -> str:
-        """As the optimiser's own."""
-        return self.optimiser.boundary
-
-    @property
-    def invariances(self) -> frozenset[str]:
-        """As the optimiser's own."""
-        return self.optimiser.invariances
-
-    def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> Any:
-        """Start it."""
-        return self._keep(self.optimiser.start(x, f, box, rng))
-
-    def ask(self, state: Any, rng: np.random.Generator) -> Float:
-        """Ask it."""
-        return self.form(self.optimiser.ask(state, rng))
-
-    def tell(self, state: Any, x: Float, f: Float) -> Any:
-        """Tell it."""
-        return self._keep(self.optimiser.tell(state, x, f))
-
-    def _keep(self, state: Any) -> Any:
-        self.last[:] = [state]
-        return state
-
-
 @dataclass(frozen=True, eq=False)
 class MotionSearch:
     """A search of `space` as `asked`: the criterion, the evaluations, the seed.
@@ -127,7 +88,7 @@ class MotionSearch:
     space: MotionSpace
     aim: Aim
     asked: DesignSettings
-    say: Progress = lambda share, text: None
+    say: Progress = silent
 
     def value(self, y: Float) -> Float:
         """Return the criterion (I,) of points `y` (I, n), stretched to the limits or Inf outside them."""
@@ -215,17 +176,15 @@ class MotionSearch:
             near[0] = 0.0
             far = np.full(self.space.size, 100.0 * NEAR)
             inner = Problem(lambda z: proxy(placed(z)), -far, far, self.space.names, ("1",) * self.space.size)
-            plain = Remembering(WHITENED, lambda z: z)
             left = generations - price - 1
-            run = minimise(inner, plain, individuals=self.asked.individuals, generations=left, seed=seed, start=near)
-            found, f = _with(plain.last[0], run.x, run.fitness)
+            run = minimise(inner, WHITENED, individuals=self.asked.individuals, generations=left, seed=seed, start=near)
+            found, f = _with(run.state, run.x, run.fitness)
             return form(placed(found)), f
-        remember = Remembering(RECIPE, form)
         run = minimise(
-            self._problem(proxy, WIDE), remember, individuals=self.asked.individuals, generations=generations,
-            seed=seed, start=x,
+            self._problem(proxy, WIDE), RECIPE, individuals=self.asked.individuals, generations=generations,
+            seed=seed, start=x, form=form,
         )  # fmt: skip
-        return _with(remember.last[0], run.x, run.fitness)
+        return _with(run.state, run.x, run.fitness)
 
     def stretched(self, y: Float) -> Float:
         """Return points (I, n) as the motions they stand for: stretched to the first limit they meet."""

@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
-from optimisation.linear.loss import Bool
 from optimisation.linear.problem import LinearData
 from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from optimisation.preparation.filtering import PreparedRecording
 
 FIXED_POINT_ROUNDS = 60
 FIXED_POINT_TOLERANCE = 1e-11
@@ -28,24 +30,6 @@ TOGETHER = 2_000_000
 """Values of columns that are computed at once, at most."""
 
 
-class FilteredRecording(Protocol):
-    """A recording ready to be fitted: `motion` (N samples), `tau` and `use` (K, J) of the K samples kept."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def motion(self) -> Motion: ...  # noqa: D102
-    @property
-    def tau(self) -> Float: ...  # noqa: D102
-    @property
-    def use(self) -> Bool: ...  # noqa: D102
-
-    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
-        """Filter `x` (N, J, ...) over time as the torque was filtered and return the kept samples (K, J, ...); of
-        `joints` alone where they are given.
-        """
-
-
 class Assembly:
     """Builds the linear data of one model and its recordings again and again, for other shapes.
 
@@ -53,7 +37,7 @@ class Assembly:
     computed again, and a column that comes out as it did last time is not filtered again.
     """
 
-    def __init__(self, model: Model, prepared: Sequence[FilteredRecording]) -> None:
+    def __init__(self, model: Model, prepared: Sequence[PreparedRecording]) -> None:
         self.model = model
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
@@ -110,7 +94,7 @@ class Assembly:
         self._shapes[index] = None if own is None else np.array(own)
         return smooth
 
-    def _following(self, one: FilteredRecording, nodes: Float, reference: Float | None = None) -> Float:
+    def _following(self, one: PreparedRecording, nodes: Float, reference: Float | None = None) -> Float:
         """Return the filtered columns (V, J, K, m) that follow the shapes, at `nodes` (V, S)."""
         raw = self.model.following_columns(one.motion, nodes, reference)
         joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
@@ -161,7 +145,7 @@ class Assembly:
 
 def assemble(
     model: Model,
-    prepared: Sequence[FilteredRecording],
+    prepared: Sequence[PreparedRecording],
     shape: Float | None = None,
     reference: Float | None = None,
 ) -> LinearData:

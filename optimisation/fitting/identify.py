@@ -17,7 +17,7 @@ import numpy as np
 from ground.errors import NotEnoughDataError
 from ground.settings import spelt_out
 from measurement.recording import Recording
-from optimisation.fitting.assemble import Assembly, FilteredRecording, Settled
+from optimisation.fitting.assemble import Assembly, Settled
 from optimisation.fitting.cautions import held, numerical, price, unproven
 from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.intervals import estimates_of, middle, spread_of
@@ -33,6 +33,7 @@ from optimisation.linear.reference import Reference, solve_reference
 from optimisation.linear.solve import delta_rule, solve_sse
 from optimisation.optimiser import OptimiserRun, minimise
 from optimisation.optimisers.nfo import NFO
+from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import prepare
 from symbolic.codegen.kernel import fitness
 from symbolic.motion import Float
@@ -52,7 +53,7 @@ Progress = Callable[[str], None]
 @spelt_out(FitSettings)
 def identify(
     model: Model,
-    data: Sequence[FilteredRecording] | Sequence[Recording],
+    data: Sequence[PreparedRecording] | Sequence[Recording],
     settings: FitSettings | None = None,
     *,
     progress: Progress | None = None,
@@ -153,19 +154,17 @@ def _stages(assembly: Assembly, asked: FitSettings, possible: Physics | None, sa
     return _Stages(sse, stage, best, best_shape, agreeing)
 
 
-def _spacing(one: FilteredRecording) -> float:
+def _spacing(one: PreparedRecording) -> float:
     """Return s between the samples kept: those of the motion, or every second, third, ... of them."""
     t = one.motion.t
     return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.tau))))
 
 
-def _prepared(
-    model: Model, data: Sequence[FilteredRecording] | Sequence[Recording]
-) -> Sequence[FilteredRecording]:
+def _prepared(model: Model, data: Sequence[PreparedRecording] | Sequence[Recording]) -> Sequence[PreparedRecording]:
     """Return prepared recordings; those just read are prepared for `model`, with the cut-off chosen."""
     raw = [one for one in data if isinstance(one, Recording)]
     if not raw:
-        return cast("Sequence[FilteredRecording]", data)
+        return cast("Sequence[PreparedRecording]", data)
     return prepare(model, raw).train
 
 
@@ -225,7 +224,7 @@ class _Proof:
             run = minimise(
                 problem.whitened() if search.whitened else problem, search.optimiser, name=name, seed=self.seed
             )
-            runs[name] = replace(run, gap=_gap(huber(data.residual(run.x), delta), certificate))
+            runs[name] = replace(run, gap=_gap(huber(data.residual(run.x), delta), certificate), state=None)
         self.say(f"IPOPT ({kind})")
         return certificate, runs, solve_reference(data, delta)
 

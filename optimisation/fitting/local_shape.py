@@ -18,7 +18,6 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from optimisation.fitting.assemble import FilteredRecording as Working
     from optimisation.fitting.fit import Fit
     from optimisation.linear.problem import LinearData
     from optimisation.preparation.filtering import PreparedRecording
@@ -75,7 +74,7 @@ def _fit_own(
 
 
 def _own_losses(
-    model: Model, one: Working, linear: Float, shape: Float, index: int, delta: Float
+    model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int, delta: Float
 ) -> Callable[[Float], Float]:
     """Return what gives the Huber losses (V,) on one recording at V values of shape `index`, everything else held;
     torques pass the filter, not columns: it is linear.
@@ -112,7 +111,7 @@ class ShapeProblem(Protocol):
 
 
 def descend(
-    problem: ShapeProblem, model: Model, prepared: Sequence[Working], start: Float, delta: Float
+    problem: ShapeProblem, model: Model, prepared: Sequence[PreparedRecording], start: Float, delta: Float
 ) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
@@ -189,7 +188,7 @@ def _step(
     return shapes, value
 
 
-def _nudge(model: Model, one: Working, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
+def _nudge(model: Model, one: PreparedRecording, linear: Float, shape: Float, far: Float, delta: Float) -> Float:
     """Return one recording's shape values with its own ones moved to a smaller loss, linear parameters held."""
     best = shape.copy()
     for index in own_shapes(model):
@@ -209,7 +208,7 @@ def shape_joint(model: Model, entry: Any) -> int:
     return names.index(place) if place in names else len(names) - 1
 
 
-def reach(model: Model, prepared: Sequence[Working]) -> Float:
+def reach(model: Model, prepared: Sequence[PreparedRecording]) -> Float:
     """Return how far (S,) a shape value may move in one sweep: a grid step, or a tenth of the joint's path."""
     out = []
     for entry in model.shapes:

@@ -68,7 +68,7 @@ def certify(
     limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
     basis = data.factor.basis
     score = np.clip(residual, -limit, limit)
-    u = _feasible(basis, 2.0 * score, 2.0 * limit)
+    u, _ = feasible(basis, 2.0 * score, 2.0 * limit, np.zeros(basis.shape[1]))
     primal = huber(data.residual(linear), delta)
     left = basis.T @ u
     slack = float(np.abs(left) @ np.abs(data.factor.forward @ linear))
@@ -91,30 +91,30 @@ def ratio(part: Any, whole: Any) -> float:
     return float(part / whole) if whole > 0.0 else 0.0
 
 
-def _feasible(basis: Float, u: Float, bound: Float) -> Float:
-    """Return the dual point repaired so that Qᵀu = 0 to rounding and |u| ≤ `bound`.
+def feasible(basis: Float, u: Float, bound: Float, target: Float) -> tuple[Float, float]:
+    """Return the dual point repaired so that Qᵀu = `target` to rounding and |u| ≤ `bound`, and by what it was shrunk.
 
     First only the samples inside their bound move, since those on it belong there at an optimum. What then
-    still violates is repaired by alternating projection, and last by shrinking: a multiple of a feasible u
-    is feasible.
+    still violates is repaired by alternating projection, and last by shrinking, the target with it: a multiple of a
+    feasible u is feasible.
     """
     free = np.abs(u) < bound
     inner = basis[free]
     curvature = inner.T @ inner
     for _ in range(3):
         u = u.copy()
-        u[free] -= inner @ np.linalg.lstsq(curvature, basis.T @ u, rcond=1e-13)[0]
+        u[free] -= inner @ np.linalg.lstsq(curvature, basis.T @ u - target, rcond=1e-13)[0]
     for _ in range(20):
         if np.all(np.abs(u) <= bound):
             break
         u = np.clip(u, -bound, bound)
-        u = u - basis @ (basis.T @ u)
-    u = u - basis @ (basis.T @ u)
+        u = u - basis @ (basis.T @ u - target)
+    u = u - basis @ (basis.T @ u - target)
     size = np.abs(u)
     over = size > bound
     # Divided only where the bound is passed; zero rows (masked samples) and infinite bounds never are.
     shrink = float(np.min(bound[over] / size[over])) if over.any() else 1.0
-    return u * shrink
+    return u * shrink, shrink
 
 
 def fenchel(residual: Float, u: Float, limit: Float) -> float:

@@ -18,8 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbolic.joints import Joint
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.newton_euler import PARAMETERS
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -53,24 +51,6 @@ class LinkInertia:
         return self.inertia - (self.along**2 + self.across**2) / self.mass
 
 
-def mixture(model: Model) -> Float:
-    """Return A (P, 3 J): base parameters from (J, X, m) of every link, link after link."""
-    joints = tree_of(model)
-    rows = np.zeros((len(model.inertial), len(joints), len(PARAMETERS)))
-    if not model.chain:
-        thigh = model.thigh_length
-        for place, link, kind, factor in (
-            (0, 0, "J", 1.0), (0, 1, "J", 1.0), (0, 1, "m", thigh**2), (1, 1, "J", 1.0),
-            (2, 1, "X", thigh), (3, 0, "X", thigh), (3, 0, "J", -1.0),
-        ):  # fmt: skip
-            rows[place, link, PARAMETERS.index(kind)] = factor
-        return rows.reshape(len(rows), -1)
-    for row, parameter in zip(rows, base_parameters(joints, model.gravity, model.moving_base), strict=True):
-        for link, kind, factor in ((parameter.link, parameter.kind, 1.0), *parameter.parts):
-            row[link, PARAMETERS.index(kind)] += factor
-    return rows.reshape(len(rows), -1)
-
-
 def tree_of(model: Model) -> tuple[Joint, ...]:
     """Return the joints of a model, the leg's with the length of its thigh."""
     if model.chain:
@@ -95,8 +75,8 @@ def nearest_links(
     """Return links that have the base parameters `phi` (P,) and the moments `across` their axes (J,), nearest to `near`
     (default: usual ones); None where no links with positive masses have them.
     """
-    joints, rows = tree_of(model), mixture(model)
-    count = len(joints)
+    count = len(model.joints)
+    rows = model.mixture.reshape(-1, 3 * count)
     aside = np.zeros(count) if across is None else np.asarray(across, dtype=float)
     known = usual_links(model, phi) if near is None else tuple(near)
     # In units of the known links, first moments in those of sqrt(J m): then all numbers are near one.

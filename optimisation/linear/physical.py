@@ -9,7 +9,7 @@ same loss is minimised over the parameters that can. That set is convex, so the 
 The two matrix inequalities say Φ3²/Φ2 ≤ Φ1 - Φ2 + min(0, Φ4), which holds exactly for what positive m, l, I give (see
 `plausibility`), and make M(θ) positive definite in every posture. The margin m keeps it from being nearly singular.
 
-Of a machine that is not the leg, the base parameters are sums over its links (`links.mixture`), Φ = A (J, X, m), and
+Of a machine that is not the leg, the base parameters are sums over its links (`Model.mixture`), Φ = A (J, X, m), and
 the condition is that of each link (Wensing, Kim, Slotine, IEEE Robotics and Automation Letters 3(1), 2018; here of a
 planar body on its axis):
 
@@ -35,13 +35,14 @@ from typing import Any
 
 import numpy as np
 
-from optimisation.linear.certificate import Certificate, fenchel, ratio
+from optimisation.linear.certificate import Certificate, feasible, fenchel, ratio
 from optimisation.linear.factor import factorise
-from optimisation.linear.links import PARAMETERS, mixture, nearest_links, tree_of
+from optimisation.linear.links import nearest_links, tree_of
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import OPTIONS, Reference, column_scale, loss_expression
 from optimisation.linear.solve import solve_huber, solve_sse
+from symbolic.mechanics.newton_euler import PARAMETERS
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -221,7 +222,7 @@ def _lift(model: Model, names: tuple[str, ...], low: Float, high: Float) -> Lift
     unit = np.array([(MASS * a**2, MASS * a, MASS) for a in rods]).ravel()
     others = len(names) - count
     matrix = np.zeros((len(names), unit.size + others))
-    matrix[:count, : unit.size] = mixture(model) * unit
+    matrix[:count, : unit.size] = model.mixture.reshape(count, -1) * unit
     matrix[count:, unit.size :] = np.eye(others)
     called = tuple(f"{joint.name}.{kind}" for joint in joints for kind in PARAMETERS)
     eye = np.eye(matrix.shape[1])
@@ -332,7 +333,7 @@ def certify_physical(
     equations, right = np.vstack([pull.T, waste, blind.T]), np.concatenate([wanted, np.zeros(1 + blind.shape[1])])
     weight: Float = np.asarray(nnls(equations, right)[0]) if known else np.zeros(0)
     part: float
-    u, part = _feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight) if known else np.zeros(data.factor.rank))
+    u, part = feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight) if known else np.zeros(data.factor.rank))
     weight = weight * part / np.where(size > 0.0, size, 1.0)
     left = basis.T @ u + (rows.T @ weight) @ backward
     primal = huber(data.residual(linear), delta)
@@ -354,22 +355,3 @@ def certify_physical(
         tolerance=tolerance,
         scope=scope or "all possible parameters",
     )
-
-
-def _feasible(basis: Float, u: Float, bound: Float, target: Float) -> tuple[Float, float]:
-    """Return u repaired so that Qᵀu = `target` to rounding and |u| ≤ `bound`, and the factor both were shrunk by."""
-    free = np.abs(u) < bound
-    inner = basis[free]
-    curvature = inner.T @ inner
-    for _ in range(3):
-        u = u.copy()
-        u[free] -= inner @ np.linalg.lstsq(curvature, basis.T @ u - target, rcond=1e-13)[0]
-    for _ in range(20):
-        if np.all(np.abs(u) <= bound):
-            break
-        u = np.clip(u, -bound, bound)
-        u = u - basis @ (basis.T @ u - target)
-    u = u - basis @ (basis.T @ u - target)
-    over = np.abs(u) > bound
-    shrink = float(np.min(bound[over] / np.abs(u[over]))) if over.any() else 1.0
-    return u * shrink, shrink

@@ -17,6 +17,7 @@ import numpy as np
 
 from symbolic.joints import Joint
 from symbolic.mechanics.newton_euler import PARAMETERS, STILL, BaseMotion, link_torques
+from symbolic.motion import Float
 
 SEED = 20262
 STATES = 40
@@ -78,6 +79,26 @@ def base_parameters(joints: tuple[Joint, ...], gravity: float, moving: bool = Fa
                 parts[place].append((link, kind, round(float(factor), 12)))
     ordered = sorted(chosen, key=lambda place: (place[0], PARAMETERS.index(place[1])))
     return tuple(BaseParameter(link, kind, tuple(parts[link, kind])) for link, kind in ordered)
+
+
+def tree_mixture(joints: tuple[Joint, ...], gravity: float, moving: bool = False) -> Float:
+    """Return A (P, J, 3): base parameters from (J, X, m) of every link, about its upper joint."""
+    found = base_parameters(joints, gravity, moving)
+    rows = np.zeros((len(found), len(joints), len(PARAMETERS)))
+    for row, parameter in zip(rows, found, strict=True):
+        for link, kind, factor in ((parameter.link, parameter.kind, 1.0), *parameter.parts):
+            row[link, PARAMETERS.index(kind)] += factor
+    return rows
+
+
+def leg_mixture(thigh: float) -> Float:
+    """Return the same (4, 2, 3) for Φ1..Φ4 of a leg whose thigh is `thigh` m long, as `regressor.py` derives them."""
+    return np.array([
+        [[1.0, 0.0, 0.0], [1.0, 0.0, thigh**2]],
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
+        [[0.0, 0.0, 0.0], [0.0, thigh, 0.0]],
+        [[-1.0, thigh, 0.0], [0.0, 0.0, 0.0]],
+    ])
 
 
 def _columns(joints: tuple[Joint, ...], gravity: float, moving: bool) -> list[dict[str, Any]]:

@@ -86,22 +86,6 @@ class Mechanism:
         links = tuple(replace(link, **changes) if link.name == name else link for link in self.links)
         return replace(self, links=links)
 
-    def with_payload(self, name: str, mass: Expr, along: Expr, across: Expr = 0) -> Mechanism:
-        """Return the mechanism with a point mass (kg) fastened to link `name`, `along` and `across` it in m.
-
-        Link and payload become one rigid body: their common centre of mass, their inertia about it (Steiner).
-        """
-        link = self.link(name)
-        whole = link.mass + mass
-        apart = (link.along - along) ** 2 + (link.across - across) ** 2
-        return self.with_link(
-            name,
-            mass=whole,
-            along=(link.mass * link.along + mass * along) / whole,
-            across=(link.mass * link.across + mass * across) / whole,
-            inertia=link.inertia + link.mass * mass / whole * apart,
-        )
-
     def link(self, name: str) -> Link:
         """Return the link called `name`; KeyError where there is none."""
         return {link.name: link for link in self.links}[name]

@@ -9,19 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ground.errors import ExoidError
 from symbolic.joints import JOINT_NAME
-from symbolic.mechanics.base_parameters import base_parameters
+from symbolic.mechanics.base_parameters import leg_mixture
 from symbolic.motion import Float, read_only
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
     from symbolic.model import Model
 
 LINKS = ("thigh", "shank")
@@ -66,7 +63,7 @@ class Payload:
         """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
         if self.link not in LINKS:
             raise self._no_link("thigh or shank")
-        return _numbers(self, thigh_length)
+        return read_only(leg_mixture(thigh_length)[:, LINKS.index(self.link)] @ self._own)
 
     def added(self, model: Model) -> Float:
         """Return what it adds to the base parameters of a model's machine; PayloadError where that has no such link."""
@@ -76,44 +73,12 @@ class Payload:
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))
         index = names.index(self.link) if self.link in names else len(names) - 1
-        own = {"J": self.mass * self.along**2, "X": self.mass * self.along, "m": self.mass}
-        found = base_parameters(model.chain, model.gravity, model.moving_base)
-        return read_only(
-            [
-                sum(factor * own[kind] for link, kind, factor in ((p.link, p.kind, 1.0), *p.parts) if link == index)
-                for p in found
-            ]
-        )
+        return read_only(model.mixture[:, index] @ self._own)
+
+    @property
+    def _own(self) -> Float:
+        """Its inertia, first moment and mass about the link's upper joint, (3,)."""
+        return self.mass * np.array([self.along**2, self.along, 1.0])
 
     def _no_link(self, links: str) -> PayloadError:
         return PayloadError(f"there is no link {self.link!r}", where=str(self), remedy=links)
-
-
-@lru_cache(maxsize=64)
-def _numbers(payload: Payload, thigh_length: float) -> Float:
-    symbols, added = _added(payload.link)
-    numbers = dict(zip(symbols, (payload.mass, payload.along, thigh_length), strict=True))
-    return read_only(np.array([float(entry.subs(numbers)) for entry in added]))
-
-
-@lru_cache(maxsize=4)
-def _added(link: str) -> tuple[tuple[Symbol, ...], tuple[Expr, ...]]:
-    """Return mass, place and thigh length, and the added base parameters (4,) in them: the difference of two Φ."""
-    from sympy import Matrix, simplify
-
-    from symbolic.mechanics.mechanism import leg, real
-    from symbolic.mechanics.regressor import regressor
-
-    mass, along = real("payload_mass"), real("payload_along")
-    bare = leg()
-    loaded = bare.with_payload(link, mass, along).link(link)
-    own = bare.link(link)
-    # The loaded link in place of the bare one, quantity by quantity: Φ is a function of these alone.
-    place = {own.mass: loaded.mass, own.along: loaded.along, own.inertia: loaded.inertia}
-    phi = Matrix(regressor(bare).parameters)
-    difference = simplify(phi.subs(place, simultaneous=True) - phi)
-    length = bare.links[0].length
-    left = difference.free_symbols - {mass, along, length}
-    if left:
-        raise AssertionError(f"what a payload adds depends on {left}")
-    return (mass, along, length), tuple(difference)

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from ground.errors import EffectError
 from symbolic.catalogue import catalogue, find_effect
-from symbolic.effect_declaration import allowed_names, texts
+from symbolic.effect_declaration import texts
 from symbolic.language.lower import to_numpy
 from symbolic.language.parser import parse
+from symbolic.language.words import allowed_words
 from symbolic.term import Term
 
 WITH_TEXT = [effect for effect in catalogue().values() if effect.torque is not None]
@@ -36,7 +37,7 @@ def torque(effect, env, joint=None):
     """Return the torque at `joint` (0 hip, 1 knee), whose own words are taken from the numbered ones."""
     text = effect.torque if isinstance(effect.torque, str) else effect.torque[("hip", "knee")[joint]]
     own = {} if effect.on_both else {key[:-1]: value for key, value in env.items() if key.endswith(str(joint + 1))}
-    node = parse(text, allowed_names(effect))
+    node = parse(text, allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape)))
     return np.broadcast_to(to_numpy(node, env | own), env["t"].shape)
 
 

@@ -11,12 +11,12 @@ import sympy
 from ground.errors import EffectError
 from symbolic import effects
 from symbolic.catalogue import FAMILIES, catalogue, find_effect
-from symbolic.effect_declaration import allowed_names, check_effect, texts
+from symbolic.effect_declaration import check_effect, texts
 from symbolic.language.instant import split_memory
 from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.operators import MEMORY
 from symbolic.language.parser import parse
-from symbolic.language.words import MODEL_TORQUE, own_names
+from symbolic.language.words import MODEL_TORQUE, allowed_words, own_names
 from symbolic.language.writing import to_text
 from symbolic.term import Term
 
@@ -27,7 +27,7 @@ every_effect = pytest.mark.parametrize("effect", catalogue().values(), ids=catal
 
 
 def node_of(effect, text):
-    return parse(text, allowed_names(effect))
+    return parse(text, allowed_words(not effect.on_both, (*effect.coefficients, *effect.shape)))
 
 
 def signals(effect, node, n=200):

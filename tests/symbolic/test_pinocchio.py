@@ -6,7 +6,6 @@ import pytest
 from measurement.bench.leg import random_leg
 from symbolic import Model, Motion
 from symbolic.codegen.kernel import compiled
-from symbolic.point import jacobian, position
 
 pin = pytest.importorskip("pinocchio")
 
@@ -36,9 +35,9 @@ def test_everything_pinocchio_computes_as_well(seed):
     model = Model.standard(thigh_length=leg.thigh_length)
     linear = np.array([*leg.base[:4], 0.0, 0.0, 0.0, 0.0])
     ours = compiled(model)
-    along, across = 0.27, 0.04
+    along = 0.27
     frame = robot.addFrame(
-        pin.Frame("cuff", 2, pin.SE3(np.eye(3), np.array([across, 0.0, -along])), pin.FrameType.OP_FRAME)
+        pin.Frame("cuff", 2, pin.SE3(np.eye(3), np.array([0.0, 0.0, -along])), pin.FrameType.OP_FRAME)
     )
     data = robot.createData()
     for _ in range(10):
@@ -56,7 +55,5 @@ def test_everything_pinocchio_computes_as_well(seed):
         np.testing.assert_allclose(ours.forward_dynamics(motion, tau[None], linear)[0], wanted, rtol=1e-9, atol=1e-9)
         pin.forwardKinematics(robot, data, -q)
         pin.updateFramePlacements(robot, data)
-        place = data.oMf[frame].translation
-        np.testing.assert_allclose(position(model, motion, "shank", along, across)[0], place[[0, 2]], atol=1e-12)
         full = pin.computeFrameJacobian(robot, data, -q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-        np.testing.assert_allclose(jacobian(model, motion, "shank", along, across)[0], -full[[0, 2]], atol=1e-11)
+        np.testing.assert_allclose(ours.jacobian(motion, along)[0], -full[[0, 2]], atol=1e-11)

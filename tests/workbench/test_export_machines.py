@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from optimisation.linear.links import LinkInertia, mixture, nearest_links
+from optimisation.linear.links import LinkInertia, nearest_links
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.model_file import Numbers, write_model
@@ -40,7 +40,8 @@ def numbers(model: Model, seed: int = 1) -> Numbers:
     """Return numbers of links that could exist, with friction and the usual sizes of effects."""
     rng, count = np.random.default_rng(seed), len(model.joints)
     mass, along, own = rng.uniform(1.0, 4.0, count), rng.uniform(0.05, 0.3, count), rng.uniform(0.05, 0.1, count)
-    phi = mixture(model) @ np.column_stack([own + mass * along**2, mass * along, mass]).ravel()
+    links = np.column_stack([own + mass * along**2, mass * along, mass])
+    phi = np.einsum("pjk,jk->p", model.mixture, links)
     effects = [0.2 * (p.typical or 1.0) for p in model.parameters[model.base_count :]]
     linear = dict(zip([p.name for p in model.parameters], [*phi, *([0.5, 0.7] * count), *effects], strict=True))
     return Numbers(linear, {s.name: float(v) for s, v in zip(model.shapes, model.typical_shape, strict=True)}, None)
@@ -236,7 +237,8 @@ def test_numbers_that_are_the_files_own_leave_its_bodies_as_they_are(tmp_path):
     """Of all bodies with the same numbers, the nearest to the file's is the file's."""
     model = Model("hka", limits={}, chain=HKA)
     mine = [LinkInertia(0.3, 0.8, 0.0, 4.0), LinkInertia(0.15, 0.45, 0.0, 2.5), LinkInertia(0.02, 0.08, 0.0, 1.0)]
-    phi = mixture(model) @ np.array([[one.inertia, one.along, one.mass] for one in mine]).ravel()
+    links = [[one.inertia, one.along, one.mass] for one in mine]
+    phi = np.einsum("pjk,jk->p", model.mixture, links)
     found = nearest_links(model, phi, near=mine)
     for one, other in zip(found, mine, strict=True):
         np.testing.assert_allclose(

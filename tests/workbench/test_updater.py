@@ -9,8 +9,8 @@ import subprocess
 import numpy as np
 import pytest
 
+from benchmarks.python_updater import Updater
 from diagnosis.watching.front import CUTOFF
-from diagnosis.watching.updater import Updater
 from ground.errors import ExoidError
 from measurement.bench.simulation import Bench, simulate
 from symbolic.model import Model

@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from ground.engines.cell import in_cell
 from ground.engines.engine import Engine, completed
 from ground.files import write_whole
 from ground.frames import pandas
+from ground.progress import Progress, silent
 from workbench.campaign.plan import Job, Plan
 from workbench.campaign.store import FINAL, CampaignError, JobStore, job_file_name, task_of
 from workbench.campaign.work import FUNCTION
 
-Progress = Callable[[float, str], None]
 REFRESH = 5.0
 """Seconds between two versions of the page while a campaign runs, at least."""
 
@@ -80,7 +80,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     from workbench.campaign.table import write_tables
     from workbench.command import versions
 
-    began, report = time.perf_counter(), progress or _silent
+    began, report = time.perf_counter(), progress or silent
     folder = Path(folder)
     here = dict(versions())
     with _alone(folder):
@@ -184,7 +184,3 @@ def _alone(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
-
-
-def _silent(fraction: float, text: str) -> None:
-    """Say nothing."""

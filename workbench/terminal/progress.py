@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-Progress = Callable[[float, str], None]
-"""`progress(fraction, text)`: how much of the work is done (0..1), and what is being done now."""
+from ground.progress import Progress
 
 PATIENCE = 1.0
 """Seconds of silence before a bar appears."""

@@ -1,28 +1,16 @@
-"""The recursive estimator as a controller runs it: one sample per period of its loop, nothing else.
-
-`exoid export --updater` writes the same in C; both give the same numbers.
+"""The recursive estimator as a controller runs it, in Python: what `exoid export --updater` writes in C is compared
+with it, one sample per period of its loop, nothing else.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
 from diagnosis.watching.window import LEAST_WEIGHT
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
-
-SPREAD, LEAST = 0.3, 0.05
-"""A number is known to this part of itself at first, and to no less than this in its unit."""
-
-
-def first_estimator(model: Model, linear: Float, unit: Float, rate: float, pace: Pace | None = None) -> Estimator:
-    """Return an estimator that begins at identified numbers (P,); `unit` (J,) N·m is the scale of the residual."""
-    spread = SPREAD * np.abs(linear) + LEAST
-    names = [p.name for p in model.parameters]
-    units = [p.unit for p in model.parameters]
-    return Estimator.start(names, units, linear, spread, unit, rate, len(model.inertial), pace)
+from workbench.updater import first_estimator
 
 
 class Updater:

@@ -1,0 +1,11 @@
+"""How far long work has come: the share that is done, and what is being done, for whoever wants to know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+Progress = Callable[[float, str], None]
+
+
+def silent(fraction: float, text: str) -> None:
+    """Report no progress."""
