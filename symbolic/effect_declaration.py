@@ -1,8 +1,8 @@
 """Whether an effect keeps what it declares: known names, units that fit, ordered bounds, linear in its coefficients.
 
-Every Effect is checked here when it is made, in a file of the catalogue, from a model file or in a notebook. A torque
-is evaluated with one coefficient at one and the others at zero, so it has to be linear *and* homogeneous in them: c * x
-is, c * x + 1, c**2 * x and abs(c) * x are not (linearity.py).
+Every Effect (`symbolic.effect`, above this file) is checked here when it is made, in a file of the catalogue, from a
+model file or in a notebook. A torque is evaluated with one coefficient at one and the others at zero, so it has to be
+linear *and* homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (linearity.py).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ground.errors import EffectError, ExpressionError
 from symbolic.language.deflection import deflected
@@ -24,14 +24,11 @@ from symbolic.language.words import MODEL_TORQUE, RESERVED, read_text, stem_of, 
 from symbolic.quantity import JOINTS
 from symbolic.units import FORCE, TORQUE, dimension
 
-if TYPE_CHECKING:
-    from symbolic.effect import Effect
-
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")
 
 
-def check_effect(effect: Effect) -> None:
+def check_effect(effect: Any) -> None:
     """Refuse an effect that contradicts itself: EffectError for a declaration, ExpressionError for a text."""
     _check_place(effect)
     for key in (*effect.coefficients, *effect.shape):
@@ -61,14 +58,14 @@ def check_effect(effect: Effect) -> None:
         _check_text(effect, text, node)
 
 
-def texts(effect: Effect) -> tuple[str, ...]:
+def texts(effect: Any) -> tuple[str, ...]:
     """Return the torque texts of an effect; none for a derived one."""
     if effect.torque is None:
         return ()
     return (effect.torque,) if isinstance(effect.torque, str) else tuple(effect.torque.values())
 
 
-def _check_text(effect: Effect, text: str, node: Node) -> None:
+def _check_text(effect: Any, text: str, node: Node) -> None:
     """Check one torque text."""
     if effect.coefficients:
         check_proportional(node, text, effect.coefficients, "coefficient")
@@ -101,7 +98,7 @@ def _memory(node: Node) -> Iterator[Call]:
     return (part for part in node.walk() if isinstance(part, Call) and part.function in OPERATORS)
 
 
-def _check_place(effect: Effect) -> None:
+def _check_place(effect: Any) -> None:
     """Check id, joints, and that the effect is given in exactly one way, for the joints it names."""
     if not _ID.fullmatch(effect.id) or keyword.iskeyword(effect.id):
         raise EffectError(
@@ -138,7 +135,7 @@ def _check_place(effect: Effect) -> None:
         )
 
 
-def _check_word(effect: Effect, key: str) -> None:
+def _check_word(effect: Any, key: str) -> None:
     """Check the name of a coefficient or shape."""
     where = f"{effect.id}.{key}"
     if not _IDENTIFIER.fullmatch(key) or keyword.iskeyword(key):

@@ -75,7 +75,7 @@ def units(joints: Sequence[Joint], quantity: str) -> str:
 
 def is_leg(joints: Sequence[Joint]) -> bool:
     """Whether these are hip and knee of a leg, whatever the length of its thigh."""
-    return names(joints) == names(LEG) and all(joint.turns for joint in joints)
+    return names(joints) == names(LEG) and all(joint.turns for joint in joints) and parents(joints) == (None, 0)
 
 
 def check_joints(joints: Sequence[Joint]) -> None:

@@ -50,6 +50,7 @@ TABLE_1: Mapping[str, Limits] = MappingProxyType(
     {"hip": Limits((-0.13, 1.26), 1.92, 5.16), "knee": Limits((-1.62, -0.23), 1.64, 5.16)}
 )
 """Table 1 of the paper."""
+UNLIMITED = Limits((-math.inf, math.inf), math.inf, math.inf)
 USUAL: Mapping[bool, Limits] = MappingProxyType(
     {True: Limits((-1.0, 1.0), 2.0, 6.0), False: Limits((-0.15, 0.15), 0.3, 1.0)}
 )
@@ -217,7 +218,7 @@ class Model:
     @property
     def motion_limits(self) -> Mapping[str, Limits]:
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
-        return {joint.name: _filled(self.limits.get(joint.name), joint) for joint in self.joints}
+        return {joint.name: filled(self.limits.get(joint.name, UNLIMITED), USUAL[joint.turns]) for joint in self.joints}
 
     if TYPE_CHECKING:
         # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
@@ -253,10 +254,8 @@ class Model:
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
 
 
-def _filled(limits: Limits | None, joint: Joint) -> Limits:
-    usual = USUAL[joint.turns]
-    if limits is None:
-        return usual
+def filled(limits: Limits, usual: Limits) -> Limits:
+    """Return limits with the `usual` ones where there are none."""
     angle = limits.angle if all(map(math.isfinite, limits.angle)) else usual.angle
     velocity = limits.velocity if math.isfinite(limits.velocity) else usual.velocity
     return Limits(angle, velocity, limits.acceleration if math.isfinite(limits.acceleration) else usual.acceleration)

@@ -21,8 +21,8 @@ from ground.inputs import open_input
 from ground.toml_reader import Table
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
-from symbolic.joints import LEG, Joint, check_joints, parents
-from symbolic.model import TABLE_1, Limits, Model
+from symbolic.joints import LEG, Joint, check_joints, is_leg
+from symbolic.model import TABLE_1, UNLIMITED, Limits, Model, filled
 from symbolic.quantity import JOINTS, Estimate
 
 if TYPE_CHECKING:
@@ -233,8 +233,8 @@ def _machine(top: Table) -> Model:
     given = {joint.name: _joint_limits(entry) for joint, entry in zip(joints, entries, strict=True)}
     limits = {joint: limit for joint, limit in given.items() if limit is not None}
     name = top.text("name", "unnamed machine")
-    if gravity > 0.0 and not moving and _is_leg(joints):
-        known = {joint: _filled(limits[joint], usual) if joint in limits else usual for joint, usual in TABLE_1.items()}
+    if gravity > 0.0 and not moving and is_leg(joints):
+        known = {joint: filled(limits.get(joint, UNLIMITED), usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
     custom = _custom_effects(top, joints)
@@ -252,11 +252,6 @@ def _moving_base(top: Table) -> bool:
     return base.text("motion", "fixed") == "measured"
 
 
-def _is_leg(joints: tuple[Joint, ...]) -> bool:
-    plain = all(joint.turns for joint in joints) and parents(joints) == (None, 0)[: len(joints)]
-    return plain and tuple(joint.name for joint in joints) == JOINTS
-
-
 def _joint(entry: Table) -> Joint:
     entry.only("name", "kind", "length", "parent", "position", "velocity", "acceleration")
     length = entry.number("length", above=0.0, below=100.0) if "length" in entry.values else None
@@ -268,44 +263,27 @@ def _joint_limits(entry: Table) -> Limits | None:
     """Return the limits below a joint, infinite where one is left out; None where there are none."""
     if not {"position", "velocity", "acceleration"} & entry.values.keys():
         return None
-    low, high = entry.numbers("position", 2) if "position" in entry.values else (-math.inf, math.inf)
-    if not low < high:
-        raise entry.error("position", f"the range [{low}, {high}] is empty", "give [low, high] with low < high")
-    return Limits(
-        (low, high),
-        *(entry.number(key, math.inf, above=0.0) for key in ("velocity", "acceleration")),
-    )
-
-
-def _filled(limit: Limits, usual: Limits) -> Limits:
-    """Return limits with the usual ones where they are left out."""
-    return Limits(
-        limit.angle if math.isfinite(limit.angle[0]) else usual.angle,
-        min(limit.velocity, usual.velocity) if math.isinf(limit.velocity) else limit.velocity,
-        min(limit.acceleration, usual.acceleration) if math.isinf(limit.acceleration) else limit.acceleration,
-    )
+    return _limits_of(entry, "position", UNLIMITED)
 
 
 def _limits(top: Table) -> Mapping[str, Limits]:
     if "limits" not in top.values:
         return TABLE_1
-    limits = dict(TABLE_1)
     table = top.table("limits")
     table.only(*JOINTS)
-    for joint in JOINTS:
-        if joint not in table.values:
-            continue
-        own, usual = table.table(joint), TABLE_1[joint]
+    for own in (table.table(joint) for joint in table.values):
         own.only("angle", "velocity", "acceleration")
-        low, high = own.numbers("angle", 2) if "angle" in own.values else usual.angle
-        if not low < high:
-            raise own.error("angle", f"the range [{low}, {high}] is empty", "give [low, high] in rad with low < high")
-        limits[joint] = Limits(
-            (low, high),
-            own.number("velocity", usual.velocity, above=0.0),
-            own.number("acceleration", usual.acceleration, above=0.0),
-        )
-    return limits
+    given = {joint: _limits_of(table.table(joint), "angle", TABLE_1[joint]) for joint in table.values}
+    return {**TABLE_1, **given}
+
+
+def _limits_of(entry: Table, key: str, usual: Limits) -> Limits:
+    """Return the limits in a table, the range as its `key`, `usual` ones where they are left out."""
+    low, high = entry.numbers(key, 2) if key in entry.values else usual.angle
+    if not low < high:
+        raise entry.error(key, f"the range [{low}, {high}] is empty", "give [low, high] with low < high")
+    rates = (entry.number(name, getattr(usual, name), above=0.0) for name in ("velocity", "acceleration"))
+    return Limits((low, high), *rates)
 
 
 def _custom_effects(top: Table, machine: tuple[Joint, ...]) -> tuple[Effect, ...]:

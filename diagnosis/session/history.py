@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ground.errors import EffectError
+from ground.plain import AsJson
 
 
 @dataclass(frozen=True)
-class Layer:
+class Layer(AsJson):
     """An effect that was added, by its full name ("stribeck:knee"), and whether it is switched on."""
 
     name: str
@@ -17,7 +18,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Change:
+class Change(AsJson):
     """One step of the way: what was done, in words, and the layers after it."""
 
     label: str
@@ -30,7 +31,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class History:
+class History(AsJson):
     """The steps so far and the place `at` which one stands; a new step forgets those that were undone."""
 
     steps: tuple[Change, ...] = (Change("base"),)
@@ -74,14 +75,6 @@ class History:
     def redo(self) -> History:
         """Return the history one step later; itself at the end."""
         return replace(self, at=min(len(self.steps) - 1, self.at + 1))
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the history in plain types, from which `from_json` makes it again."""
-        rows = [
-            {"label": s.label, "layers": [{"name": layer.name, "on": layer.on} for layer in s.layers]}
-            for s in self.steps
-        ]
-        return {"at": self.at, "steps": rows}
 
     @classmethod
     def from_json(cls, value: Any) -> History:

@@ -132,11 +132,6 @@ class Rivals:
         columns = ["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"]
         return pandas().DataFrame(rows, columns=columns)
 
-    def runs_frame(self) -> pd.DataFrame:
-        """Return one row per run: optimiser, seed, gap at the end, evaluations, seconds."""
-        rows = [(n, r.seed, r.gap, r.evaluations, r.seconds) for n, runs in self.outcomes.items() for r in runs]
-        return pandas().DataFrame(rows, columns=["optimiser", "seed", "gap", "evaluations", "seconds"])
-
     def to_json(self) -> dict[str, Any]:
         """Return what was found in plain types."""
         contest = self.contest

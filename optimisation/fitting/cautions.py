@@ -57,7 +57,7 @@ def price(model: Model, held: Held | None) -> list[Finding]:
     """Return in words what asking for a possible leg has changed."""
     if held is None or not held.broken:
         return []
-    value = {p.name: f" ({v:.4g} {p.unit})" for p, v in zip(model.parameters, held.free, strict=True)}
+    value = {p.name: f" ({held.free[p.name]:.4g} {p.unit})" for p in model.parameters}
     broken = ", ".join(name + value.get(name, "") for name in held.broken)
     what = f"without the demand for a possible leg the fit would violate: {broken}; the loss is {held.cost:.2%} higher"
     remedy = "an effect that is missing or a wrong sign hides in it: run `exoid diagnose`"
@@ -70,4 +70,4 @@ def held(found: Settled, delta: Float, possible: Physics) -> Held:
     broken = possible.broken(free)
     least = huber(found.data.residual(free), delta)
     cost = huber(found.data.residual(found.linear), delta) / max(least, np.finfo(float).tiny) - 1.0
-    return Held(free, broken, max(cost, 0.0) if broken else 0.0)
+    return Held(dict(zip(found.data.names, map(float, free), strict=True)), broken, max(cost, 0.0) if broken else 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class Fit(AsJson):
 
     JSON = (
         "model=model.name recordings joints=joint_names parameters=estimates{} delta rms loss best_known "
-        "starts_agreeing=agreeing runs reference certificate sse plausibility physical=_held_json seconds"
+        "starts_agreeing=agreeing runs reference certificate sse plausibility physical=held seconds"
     )
 
     model: Model
@@ -94,10 +94,6 @@ class Fit(AsJson):
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints (J,)."""
         return names(self.joints)
-
-    @property
-    def _held_json(self) -> dict[str, Any] | None:
-        return None if self.held is None else self.held.to_json([p.name for p in self.model.parameters])
 
     @property
     def residual(self) -> Float:

@@ -29,12 +29,13 @@ non-negative least-squares fit to the gradient at the claimed optimum, not from 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from ground.plain import AsJson
 from optimisation.linear.certificate import Certificate, feasible, fenchel, ratio
 from optimisation.linear.factor import factorise
 from optimisation.linear.links import nearest_links, tree_of
@@ -241,20 +242,18 @@ def _lift(model: Model, names: tuple[str, ...], low: Float, high: Float) -> Lift
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """What asking for a possible leg changed: the parameters without it (P,), what they violated, and its price.
+class Held(AsJson):
+    """What asking for a possible leg changed: the parameters without it, {name: value}, what they violated, and its
+    price.
 
     `cost` is the relative rise of the loss; 0 where the free optimum was possible already.
     """
 
-    free: Float
+    JSON = "violated=broken cost parameters_without=free"
+
+    free: Mapping[str, float]
     broken: tuple[str, ...]
     cost: float
-
-    def to_json(self, names: Sequence[str]) -> dict[str, Any]:
-        """Return the fields in plain types."""
-        free = dict(zip(names, map(float, self.free), strict=True))
-        return {"violated": list(self.broken), "cost": self.cost, "parameters_without": free}
 
 
 def solve_physical(data: LinearData, delta: Float, possible: Physics, start: Float | None = None) -> Float:

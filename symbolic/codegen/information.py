@@ -55,12 +55,13 @@ class Information:
     limits: Float
     library: CompiledLibrary | None
     entries: Entries
-    machine: Any
+    pointwise: bool
+    """Whether an instant tells the torque: no operator needs the motion's past."""
 
     @property
     def backend(self) -> str:
         """Return "c", "vm" for CasADi's virtual machine, or "python" where operators need a motion's past."""
-        return "c" if self.library is not None else "python" if self.machine is None else "vm"
+        return "c" if self.library is not None else "vm" if self.pointwise else "python"
 
     @property
     def times(self) -> Float:
@@ -126,7 +127,7 @@ class Information:
         sign = mean_sign(dq, ddq, self.period / self.grid)
         joints = len(self.limits)
         out = np.zeros((joints, len(self.names), len(self.names)))
-        if self.machine is None:  # an operator's past cannot be cut into cells
+        if not self.pointwise:  # an operator's past cannot be cut into cells
             rows = self.sensitivities(Motion(self.times, q, dq, ddq))
             return np.einsum("jnp,jnr->jpr", rows, rows) / self.grid
         for way in product((1.0, -1.0), repeat=joints):
@@ -140,9 +141,9 @@ class Information:
 
     def sensitivities(self, motion: Motion) -> Float:
         """Return the derivatives (J, N, M) of the torque along `motion` by every number."""
-        if self.machine is None:
+        if not self.pointwise:
             return central_differences(self.model, motion, self.linear, self.shape)
-        return _evaluated(self.machine, motion, self.linear, self.shape, len(self.names))
+        return _evaluated(sensitivity_function(self.model), motion, self.linear, self.shape, len(self.names))
 
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -168,36 +169,21 @@ def information(
     linear, shape = np.asarray(linear, dtype=float), np.asarray(shape, dtype=float)
     library: CompiledLibrary | None = None
     entries: Entries = ()
-    machine = None
-    if not memory_operations(model):
-        if backend == "auto":
-            content = [equations(model), harmonics]
-            library = load_library("gram", content, FAST, lambda: information_code(model, harmonics))
-        if library is not None:
-            entries = tuple((int(j), int(p), int(r)) for j, p, r in library.record["entries"])
-        machine = _Lazy(model)
+    pointwise = not memory_operations(model)
+    if pointwise and backend == "auto":
+        content = [equations(model), harmonics]
+        library = load_library("gram", content, FAST, lambda: information_code(model, harmonics))
+    if library is not None:
+        entries = tuple((int(j), int(p), int(r)) for j, p, r in library.record["entries"])
     return Information(
         model, names, linear, shape, float(period), int(grid), rates, np.asarray(limits, dtype=float), library, entries,
-        machine,
+        pointwise,
     )  # fmt: skip
 
 
 def number_names(model: Model) -> tuple[str, ...]:
     """Return the names (M,) of what a motion can inform about: parameters, then shapes that are not choices."""
     return tuple(p.name for p in model.parameters) + tuple(s.name for s in model.shapes if not s.shape.choices)
-
-
-class _Lazy:
-    """CasADi's function of the sensitivities, derived when it is first called: the C does without."""
-
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._function: Any = None
-
-    def __call__(self, *arguments: Any) -> Any:
-        if self._function is None:
-            self._function = sensitivity_function(self._model)
-        return self._function(*arguments)
 
 
 def _evaluated(function: Any, motion: Motion, linear: Float, shape: Float, size: int) -> Float:

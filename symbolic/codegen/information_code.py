@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from symbolic.codegen.cache import GeneratedC
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 Entries = tuple[tuple[int, int, int], ...]
 
 
+@lru_cache(maxsize=8)
 def sensitivity_function(model: Model) -> Any:
     """Return the CasADi function (state (1 + 4J,), numbers (P + S,)) -> sensitivities (J, M)."""
     import casadi

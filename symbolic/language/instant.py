@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.language.tree import OPERATORS, Binary, Call, Name, Unary
+from symbolic.language.tree import OPERATORS, Call, Name, rebuilt
 from symbolic.language.words import own_names
 
 
@@ -35,22 +35,16 @@ def split_memory(node: Any, joint: int, count: int) -> tuple[Any, list[Operation
     def walk(tree: Any) -> Any:
         if isinstance(tree, Name):
             return Name(canonical.get(tree.name, tree.name))
-        if isinstance(tree, Unary):
-            return Unary(tree.operator, walk(tree.operand))
-        if isinstance(tree, Binary):
-            return Binary(tree.operator, walk(tree.left), walk(tree.right))
-        if isinstance(tree, Call):
-            return call(tree)
-        return tree
-
-    def call(tree: Any) -> Any:
-        arguments = tuple(walk(argument) for argument in tree.arguments)
+        tree = rebuilt(tree, walk)
+        if not isinstance(tree, Call):
+            return tree
+        first, *rest = tree.arguments
         if tree.function in OPERATORS:
             name = f"memory{count + len(operations)}"
-            operations.append(Operation(tree.function, name, *arguments, *([None] * (2 - len(arguments)))))
+            operations.append(Operation(tree.function, name, first, rest[0] if rest else None))
             return Name(name)
-        if tree.function == "sgn" and isinstance(arguments[0], Name) and arguments[0].name.startswith("dtheta"):
-            return Name(f"sign{arguments[0].name[-1]}")
-        return Call(tree.function, arguments)
+        if tree.function == "sgn" and isinstance(first, Name) and first.name.startswith("dtheta"):
+            return Name(f"sign{first.name[-1]}")
+        return tree
 
     return walk(node), operations

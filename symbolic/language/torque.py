@@ -15,7 +15,7 @@ from symbolic.language.deflection import SLOPES
 from symbolic.language.dimensions import check_dimensions
 from symbolic.language.linearity import LINEAR_OPERATORS
 from symbolic.language.tokens import refusal
-from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary
+from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary, rebuilt
 from symbolic.language.words import FEEDBACK, MODEL_TORQUE, joint_of, read_text, stem_of, word_dimension
 from symbolic.units import FORCE, TORQUE, dimension
 
@@ -63,13 +63,7 @@ def _parsed(joint: int, text: str, own: bool, numbers: tuple[str, ...], names: t
                     f"the joints are {', '.join(f'{k + 1}: {name}' for k, name in enumerate(names))}",
                 )  # fmt: skip
             return Name(f"{stem}{index + 1}", node.span)
-        if isinstance(node, Unary):
-            return Unary(node.operator, numbered(node.operand), node.span)
-        if isinstance(node, Binary):
-            return Binary(node.operator, numbered(node.left), numbered(node.right), node.span)
-        if isinstance(node, Call):
-            return Call(node.function, tuple(numbered(part) for part in node.arguments), node.span)
-        return node
+        return rebuilt(node, numbered)
 
     node = numbered(read)
     return Torque(joint, text, node, node.names())
@@ -85,16 +79,11 @@ def part_of(torque: Torque, key: str, keys: tuple[str, ...]) -> Torque:
     def part(node: Node) -> Node:
         if isinstance(node, Name):
             return values.get(node.name, node)
-        if isinstance(node, Unary):
-            operand = part(node.operand)
-            return operand if operand == NOTHING else Unary(node.operator, operand, node.span)
+        node = rebuilt(node, part)
         if isinstance(node, Binary):
-            return _without_zeros(node, part(node.left), part(node.right))
-        if isinstance(node, Call):
-            arguments = tuple(part(argument) for argument in node.arguments)
-            linear = node.function in LINEAR_OPERATORS and arguments[0] == NOTHING
-            return NOTHING if linear else Call(node.function, arguments, node.span)
-        return node
+            return _without_zeros(node)
+        gone = isinstance(node, Unary) or (isinstance(node, Call) and node.function in LINEAR_OPERATORS)
+        return NOTHING if gone and node.children()[0] == NOTHING else node
 
     node = part(torque.node)
     return Torque(torque.joint, torque.text, node, node.names())
@@ -103,7 +92,8 @@ def part_of(torque: Torque, key: str, keys: tuple[str, ...]) -> Torque:
 NOTHING, ONE = Number(0.0), Number(1.0)
 
 
-def _without_zeros(node: Binary, left: Node, right: Node) -> Node:
+def _without_zeros(node: Binary) -> Node:
+    left, right = node.left, node.right
     if node.operator == "*" and NOTHING in (left, right):
         return NOTHING
     if node.operator == "*" and ONE in (left, right):
@@ -114,7 +104,7 @@ def _without_zeros(node: Binary, left: Node, right: Node) -> Node:
         return left
     if node.operator in "+-" and left == NOTHING:
         return right if node.operator == "+" else Unary("-", right, node.span)
-    return Binary(node.operator, left, right, node.span)
+    return node
 
 
 def _counted_from(first: int, word: str, names: tuple[str, ...]) -> int | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -110,3 +110,14 @@ class Call(_Node):
 
 
 Node: TypeAlias = Number | Name | Unary | Binary | Call
+
+
+def rebuilt(node: Node, change: Callable[[Node], Node]) -> Node:
+    """Return the node with what `change` makes of each node directly below it."""
+    if isinstance(node, Unary):
+        return Unary(node.operator, change(node.operand), node.span)
+    if isinstance(node, Binary):
+        return Binary(node.operator, change(node.left), change(node.right), node.span)
+    if isinstance(node, Call):
+        return Call(node.function, tuple(change(part) for part in node.arguments), node.span)
+    return node

@@ -6,6 +6,7 @@ per velocity.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 from symbolic.effect import Coefficient, Effect
@@ -43,18 +44,4 @@ def friction(joints: tuple[Joint, ...] = LEG) -> tuple[Term, ...]:
 
 def friction_parameters(joints: tuple[Joint, ...] = LEG) -> tuple[Parameter, ...]:
     """Return the friction parameters (2 J,); they have the name of their term, being its only number."""
-    parameters = []
-    for term in friction(joints):
-        (single,) = term.parameters
-        parameters.append(
-            Parameter(
-                name=term.name,
-                label=f"{term.effect.title} {term.joint}",
-                unit=single.unit,
-                min=single.min,
-                max=single.max,
-                term=None,
-                typical=single.typical,
-            )
-        )
-    return tuple(parameters)
+    return tuple(replace(term.parameters[0], name=term.name, term=None) for term in friction(joints))

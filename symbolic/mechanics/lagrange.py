@@ -30,8 +30,6 @@ class Dynamics:
     C: Matrix
     G: Matrix
     J: Matrix
-    kinetic: Expr
-    potential: Expr
     torque: Matrix
 
 
@@ -105,8 +103,6 @@ def mechanics(mechanism: Mechanism) -> Dynamics:
         C=coriolis,
         G=gravity,
         J=contact.jacobian(angle),
-        kinetic=kinetic,
-        potential=potential,
         torque=torque,
     )
 

@@ -28,16 +28,13 @@ class Regressor:
     """`matrix` (J, P) times the base `parameters` (P,) plus the `known` torque (J, 1) is the rigid-body
     torque.
 
-    `names` and `units` belong to the parameters; `unidentifiable` says of every physical quantity that no
-    motion can determine by itself why it cannot.
+    `names` belong to the parameters.
     """
 
     names: tuple[str, ...]
     parameters: tuple[Expr, ...]
-    units: tuple[str, ...]
     matrix: Matrix
     known: Matrix
-    unidentifiable: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -59,43 +56,15 @@ class PrintedEntry:
 
 @lru_cache(maxsize=32)
 def regressor(mechanism: Mechanism) -> Regressor:
-    """Derive the regressor of `mechanism`: base parameters Φ1.., their columns, what stays unidentifiable."""
+    """Derive the regressor of `mechanism`: base parameters Φ1.., their columns."""
     base = eliminate(mechanism, mechanics(mechanism).torque)
     names = tuple(f"Phi{k + 1}" for k in range(len(base.parameters)))
     return Regressor(
         names=names,
         parameters=base.parameters,
-        units=("kg·m²",) * len(names),
         matrix=base.matrix,
         known=base.known,
-        unidentifiable=unidentifiable(mechanism, base.parameters, names),
     )
-
-
-def unidentifiable(mechanism: Mechanism, parameters: tuple[Expr, ...], names: tuple[str, ...]) -> dict[str, str]:
-    """Return {quantity: reason} for every inertial quantity that Φ does not fix by itself.
-
-    A quantity is fixed where its unit vector lies in the row space of ∂Φ/∂(quantities); the rank is taken
-    in exact rational arithmetic at an arbitrary point.
-    """
-    from sympy import Matrix, Rational
-
-    unknowns = mechanism.unknowns
-    jacobian = Matrix(parameters).jacobian(unknowns)
-    symbols = sorted(jacobian.free_symbols, key=str)
-    point = {symbol: Rational(7 + 3 * k, 5 + 2 * k) for k, symbol in enumerate(symbols)}
-    numbers = jacobian.subs(point)
-    rank = numbers.rank()
-    reasons = {}
-    for k, unknown in enumerate(unknowns):
-        unit = Matrix(1, len(unknowns), lambda _, j, k=k: int(j == k))
-        if numbers.col_join(unit).rank() > rank:
-            seen = [n for n, p in zip(names, parameters, strict=True) if p.has(unknown)]
-            others = sorted(
-                {str(u) for p in parameters if p.has(unknown) for u in unknowns if p.has(u) and u != unknown}
-            )
-            reasons[str(unknown)] = f"appears only within {', '.join(seen)}, together with {', '.join(others)}"
-    return reasons
 
 
 def printed_matrix(mechanism: Mechanism) -> Matrix:

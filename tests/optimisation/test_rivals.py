@@ -248,7 +248,6 @@ def test_the_result_shows_itself(found):
     assert all(name in found._repr_html_() for name in found.outcomes)
     frame = found.to_frame()
     assert len(frame) == 9 * len(found.outcomes)
-    assert len(found.runs_frame()) == 4 * len(found.outcomes)
     json.dumps(found.to_json())
     figure = found.plot()
     assert [a.get_title(loc="left") for a in figure.axes] == [
