@@ -102,15 +102,11 @@ class Comparison(AsJson):
         """
         other = fitted_model(after, self.now.prepared)
         held_out = self.verify_rms is not None
-        pairs = zip(self.joints, self._shown(self.now), self._shown(other), strict=True)
+        pairs = zip(self.joints, self.now.evaluation_rms, other.evaluation_rms, strict=True)
         text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} {self.unit} after" for joint, b, a in pairs)
         kind = "unseen motion" if held_out else "the fitted motion"
         figure = self._over_time({"before": self.now, "after": other})
         return f"Measured, before and after, on {kind}", text, figure
-
-    @staticmethod
-    def _shown(model: FittedModel) -> Float:
-        return model.train_rms if model.verify_rms is None else model.verify_rms
 
     def _over_time(self, models: Mapping[str, FittedModel]) -> Figure:
         index = len(self.now.prepared.train) if self.now.prepared.verify else 0

@@ -45,6 +45,12 @@ class Limits:
     velocity: float
     acceleration: float
 
+    def filled(self, usual: Limits) -> Limits:
+        """Return the limits with `usual` ones where there are none."""
+        angle = self.angle if all(map(math.isfinite, self.angle)) else usual.angle
+        velocity = self.velocity if math.isfinite(self.velocity) else usual.velocity
+        return Limits(angle, velocity, self.acceleration if math.isfinite(self.acceleration) else usual.acceleration)
+
 
 TABLE_1: Mapping[str, Limits] = MappingProxyType(
     {"hip": Limits((-0.13, 1.26), 1.92, 5.16), "knee": Limits((-1.62, -0.23), 1.64, 5.16)}
@@ -218,7 +224,7 @@ class Model:
     @property
     def motion_limits(self) -> Mapping[str, Limits]:
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
-        return {joint.name: filled(self.limits.get(joint.name, UNLIMITED), USUAL[joint.turns]) for joint in self.joints}
+        return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
     if TYPE_CHECKING:
         # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
@@ -252,13 +258,6 @@ class Model:
         terms = "".join(f" + {term.name}" for term in self.terms)
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
-
-
-def filled(limits: Limits, usual: Limits) -> Limits:
-    """Return limits with the `usual` ones where there are none."""
-    angle = limits.angle if all(map(math.isfinite, limits.angle)) else usual.angle
-    velocity = limits.velocity if math.isfinite(limits.velocity) else usual.velocity
-    return Limits(angle, velocity, limits.acceleration if math.isfinite(limits.acceleration) else usual.acceleration)
 
 
 def require_still_base(model: Model, what: str) -> None:

@@ -22,7 +22,7 @@ from ground.toml_reader import Table
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint, check_joints, is_leg
-from symbolic.model import TABLE_1, UNLIMITED, Limits, Model, filled
+from symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from symbolic.quantity import JOINTS, Estimate
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ def _machine(top: Table) -> Model:
     limits = {joint: limit for joint, limit in given.items() if limit is not None}
     name = top.text("name", "unnamed machine")
     if gravity > 0.0 and not moving and is_leg(joints):
-        known = {joint: filled(limits.get(joint, UNLIMITED), usual) for joint, usual in TABLE_1.items()}
+        known = {joint: limits.get(joint, UNLIMITED).filled(usual) for joint, usual in TABLE_1.items()}
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
     custom = _custom_effects(top, joints)

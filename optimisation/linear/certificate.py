@@ -7,11 +7,17 @@ and compared:
 
     gap = Σ [h(r_i) - u_i r_i + u_i²/4] + |Ȳᵀu|·|Φ|      every term ≥ 0, so nothing cancels
 
-A small relative gap certifies; a wrong optimum cannot get one.
+A small relative gap certifies; a wrong optimum cannot get one. Where the parameters are held to conditions linear in
+them, gₖ(Φ) ≥ 0, multipliers λ ≥ 0 join in (Fenchel and Lagrange duality): with Ȳᵀu + Σ λₖ ∇gₖ = 0
+
+    Σ (u τ - u²/4) - Σ λₖ gₖ(0)
+
+bounds the loss of all that fulfil them. The multipliers come from a non-negative least-squares fit to the gradient.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +28,8 @@ from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from symbolic.motion import Float
 
+Condition = tuple[Float, float]
+"""A row (P,) and a constant: row · Φ + constant ≥ 0."""
 TOLERANCE = 1e-9
 """Relative duality gap up to which an optimum is called certified."""
 
@@ -59,31 +67,67 @@ def certify(
     data: LinearData,
     linear: Float,
     delta: Float,
+    conditions: Sequence[Condition] = (),
     *,
     tolerance: float = TOLERANCE,
     scope: str = "all parameters",
+    possible: bool = True,
 ) -> Certificate:
-    """Return the Certificate of a claimed optimum `linear` (P,); `delta` (J,) in N·m, ∞ means SSE."""
+    """Return the Certificate of a claimed optimum `linear` (P,); `delta` (J,) in N·m, ∞ means SSE.
+
+    The optimum is that among parameters which fulfil `conditions`, of which those count that are tight at `linear`;
+    where it is not `possible` itself the gap is infinite.
+    """
     residual = data.residual(linear).reshape(-1)
     limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
-    basis = data.factor.basis
+    basis, forward, backward = data.factor.basis, data.factor.forward, data.factor.backward
     score = np.clip(residual, -limit, limit)
-    u, _ = feasible(basis, 2.0 * score, 2.0 * limit, np.zeros(basis.shape[1]))
+    rows = np.array([row for row, _ in conditions]).reshape(len(conditions), linear.size)
+    pull = rows @ backward  # the conditions' gradients in whitened coordinates
+    size = np.linalg.norm(pull, axis=1)
+    unit = np.where(size > 0.0, size, 1.0)
+    pull = pull / unit[:, None]
+    wanted = -2.0 * (basis.T @ score)
+    # Both enter the gap: what the multipliers leave of the gradient, times |z|, and what they put on slack conditions.
+    slack = np.array([float(row @ linear) + constant for row, constant in conditions])
+    waste = slack / unit / max(float(np.linalg.norm(forward @ linear)), 1e-300)
+    # What pulls along a direction that no data determine must vanish altogether.
+    blind = (rows - (rows @ backward) @ forward) / unit[:, None]
+    if data.factor.rank == linear.size:
+        blind = blind[:, :0]
+    equations, right = np.vstack([pull.T, waste, blind.T]), np.concatenate([wanted, np.zeros(1 + blind.shape[1])])
+    weight = _multipliers(equations, right) if conditions else np.zeros(0)
+    u, part = _feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight))
+    weight = weight * part
+    kkt = ratio(np.linalg.norm(wanted - pull.T @ weight), np.linalg.norm(2.0 * score))
+    weight = weight / unit
+    pulled = rows.T @ weight
+    left = basis.T @ u + pulled @ backward
     primal = huber(data.residual(linear), delta)
-    left = basis.T @ u
-    slack = float(np.abs(left) @ np.abs(data.factor.forward @ linear))
-    lack = fenchel(residual, u, limit) + slack
+    rounding = float(np.abs(left) @ np.abs(forward @ linear))
+    lack: float = fenchel(residual, u, limit) + float(weight @ np.maximum(slack, 0.0)) + rounding
+    # A direction no data determine must not be pulled along: then nothing bounds the loss from below.
+    loose = pulled - forward.T @ (pulled @ backward)
+    if not possible or float(np.linalg.norm(loose)) > 1e-6 * float(np.linalg.norm(pulled)):
+        lack = np.inf
     # The scale keeps a perfect fit (loss at rounding level) from being measured by the digits of its rounding.
     scale = max(primal, 1e-12 * huber(data.tau, delta), np.finfo(float).tiny)
     return Certificate(
         primal=primal,
         dual=primal - lack,
         gap=lack / scale,
-        kkt=ratio(np.linalg.norm(basis.T @ score), np.linalg.norm(score)),
+        kkt=kkt,
         infeasibility=ratio(np.linalg.norm(left), np.linalg.norm(u)),
         tolerance=tolerance,
         scope=scope,
     )
+
+
+def _multipliers(equations: Float, right: Float) -> Float:
+    """Return the multipliers, none below zero, that come nearest to the equations."""
+    from scipy.optimize import nnls
+
+    return np.asarray(nnls(equations, right)[0])
 
 
 def ratio(part: Any, whole: Any) -> float:
@@ -91,7 +135,7 @@ def ratio(part: Any, whole: Any) -> float:
     return float(part / whole) if whole > 0.0 else 0.0
 
 
-def feasible(basis: Float, u: Float, bound: Float, target: Float) -> tuple[Float, float]:
+def _feasible(basis: Float, u: Float, bound: Float, target: Float) -> tuple[Float, float]:
     """Return the dual point repaired so that Qᵀu = `target` to rounding and |u| ≤ `bound`, and by what it was shrunk.
 
     First only the samples inside their bound move, since those on it belong there at an optimum. What then

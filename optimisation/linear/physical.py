@@ -17,13 +17,8 @@ planar body on its axis):
 
 The same problem is then solved, and proven, with those numbers of links in the place of Φ.
 
-IPOPT solves it. The proof is ours. Every vector v makes vᵀF(Φ)v ≥ 0 a condition linear in Φ, as a bound is one; with
-multipliers λ ≥ 0 of such conditions gₖ(Φ) ≥ 0 and any u with |u_i| ≤ 2δ_i and Ȳᵀu + Σ λₖ ∇gₖ = 0,
-
-    Σ (u τ - u²/4) - Σ λₖ gₖ(0)
-
-is a lower bound of the loss of every possible leg (Fenchel and Lagrange duality). The multipliers come from a
-non-negative least-squares fit to the gradient at the claimed optimum, not from the solver.
+IPOPT solves it. The proof is ours (`certificate`): every vector v makes vᵀF(Φ)v ≥ 0 a condition linear in Φ, as a bound
+is one.
 """
 
 from __future__ import annotations
@@ -36,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from ground.plain import AsJson
-from optimisation.linear.certificate import Certificate, feasible, fenchel, ratio
+from optimisation.linear.certificate import Certificate, Condition, certify
 from optimisation.linear.factor import factorise
 from optimisation.linear.links import nearest_links, tree_of
 from optimisation.linear.loss import huber
@@ -78,8 +73,8 @@ class Inequality:
         a, b, c = (float(row @ linear) for row in (self.a, self.b, self.c))
         return np.array([[a - MARGIN, b], [b, c - MARGIN]])
 
-    def condition(self, v: Float) -> tuple[Float, float]:
-        """Return the row (P,) and the constant of vᵀF(Φ)v ≥ 0, linear in Φ."""
+    def condition(self, v: Float) -> Condition:
+        """Return vᵀF(Φ)v ≥ 0, linear in Φ."""
         row = v[0] ** 2 * self.a + 2.0 * v[0] * v[1] * self.b + v[1] ** 2 * self.c
         return row, -MARGIN * float(v @ v)
 
@@ -99,17 +94,17 @@ class Physics:
         """What has to be possible, in a word."""
         return "leg" if self.lift is None else "machine"
 
-    def conditions(self, linear: Float) -> list[tuple[str, Float, float]]:
-        """Return (name, row, constant) of every linear condition row·Φ + constant ≥ 0 that is tight near `linear`."""
-        out: list[tuple[str, Float, float]] = []
+    def conditions(self, linear: Float) -> list[Condition]:
+        """Return every linear condition on Φ that is tight near `linear`."""
+        out: list[Condition] = []
         size = np.maximum(np.abs(linear), 1e-3 * np.max(np.abs(linear), initial=1e-9))
-        for p, name in enumerate(self.names):
+        for p in range(linear.size):
             unit = np.zeros(linear.size)
             unit[p] = 1.0
             if linear[p] - self.low[p] <= ACTIVE * size[p]:
-                out.append((name, unit, -float(self.low[p])))
+                out.append((unit, -float(self.low[p])))
             if self.high[p] - linear[p] <= ACTIVE * size[p]:
-                out.append((name, -unit, float(self.high[p])))
+                out.append((-unit, float(self.high[p])))
         for one in self.inequalities:
             matrix = one.matrix(linear)
             value, vectors = np.linalg.eigh(matrix)
@@ -121,7 +116,7 @@ class Physics:
             for angle in np.unique(np.concatenate([turn + steps, turn - steps, every])):
                 v = np.array([np.cos(angle), np.sin(angle)])
                 if v @ matrix @ v <= tight:
-                    out.append((one.name, *one.condition(v)))
+                    out.append(one.condition(v))
         return out
 
     def broken(self, linear: Float) -> tuple[str, ...]:
@@ -306,51 +301,11 @@ def certify_physical(
 
     A claim outside the possible set gets an infinite gap.
     """
-    from scipy.optimize import nnls
-
     if (lift := possible.lift) is not None:
         numbers = lift.raised(linear)
         if numbers is not None:
             data, linear, possible = lift.data(data), numbers, lift.inner
-    residual = data.residual(linear).reshape(-1)
-    limit = np.repeat(np.asarray(delta, dtype=float), data.tau.shape[1])
-    basis, backward = data.factor.basis, data.factor.backward
-    score = np.clip(residual, -limit, limit)
-    known = possible.conditions(linear)
-    rows = np.array([row for _, row, _ in known]).reshape(len(known), linear.size)
-    pull = rows @ backward  # the conditions' gradients in whitened coordinates
-    size = np.linalg.norm(pull, axis=1)
-    pull = pull / np.where(size > 0.0, size, 1.0)[:, None]
-    wanted = -2.0 * (basis.T @ score)
-    # Both enter the gap: what the multipliers leave of the gradient, times |z|, and what they put on slack conditions.
-    slack = np.array([float(row @ linear) + constant for _, row, constant in known])
-    waste = slack / np.where(size > 0.0, size, 1.0) / max(float(np.linalg.norm(data.factor.forward @ linear)), 1e-300)
-    # What pulls along a direction that no data determine must vanish altogether.
-    blind = (rows - (rows @ backward) @ data.factor.forward) / np.where(size > 0.0, size, 1.0)[:, None]
-    if data.factor.rank == linear.size:
-        blind = blind[:, :0]
-    equations, right = np.vstack([pull.T, waste, blind.T]), np.concatenate([wanted, np.zeros(1 + blind.shape[1])])
-    weight: Float = np.asarray(nnls(equations, right)[0]) if known else np.zeros(0)
-    part: float
-    u, part = feasible(basis, 2.0 * score, 2.0 * limit, -(pull.T @ weight) if known else np.zeros(data.factor.rank))
-    weight = weight * part / np.where(size > 0.0, size, 1.0)
-    left = basis.T @ u + (rows.T @ weight) @ backward
-    primal = huber(data.residual(linear), delta)
-    scale = max(primal, 1e-12 * huber(data.tau, delta), np.finfo(float).tiny)
-    rounding = float(np.abs(left) @ np.abs(data.factor.forward @ linear))
-    lack: float = fenchel(residual, u, limit) + float(weight @ np.maximum(slack, 0.0)) + rounding
-    # A direction no data determine must not be pulled along: then nothing bounds the loss from below.
-    loose = rows.T @ weight - data.factor.forward.T @ ((rows.T @ weight) @ backward)
-    pulled = float(np.linalg.norm(rows.T @ weight))
-    held = not weight.any() or float(np.linalg.norm(loose)) <= 1e-6 * pulled
-    if possible.broken(linear) or not held:
-        lack = np.inf
-    return Certificate(
-        primal=primal,
-        dual=primal - lack,
-        gap=lack / scale,
-        kkt=ratio(np.linalg.norm(wanted - (pull.T @ (weight * size) if known else 0.0)), np.linalg.norm(2.0 * score)),
-        infeasibility=ratio(np.linalg.norm(left), np.linalg.norm(u)),
-        tolerance=tolerance,
-        scope=scope or "all possible parameters",
-    )
+    return certify(
+        data, linear, delta, possible.conditions(linear),
+        tolerance=tolerance, scope=scope or "all possible parameters", possible=not possible.broken(linear),
+    )  # fmt: skip

@@ -7,16 +7,8 @@ and couples their accelerations through sin θ2 where Φ3 couples them through c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from symbolic.effect import Coefficient, Effect
-
-
-def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
-    """Return the leg with the shank's centre of mass across the link."""
-    return mechanism.with_link("shank", across=symbols["m_y"] / mechanism.link("shank").mass)
-
+from symbolic.effects.com_offset import derive
 
 EFFECT = Effect(
     id="com_offset_shank",

@@ -6,18 +6,8 @@ centre of mass off its axis, so a shank with its mass off axis gives exactly the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
-
 from symbolic.effect import Effect, Shape
-
-
-def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:
-    """Return the leg whose knee stands at θ2 + offset."""
-    hip, knee = mechanism.joint_offset
-    return replace(mechanism, joint_offset=(hip, knee + symbols["offset"]))
-
+from symbolic.effects.encoder_offset import derive
 
 EFFECT = Effect(
     id="encoder_offset_knee",
