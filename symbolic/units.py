@@ -10,13 +10,16 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-from ground.errors import EffectError
+from ground.errors import EffectError, ExpressionError
 from ground.suggest import nearest
+from symbolic.language.parser import parse
+from symbolic.language.tree import Binary, Name, Node, Number
 
 BASE = ("m", "kg", "s", "A", "K")
 LONGEST = 60
 """Characters of a unit."""
-LARGEST_POWER = 12
+DEEPEST = 8
+"""Brackets of a unit."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +87,6 @@ NOT_SI = {
 }  # fmt: skip
 """Units with a factor in them, and what to use instead."""
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<word>°C|°|%|[A-Za-zµ]+|1(?![0-9]))|(?P<mark>[·⋅*./()])|(?P<raised>[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)"
-    r"|(?:\^|\*\*)\s*(?P<power>-?[0-9]+(?:\.[0-9]+)?|\(\s*-?[0-9]+(?:\s*/\s*[0-9]+|\.[0-9]+)?\s*\)))"
-)
-
-
 def dimension(unit: str, where: str) -> Dimension:
     """Return the dimension of a unit text; EffectError at `where` for one that is missing or not SI."""
     try:
@@ -106,86 +103,48 @@ def _dimension(text: str) -> Dimension:
         raise EffectError(f"a unit of {len(text)} characters", remedy=f"use at most {LONGEST}")
     if text in NOT_SI:
         raise _not_si(text)
-    return _Reader(text.replace("**", "^")).read()
-
-
-class _Reader:
-    """Products, quotients, brackets and powers, from left to right: N·m/rad/s is N·m/(rad·s)."""
-
-    def __init__(self, text: str) -> None:
-        self.text, self.at = text, 0
-        self.tokens = self._tokens()
-
-    def read(self) -> Dimension:
-        found = self._product(0)
-        if self.at < len(self.tokens):
-            raise self._refusal()
-        return found
-
-    def _tokens(self) -> list[tuple[str, str]]:
-        tokens, at = [], 0
-        while at < len(self.text):
-            match = _TOKEN.match(self.text, at)
-            if match is None:
-                raise self._refusal()
-            tokens.append((str(match.lastgroup), str(match.group(str(match.lastgroup)))))
-            at = match.end()
-        return tokens
-
-    def _product(self, depth: int) -> Dimension:
-        result = self._factor(depth)
-        while self.at < len(self.tokens):
-            kind, text = self.tokens[self.at]
-            if text == ")":
-                break
-            divides = kind == "mark" and text == "/"
-            self.at += kind == "mark" and text != "("
-            factor = self._factor(depth)
-            result = result / factor if divides else result * factor
-        return result
-
-    def _factor(self, depth: int) -> Dimension:
-        if self.at >= len(self.tokens) or depth > 8:
-            raise self._refusal()
-        kind, text = self.tokens[self.at]
-        self.at += 1
-        if kind == "word":
-            found = self._word(text)
-        elif text == "(":
-            found = self._product(depth + 1)
-            if self.at >= len(self.tokens):
-                raise self._refusal()
-            self.at += 1
-        else:
-            raise self._refusal()
-        if self.at < len(self.tokens) and self.tokens[self.at][0] in ("raised", "power"):
-            found = found ** self._exponent(self.tokens[self.at][1])
-            self.at += 1
-        return found
-
-    def _exponent(self, text: str) -> float:
-        above, _, below = text.translate(_LOWERED).strip("() ").partition("/")
-        try:
-            value = float(above) / float(below or 1)
-        except (ValueError, ZeroDivisionError) as error:
-            raise self._refusal() from error
-        if abs(value) > LARGEST_POWER:
-            raise self._refusal()
-        return value
-
-    def _word(self, word: str) -> Dimension:
-        if word in UNITS:
-            return UNITS[word]
+    for word in re.findall("[A-Za-zµ°%]+", text):
         if word in NOT_SI:
             raise _not_si(word)
-        near = nearest(word, UNITS, 2)
-        raise EffectError(
-            f"unknown unit {word[:20]!r} in {self.text!r}",
-            remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),
-        )
+        if word not in UNITS:
+            near = nearest(word, UNITS, 2)
+            raise EffectError(
+                f"unknown unit {word[:20]!r} in {text!r}",
+                remedy=(f"did you mean {' or '.join(near)}? " if near else "") + "known: " + " ".join(UNITS),
+            )
+    refusal = EffectError(f"{text!r} is not a unit", remedy="write it like N·m·s/rad, kg·m² or 1/rad")
+    if text.count("(") > DEEPEST:
+        raise refusal
+    for pattern, written in _AS_PRODUCTS:
+        text = re.sub(pattern, written, text)
+    try:
+        found = _worth(parse(text.translate(_LOWERED), UNITS))
+    except ExpressionError:
+        found = None
+    if found is None:
+        raise refusal
+    return found
 
-    def _refusal(self) -> EffectError:
-        return EffectError(f"{self.text!r} is not a unit", remedy="write it like N·m·s/rad, kg·m² or 1/rad")
+
+_AS_PRODUCTS = (
+    (r"([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", r"**\1"), (r"[·⋅]|(?<![0-9])\.(?![0-9])", "*"),
+    (r"(?<=[A-Za-z0-9)])(\s*(?=\()|\s+(?=[A-Za-z1]))", "*"),
+)  # fmt: skip
+"""How what is usual in units is written in torques: raised powers, dots, and nothing at all for products."""
+
+
+def _worth(node: Node) -> Dimension | None:
+    """Return the dimension of a tree of units; None where it is more than a product."""
+    if isinstance(node, Name):
+        return UNITS[node.name]
+    if isinstance(node, Number):
+        return NONE if node.value == 1.0 else None
+    if not isinstance(node, Binary) or (left := _worth(node.left)) is None:
+        return None
+    if node.operator == "**" and isinstance(node.right, Number):
+        return left**node.right.value
+    right = _worth(node.right)
+    return None if right is None or node.operator in "+-" else left * right if node.operator == "*" else left / right
 
 
 def _not_si(word: str) -> EffectError:

@@ -72,38 +72,31 @@ would have to be larger to be seen is not hidden there."""
 SHOWN_SUSPECTS = 6
 
 
-def _outside(identifier: str, torque: str, joint: str, **shape: tuple[float, float, float]) -> Effect:
-    own, unit = ("rad/s", "N·m") if "exp(-((dtheta" in torque else ("rad", "N·m")
-    if torque.endswith(("dtheta", "dtheta2")):
-        unit = "N·m·s/rad"
-    numbers = {key: Shape(own, low, high, typical=usual) for key, (low, high, usual) in shape.items()}
-    text = f"an effect that the catalogue does not have: {torque}"
-    return Effect(identifier, text, torque, None, (joint,), {"c": Coefficient(unit)}, numbers, custom=True)
+_BUMP, _AT_SPEED = "c * exp(-((theta - m)/w)**2)", "c * exp(-((dtheta - m)/w)**2)"
+
+
+def _ranges(unit: str, *ends: tuple[float, float, float]) -> dict[str, Shape]:
+    """Return place and width of a bump, each (min, max, typical)."""
+    return {key: Shape(unit, low, high, typical=usual) for key, (low, high, usual) in zip("mw", ends, strict=True)}
 
 
 OUTSIDE: dict[str, tuple[Effect, tuple[str, ...]]] = {
-    f"{effect.id}:{effect.joints[0]}": (effect, variables)
-    for effect, variables in (
-        (
-            _outside("angle_bump", "c * exp(-((theta - m)/w)**2)", "hip", m=(0.4, 0.8, 0.6), w=(0.12, 0.25, 0.2)),
-            ("q1",),
+    f"{name}:{joint}": (
+        Effect(
+            name, f"an effect that the catalogue does not have: {torque}", torque, None, (joint,),
+            {"c": Coefficient(unit)}, shape, custom=True,
         ),
-        (
-            _outside("angle_bump", "c * exp(-((theta - m)/w)**2)", "knee", m=(-1.2, -0.6, -0.9), w=(0.12, 0.25, 0.2)),
-            ("q2",),
-        ),
-        (
-            _outside("speed_bump", "c * exp(-((dtheta - m)/w)**2)", "knee", m=(0.3, 0.7, 0.5), w=(0.1, 0.3, 0.2)),
-            ("dq2",),
-        ),
-        (
-            _outside("speed_bump", "c * exp(-((dtheta - m)/w)**2)", "hip", m=(0.3, 0.7, 0.5), w=(0.1, 0.3, 0.2)),
-            ("dq1",),
-        ),
-        (_outside("angle_times_speed", "c * theta1 * dtheta2", "hip"), ("q1", "dq2")),
-        (_outside("angle_wave", "c * sin(3*theta + 0.5) * dtheta", "knee"), ("q2", "dq2")),
+        variables,
     )
-}
+    for name, joint, torque, unit, shape, variables in (
+        ("angle_bump", "hip", _BUMP, "N·m", _ranges("rad", (0.4, 0.8, 0.6), (0.12, 0.25, 0.2)), ("q1",)),
+        ("angle_bump", "knee", _BUMP, "N·m", _ranges("rad", (-1.2, -0.6, -0.9), (0.12, 0.25, 0.2)), ("q2",)),
+        ("speed_bump", "knee", _AT_SPEED, "N·m", _ranges("rad/s", (0.3, 0.7, 0.5), (0.1, 0.3, 0.2)), ("dq2",)),
+        ("speed_bump", "hip", _AT_SPEED, "N·m", _ranges("rad/s", (0.3, 0.7, 0.5), (0.1, 0.3, 0.2)), ("dq1",)),
+        ("angle_times_speed", "hip", "c * theta1 * dtheta2", "N·m·s/rad", {}, ("q1", "dq2")),
+        ("angle_wave", "knee", "c * sin(3*theta + 0.5) * dtheta", "N·m·s/rad", {}, ("q2", "dq2")),
+    )
+}  # fmt: skip
 """Effects beyond the catalogue, and the variables of which one must be named."""
 
 

@@ -8,7 +8,8 @@ never are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
+    from optimisation.fitting.assemble import Assembly, Settled
     from optimisation.fitting.fit import Fit
     from optimisation.linear.problem import LinearData
     from optimisation.preparation.filtering import PreparedRecording
@@ -97,27 +99,38 @@ def _one_by_one(losses: Callable[[Float], Float]) -> Callable[[float], float]:
     return lambda value: float(losses(np.array([value]))[0])
 
 
-class ShapeProblem(Protocol):
-    """What a descent needs of the fit it is part of; shape values are (R, S), one row per recording."""
+@dataclass(frozen=True, eq=False)
+class ShapeProblem:
+    """A fit as a descent sees it; shapes are (R, S), a row per recording, or (1, S) where none has its `own` values."""
+
+    assembly: Assembly
+    at: Callable[[Float], float]
+    solved: Callable[[Float], Settled]
+    own: bool
+
+    def _form(self, shapes: Float) -> Float:
+        return shapes if self.own else shapes[0]
 
     def loss(self, shapes: Float) -> float:
         """Return the loss with the linear parameters solved anew."""
+        return self.at(self._form(shapes))
 
     def linear(self, shapes: Float) -> Float:
         """Return the linear parameters (P,) there."""
+        return self.solved(self._form(shapes)).linear
 
     def data(self, shapes: Float, linear: Float) -> LinearData:
         """Return the linear data there, fed-back torques computed from `linear`."""
+        return self.assembly.data(self._form(shapes), linear if self.assembly.model.needs_reference else None)
 
 
-def descend(
-    problem: ShapeProblem, model: Model, prepared: Sequence[PreparedRecording], start: Float, delta: Float
-) -> Float:
+def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
     What a recording has to itself is fitted to that recording with the linear parameters held, then all of them, unless
     they are too many, by Gauss-Newton steps taken together with the linear parameters (variable projection).
     """
+    model, prepared = problem.assembly.model, problem.assembly.prepared
     far = reach(model, prepared)
     own = own_shapes(model)
     shared = [i for i, s in enumerate(model.shapes) if not s.shape.choices and i not in own]

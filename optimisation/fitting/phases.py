@@ -10,6 +10,7 @@ import numpy as np
 
 from optimisation.fitting.assemble import Assembly
 from optimisation.fitting.shapes import grid
+from optimisation.linear.factor import factorise
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -69,11 +70,7 @@ def _alone(assembly: Assembly, rows: Float, reference: Float) -> tuple[Float, fl
     for number in range(len(rows)):
         use = data.use[:, data.groups == number]
         columns, tau = data.columns[:, data.groups == number][use], data.tau[:, data.groups == number][use]
-        length = np.linalg.norm(columns, axis=0)
-        scale = np.where(length > 0.0, length, 1.0)
-        solved = np.linalg.pinv((columns / scale).T @ (columns / scale), rcond=1e-12, hermitian=True) @ (
-            (columns / scale).T @ tau
-        )
-        parts.append(solved / scale)
-        left += float(np.sum((tau - columns @ (solved / scale)) ** 2))
+        factor = factorise(columns)
+        parts.append(factor.backward @ (factor.basis.T @ tau))
+        left += float(np.sum((tau - columns @ parts[-1]) ** 2))
     return np.array(parts), left

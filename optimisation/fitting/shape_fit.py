@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ground.errors import ExoidError, ExpressionError
 from optimisation.fitting.assemble import Assembly, Settled, settle
-from optimisation.fitting.local_shape import descend, own_shapes
+from optimisation.fitting.local_shape import ShapeProblem, descend, own_shapes
 from optimisation.fitting.phases import turning, with_phases
 from optimisation.fitting.settings import MULTISTART
 from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
@@ -98,7 +97,7 @@ def solve_shape(
     if not shapes or fixed is not None:
         values = np.zeros(0) if not shapes else np.asarray(fixed, dtype=float)
         return values, solved(values), [values], None
-    model, prepared = assembly.model, assembly.prepared
+    model = assembly.model
     own = bool(own_shapes(model))
     if isinstance(starts, np.ndarray) or own:
         began = np.asarray(starts, dtype=float) if isinstance(starts, np.ndarray) else np.array([])
@@ -108,8 +107,8 @@ def solve_shape(
             began = model.typical_shape if phases_only else search_shape(loss, shapes, None, method, at_once).best
         if began.ndim == 1 and turning(model):
             began = with_phases(assembly, began, solved(began).linear, searched)
-        rows = np.broadcast_to(began, (len(prepared) if own else 1, len(shapes)))
-        found = descend(_Rows(assembly, loss, solved, own), model, prepared, rows, delta)
+        rows = np.broadcast_to(began, (len(assembly.prepared) if own else 1, len(shapes)))
+        found = descend(ShapeProblem(assembly, loss, solved, own), rows, delta)
         best = found if own else found[0]
         return best, solved(best), best, None
     search = search_shape(loss, shapes, starts, method, at_once)
@@ -127,25 +126,3 @@ def _held_loss(
         return huber(data.residual(solve(data)), delta)
     except ExpressionError:
         return float("inf")
-
-
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """A fit as a descent over shapes sees it: always (R, S), though a model without own shapes takes one row."""
-
-    assembly: Assembly
-    at: Callable[[Float], float]
-    solved: Callable[[Float], Settled]
-    own: bool
-
-    def _form(self, shapes: Float) -> Float:
-        return shapes if self.own else shapes[0]
-
-    def loss(self, shapes: Float) -> float:
-        return self.at(self._form(shapes))
-
-    def linear(self, shapes: Float) -> Float:
-        return self.solved(self._form(shapes)).linear
-
-    def data(self, shapes: Float, linear: Float) -> LinearData:
-        return self.assembly.data(self._form(shapes), linear if self.assembly.model.needs_reference else None)

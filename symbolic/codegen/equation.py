@@ -21,7 +21,7 @@ from symbolic.language.instant import split_memory
 from symbolic.language.lower import to_casadi, to_sympy
 from symbolic.language.torque import is_transform, torques, uses_slopes
 from symbolic.mechanics.friction import friction
-from symbolic.mechanics.lagrange import mechanics
+from symbolic.mechanics.lagrange import christoffel, mechanics
 from symbolic.mechanics.mechanism import machine, real
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from symbolic.mechanics.rigid import changed, rigid, symbols_of
@@ -262,6 +262,7 @@ class _Builder:
         rest = ca.SX.zeros(self.count)
         still = ca.substitute(rigid_torque, ddq, rest)
         mass = ca.jacobian(rigid_torque, ddq)
+        slopes = [ca.reshape(ca.jacobian(ca.vec(mass), angle), mass.shape) for angle in ca.vertsplit(q)]
         return Expressions(
             t=self.state["t"],
             q=q,
@@ -279,20 +280,8 @@ class _Builder:
             terms=MappingProxyType(terms),
             memories=tuple(self.memories),
             M=mass,
-            C=_christoffel(ca, mass, q, dq),
+            C=ca.blockcat(christoffel(slopes, ca.vertsplit(dq), 0.5)),
             G=ca.substitute(still, dq, rest),
             J=self.jacobian,
             reach=self.reach,
         )
-
-
-def _christoffel(ca: Any, mass: Any, q: Any, dq: Any) -> Any:
-    """Return the Christoffel C (J, J) of a mass matrix in CasADi."""
-    count = q.numel()
-    slopes = [ca.reshape(ca.jacobian(ca.vec(mass), q[k]), count, count) for k in range(count)]
-    coriolis = ca.SX(count, count)
-    for i in range(count):
-        for j in range(count):
-            for k in range(count):
-                coriolis[i, j] += 0.5 * dq[k] * (slopes[k][i, j] + slopes[j][i, k] - slopes[i][j, k])
-    return coriolis

@@ -8,9 +8,10 @@ Vidyasagar, Robot Modeling and Control.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from symbolic.mechanics.mechanism import positive
 
@@ -64,37 +65,29 @@ def energies(mechanism: Mechanism) -> tuple[Expr, Expr]:
     return harmonic(kinetic), harmonic(potential)
 
 
-def christoffel(mass_matrix: Matrix, mechanism: Mechanism) -> Matrix:
-    """Return the Christoffel C (J, J) of the mass matrix M (J, J)."""
-    from sympy import Matrix, Rational, diff
-
-    angle, velocity = mechanism.angle, mechanism.velocity
-    size = len(angle)
-
-    def entry(i: int, j: int) -> Expr:
-        return sum(
-            Rational(1, 2)
-            * velocity[k]
-            * (
-                diff(mass_matrix[i, j], angle[k])
-                + diff(mass_matrix[i, k], angle[j])
-                - diff(mass_matrix[j, k], angle[i])
-            )
-            for k in range(size)
-        )
-
-    return Matrix(size, size, entry)
+def christoffel(slopes: Sequence[Any], velocity: Sequence[Any], half: Any) -> list[list[Any]]:
+    """Return the Christoffel C (J, J) of a mass matrix with `slopes` (J, J) by every angle (J,): SymPy's or CasADi's, as
+    `half` is.
+    """
+    count = range(len(velocity))
+    return [
+        [
+            sum(half * velocity[k] * (slopes[k][i, j] + slopes[j][i, k] - slopes[i][j, k]) for k in count)
+            for j in count
+        ]
+        for i in count
+    ]
 
 
 @lru_cache(maxsize=32)
 def mechanics(mechanism: Mechanism) -> Dynamics:
     """Derive the equations of motion of `mechanism` by Lagrange's method."""
-    from sympy import Matrix, diff, expand, hessian
+    from sympy import Matrix, Rational, diff, expand, hessian
 
     kinetic, potential = energies(mechanism)
     angle, velocity = mechanism.angle, mechanism.velocity
     mass_matrix = hessian(kinetic, velocity).applyfunc(expand)
-    coriolis = christoffel(mass_matrix, mechanism)
+    coriolis = Matrix(christoffel([mass_matrix.diff(q) for q in angle], velocity, Rational(1, 2)))
     gravity = Matrix([expand(diff(potential, angle_i)) for angle_i in angle])
     torque = Matrix([expand(lagrange(kinetic, potential, mechanism, i)) for i in range(len(angle))])
     contact = Matrix(mechanism.point(len(angle) - 1, positive("reach")))
