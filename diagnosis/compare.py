@@ -28,6 +28,7 @@ from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
 from optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
+from optimisation.preparation.noise import mean_square
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -184,13 +185,11 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     length = wanted_thigh_length(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
     shown = prepared.verify or prepared.train
-    square = np.sum([np.sum(np.where(p.use, p.tau, 0.0) ** 2, axis=0) for p in shown], axis=0)
-    count = np.maximum(np.sum([p.use.sum(axis=0) for p in shown], axis=0), 1)
     return Comparison(
         fit=fit,
         rms=now.train_rms,
         verify_rms=now.verify_rms,
-        signal_rms=np.sqrt(square / count),
+        signal_rms=np.sqrt(mean_square([one.tau for one in shown], shown)),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
         where=where_it_sits(now, curves),

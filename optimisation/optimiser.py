@@ -64,10 +64,6 @@ class Optimiser(Protocol):
         """Return the state after the candidates were evaluated."""
 
 
-def _clip(x: Float, low: Float, high: Float) -> Float:
-    return np.clip(x, low, high)
-
-
 def _reflect(x: Float, low: Float, high: Float) -> Float:
     width = np.where(high > low, high - low, 1.0)
     folded = np.abs((x - low + width) % (2.0 * width) - width)
@@ -80,7 +76,7 @@ def _wrap(x: Float, low: Float, high: Float) -> Float:
 
 
 BOUNDARIES: Mapping[str, Callable[[Float, Float, Float], Float]] = MappingProxyType(
-    {"clip": _clip, "reflect": _reflect, "wrap": _wrap}
+    {"clip": np.clip, "reflect": _reflect, "wrap": _wrap}
 )
 """What happens to a candidate outside the box: put on the border, mirrored, or let in on the other side."""
 

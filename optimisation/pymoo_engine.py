@@ -61,7 +61,7 @@ def begin(algorithm: Any, x: Float, f: Float, box: Box, rng: np.random.Generator
     # A seed of its own keeps pymoo from touching the global one; it is never drawn from.
     algorithm.setup(problem, termination=NoTermination(), seed=0)
     algorithm.random_state = rng
-    algorithm.display = _nothing
+    algorithm.display = lambda shown: None
     return PymooRecipe().tell(PymooState(algorithm, _population(x), box), x, f)
 
 
@@ -69,7 +69,3 @@ def _population(x: Float) -> Any:
     from pymoo.core.population import Population
 
     return Population.new("X", x)
-
-
-def _nothing(algorithm: Any) -> None:
-    """Show nothing."""

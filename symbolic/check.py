@@ -49,17 +49,18 @@ class Check:
 
 def check_equations(model: Model) -> tuple[Check, ...]:
     """Return every check of the model's equations; all of them should hold."""
+    from sympy import Matrix
+
     if model.chain:
         return _tree_checks(model)
     mechanism = model.mechanism
     motion = mechanics(mechanism)
+    assembled = motion.M * Matrix(mechanism.acceleration) + motion.C * Matrix(mechanism.velocity) + motion.G
     found = [
         _zero("M is symmetric", motion.M - motion.M.T, "M - Mᵀ = 0"),
         *positive_definite(mechanism, motion),
         _skew(mechanism, motion),
-        _zero(
-            "equation of motion", _assembled(mechanism, motion) - motion.torque, "M θ'' + C θ' + G is Lagrange's torque"
-        ),
+        _zero("equation of motion", assembled - motion.torque, "M θ'' + C θ' + G is Lagrange's torque"),
         _energy(mechanism, motion),
         _regressor(mechanism, motion),
         *paper_checks(),
@@ -116,12 +117,6 @@ def _zero(name: str, matrix: Any, detail: str) -> Check:
     remainder = matrix.applyfunc(harmonic)
     holds = all(entry == 0 for entry in remainder)
     return Check(name, holds, "proved", detail if holds else f"remainder {list(remainder)}")
-
-
-def _assembled(mechanism: Mechanism, motion: Dynamics) -> Matrix:
-    from sympy import Matrix
-
-    return motion.M * Matrix(mechanism.acceleration) + motion.C * Matrix(mechanism.velocity) + motion.G
 
 
 def _skew(mechanism: Mechanism, motion: Dynamics) -> Check:

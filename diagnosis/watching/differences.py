@@ -33,7 +33,7 @@ from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared, prepare
+from optimisation.preparation.prepare import prepare
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -55,24 +55,6 @@ QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
 """Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
 
-def before_against_after(
-    model: Model,
-    prepared: Prepared,
-    *,
-    seed: int = 0,
-    extra: Sequence[Effect] = (),
-    rules: Rules = QUICK,
-    most: int = MOST,
-) -> Differences:
-    """Return what differs between the fitted recordings of `prepared` (before) and its verification ones (after).
-
-    NotEnoughDataError where the recordings before do not determine the model.
-    """
-    began = time.perf_counter()
-    now = fitted_model(identify(model, prepared.train, optimisers=()), prepared)
-    return BeforeAfter(now, seed, tuple(extra), rules, most).run(began)
-
-
 def compare_against(
     model: Model | Fit,
     before: Sequence[Recording],
@@ -91,7 +73,9 @@ def compare_against(
     machine = model.model if isinstance(model, Fit) else model
     assert isinstance(machine, Model)
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
-    return before_against_after(machine, question, seed=seed, extra=own_effects(machine, tuple(extra)))
+    began = time.perf_counter()
+    now = fitted_model(identify(machine, question.train, optimisers=()), question)
+    return BeforeAfter(now, seed, own_effects(machine, tuple(extra)), QUICK, MOST).run(began)
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,7 +74,7 @@ def identify(
     data = _prepared(model, data)
     possible = physics(model) if asked.physical else None
     assembly = Assembly(model, data)
-    found = _stages(assembly, asked, possible, progress or _silent)
+    found = _stages(assembly, asked, possible, progress or (lambda text: None))
     best, best_shape, limits, stage = found.best, found.shape, found.huber.delta, found.huber
     changed = None if possible is None else held(best, limits, possible)
 
@@ -174,10 +174,6 @@ def _scope(model: Model, given: bool) -> str:
     if model.shapes:
         scope = f"the linear parameters at the {'given' if given else 'best-known'} shape"
     return scope + (", the model's own torque held" if model.needs_reference else "")
-
-
-def _silent(text: str) -> None:
-    """Say nothing."""
 
 
 @dataclass(frozen=True)

@@ -120,14 +120,10 @@ def _ask(path: str) -> str | None:
 
 
 @lru_cache(maxsize=64)
-def _warn_once(reason: str) -> None:
+def warn_slow(reason: str) -> None:
+    """Say once per process and reason that the slow path is taken."""
     warnings.warn(
         f"{reason}; models run in CasADi's virtual machine: same numbers, slower. Install gcc or clang.",
         NoCompilerWarning,
         stacklevel=2,
     )
-
-
-def warn_slow(reason: str) -> None:
-    """Say once per process and reason that the slow path is taken."""
-    _warn_once(reason)

@@ -122,7 +122,7 @@ class _Builder:
         terms = {}
         for term in self.model.terms:
             if term.effect.derive is not None:
-                own = [entry for entry in self.columns if self._belongs(entry[1], term)]
+                own = [entry for entry in self.columns if self.model.parameters[entry[1]].term == term.name]
                 terms[term.name] = self._sum(own)
             elif is_transform(term):
                 terms[term.name] = self._transform(term)
@@ -135,9 +135,6 @@ class _Builder:
             if term.effect.derive is None:
                 torque = torque + terms[term.name]
         return self._result(rigid_torque, base, torque, terms)
-
-    def _belongs(self, parameter: int, term: Term) -> bool:
-        return self.model.parameters[parameter].term == term.name
 
     def _sum(self, entries: list[tuple[int, int, Any]]) -> Any:
         total = self.ca.SX(self.count, 1)

@@ -66,7 +66,7 @@ def energies(mechanism: Mechanism) -> tuple[Expr, Expr]:
 
 
 def christoffel(slopes: Sequence[Any], velocity: Sequence[Any], half: Any) -> list[list[Any]]:
-    """Return the Christoffel C (J, J) of a mass matrix with `slopes` (J, J) by every angle (J,): SymPy's or CasADi's, as
+    """Return the Christoffel C (J, J) of a mass matrix with `slopes` (J, J) by every angle (J,), SymPy's or CasADi's as
     `half` is.
     """
     count = range(len(velocity))

@@ -17,7 +17,7 @@ from symbolic.mechanics.mechanism import Mechanism, leg, real
 from symbolic.mechanics.regressor import regressor
 
 if TYPE_CHECKING:
-    from sympy import Expr, Matrix, Symbol
+    from sympy import Matrix, Symbol
 
     from symbolic.mechanics.mechanism import Mechanism
     from symbolic.mechanics.regressor import Regressor
@@ -114,8 +114,10 @@ def _slope(torque: Matrix, k: int, coefficients: Sequence[Symbol]) -> Matrix:
     """Return ∂τ/∂k (J, 1) with later coefficients at zero: products of two then count once, in the later
     one.
     """
+    from sympy import expand
+
     later = dict.fromkeys(coefficients[k + 1 :], 0)
-    slope: Matrix = torque.subs(later).diff(coefficients[k]).applyfunc(_tidy)
+    slope: Matrix = torque.subs(later).diff(coefficients[k]).applyfunc(expand)
     if slope.has(coefficients[k]):
         raise EffectError(
             f"the torque is not linear in {coefficients[k].name}",
@@ -123,9 +125,3 @@ def _slope(torque: Matrix, k: int, coefficients: Sequence[Symbol]) -> Matrix:
             remedy="declare it as a shape with bounds instead of a coefficient",
         )
     return slope
-
-
-def _tidy(expression: Expr) -> Expr:
-    from sympy import expand
-
-    return expand(expression)

@@ -173,7 +173,7 @@ def test_a_full_disk_falls_back_with_a_warning_and_leaves_nothing(fresh_cache, m
 
     monkeypatch.setattr(Path, "write_text", full)
     monkeypatch.setattr(library, "find_compiler", lambda: compiler.Compiler("cc", "cc for this test"))
-    compiler._warn_once.cache_clear()
+    compiler.warn_slow.cache_clear()
     with pytest.warns(NoCompilerWarning, match="No space left"):
         assert compiled(Model.standard()).backend == "vm"
     assert not list(fresh_cache.iterdir())
@@ -306,7 +306,7 @@ def test_broken_and_hanging_compilers_fall_back_with_one_warning(fresh_cache, mo
     if patience:
         monkeypatch.setattr(compiler, patience, 0.3)
     compiler._probe.cache_clear()
-    compiler._warn_once.cache_clear()
+    compiler.warn_slow.cache_clear()
     model, motion = Model.standard(0.41), random_motion()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -320,7 +320,7 @@ def test_broken_and_hanging_compilers_fall_back_with_one_warning(fresh_cache, mo
 def test_the_compiler_can_be_switched_off(fresh_cache, monkeypatch):
     monkeypatch.setenv("EXOID_COMPILER", "none")
     compiler._probe.cache_clear()
-    compiler._warn_once.cache_clear()
+    compiler.warn_slow.cache_clear()
     with pytest.warns(NoCompilerWarning, match="EXOID_COMPILER"):
         assert compiled(Model.standard()).backend == "vm"
 
