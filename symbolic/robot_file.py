@@ -195,16 +195,10 @@ def numbers_of(element: Element, key: str, default: Sequence[float], where: str)
 
 def origin_of(element: Element, where: str) -> tuple[Float, Float]:
     """Return place (3,) and orientation (3, 3) of an element's <origin>."""
+    from scipy.spatial.transform import Rotation
+
     origin = element.find("origin")
     if origin is None:
         return np.zeros(3), np.eye(3)
-    roll, pitch, yaw = numbers_of(origin, "rpy", (0.0, 0.0, 0.0), where)
-    return numbers_of(origin, "xyz", (0.0, 0.0, 0.0), where), _about(2, yaw) @ _about(1, pitch) @ _about(0, roll)
-
-
-def _about(axis: int, angle: float) -> Float:
-    turned, (i, j) = np.eye(3), [k for k in range(3) if k != axis]
-    sine = math.sin(angle) * (-1.0 if axis == 1 else 1.0)
-    turned[i, i] = turned[j, j] = math.cos(angle)
-    turned[i, j], turned[j, i] = -sine, sine
-    return turned
+    turned = Rotation.from_euler("xyz", numbers_of(origin, "rpy", (0.0, 0.0, 0.0), where))
+    return numbers_of(origin, "xyz", (0.0, 0.0, 0.0), where), turned.as_matrix()

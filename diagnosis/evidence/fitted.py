@@ -184,7 +184,7 @@ def _block(
 ) -> RecordingEvidence:
     raw = model.columns(one.motion, shape, linear if model.needs_reference else None)
     columns = [raw, *(_slope(model, one, linear, shape, k)[:, :, None] for k in range(len(model.shapes)))]
-    smooth = np.moveaxis(one.smooth(np.moveaxis(np.concatenate(columns, axis=2), 0, 1)), 0, 1)
+    smooth = one.smooth_columns(np.concatenate(columns, axis=2))
     samples = smooth.shape[1]
     fold = np.arange(samples) * parts // samples
     return RecordingEvidence(

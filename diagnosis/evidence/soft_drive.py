@@ -224,7 +224,7 @@ class _Link:
 
     def _smooth(self, columns: Float) -> Float:
         """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
-        return np.moveaxis(self.one.smooth(np.moveaxis(columns, 0, 1)), 0, 1)
+        return self.one.smooth_columns(columns)
 
     def slopes(self, linear: Float) -> tuple[Float, Float, Float]:
         """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; at

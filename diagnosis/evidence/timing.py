@@ -154,7 +154,7 @@ class _Readings:
         model, self.train = base.model, base.prepared.train
         reference = base.linear if model.needs_reference else None
         self.raw = [model.columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
-        parts = [np.moveaxis(p.smooth(np.moveaxis(x, 0, 1)), 0, 1) for p, x in zip(self.train, self.raw, strict=True)]
+        parts = [p.smooth_columns(x) for p, x in zip(self.train, self.raw, strict=True)]
         self.use = np.concatenate([p.use for p in self.train]).T
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
         factor = factorise(self.columns.reshape(-1, self.columns.shape[2]))

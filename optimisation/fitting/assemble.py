@@ -84,12 +84,12 @@ class Assembly:
             return smooth
         raw = self.model.columns(one.motion, own, reference)
         if before is None or smooth is None:
-            smooth = np.moveaxis(one.smooth(np.moveaxis(raw, 0, 1)), 0, 1)
+            smooth = one.smooth_columns(raw)
         else:
             changed = np.flatnonzero((raw != before).any(axis=(0, 1)))
             if changed.size:
                 smooth = smooth.copy()
-                smooth[:, :, changed] = np.moveaxis(one.smooth(np.moveaxis(raw[:, :, changed], 0, 1)), 0, 1)
+                smooth[:, :, changed] = one.smooth_columns(raw[:, :, changed])
         self._raw[index], self._smooth[index] = raw, smooth
         self._shapes[index] = None if own is None else np.array(own)
         return smooth
@@ -101,7 +101,7 @@ class Assembly:
         out = np.zeros((*raw.shape[:2], len(one.tau), raw.shape[2]))
         if not joints:  # zero at all nodes, as of a stop that is never met
             return out
-        out[:, joints] = np.transpose(one.smooth(np.transpose(raw[:, joints], (3, 1, 0, 2)), joints), (2, 1, 0, 3))
+        out[:, joints] = np.swapaxes(one.smooth_rows(raw[:, joints], joints, 1), 2, 3)
         return out
 
     def sse_at(self, nodes: Float, reference: Float | None = None) -> Float | None:

@@ -82,15 +82,15 @@ def _own_losses(
     torques pass the filter, not columns: it is linear.
     """
     still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
-    rest = np.where(one.use, one.tau - one.smooth(still), 0.0).T
-    own = list(joints)
+    use, own = one.use.T, list(joints)
+    rest = np.where(use, (one.tau - one.smooth(still)).T, 0.0)
     others = np.setdiff1d(np.arange(len(rest)), own)
-    known, use, limit = huber(rest[others], delta[others]), one.use[:, own, None], delta[own][:, None]
+    known = huber(rest[others], delta[others])
 
     def losses(values: Float) -> Float:
-        moved = one.smooth(np.transpose(moving(values), (2, 1, 0)), joints)  # (K, A, V)
-        size = np.abs(rest[own].T[:, :, None] - np.where(use, moved, 0.0))
-        return np.asarray(known + np.sum(huber_terms(size, limit), axis=(0, 1)))
+        moved = one.smooth_rows(moving(values), joints, 1)
+        size = np.abs(rest[own] - np.where(use[own], moved, 0.0))
+        return np.asarray(known + np.sum(huber_terms(size, delta[own][:, None]), axis=(1, 2)))
 
     return losses
 

@@ -95,6 +95,12 @@ class Recorded:
     def smooth(self, x, joints=None):
         return x
 
+    def smooth_columns(self, x):
+        return x
+
+    def smooth_rows(self, x, joints, axis):
+        return x
+
 
 def record(leg=None, linear=PAPER, shape=None, noise=1.0, outliers=0.0, seed=0, samples=3500, late=0.0, step=0.01):
     """Simulate one recording of `leg` with parameters `linear`, white noise and a share of knocks."""
