@@ -187,9 +187,7 @@ def _block(
     smooth = one.smooth_columns(np.concatenate(columns, axis=2))
     samples = smooth.shape[1]
     fold = np.arange(samples) * parts // samples
-    return RecordingEvidence(
-        np.ascontiguousarray(smooth), residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold
-    )
+    return RecordingEvidence(smooth, residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
 
 
 def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:

@@ -150,7 +150,7 @@ class PreparedRecording:
     def smooth_columns(self, x: Float) -> Float:
         """Do the same to columns (J, N, P) of all joints and return (J, K, P)."""
         rows = np.array(x.transpose(0, 2, 1), dtype=float, order="C")
-        return self.smooth_rows(rows, range(len(x)), 0).transpose(0, 2, 1)
+        return np.ascontiguousarray(self.smooth_rows(rows, range(len(x)), 0).transpose(0, 2, 1))
 
     def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
         """Do the same to `x` (..., N), which is bridged in place, and return (..., K), in `out` where that is given."""
