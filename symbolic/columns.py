@@ -7,7 +7,7 @@ the others at zero.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -69,18 +69,13 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
     return out
 
 
-def following_terms(model: Model) -> tuple[Term, ...]:
-    """Return the terms with shapes where these change nothing but the terms' own columns; none where they reach into
-    the equations, into whole torques, or where columns depend on the parameters.
-    """
-    found = tuple(term for term in model.terms if term.effect.shape)
-    further = needs_reference(model) or any(t.effect.derive is not None or is_transform(t) for t in found)
-    return () if further else found
-
-
 def following_places(model: Model) -> tuple[int, ...]:
-    """Return the indices (m,) of the parameters whose columns follow the shapes, all others staying what they are."""
-    return _coefficients(model, following_terms(model))
+    """Return the indices (m,) of the parameters whose columns follow the shapes, or the parameters where these are fed
+    back, all others staying what they are; none where shapes reach into the equations or into whole torques.
+    """
+    found = tuple(term for term in model.terms if term.effect.shape or uses_feedback(term))
+    further = _mechanism_follows(model) or any(t.effect.derive is not None or is_transform(t) for t in found)
+    return () if further else _coefficients(model, found)
 
 
 def held_places(model: Model) -> tuple[int, ...]:
@@ -99,19 +94,23 @@ def _coefficients(model: Model, terms: Iterable[Term]) -> tuple[int, ...]:
     return tuple(place[f"{term.name}.{key}"] for term in terms for key in term.effect.coefficients)
 
 
-def following_columns(model: Model, motion: Motion, nodes: Float, reference: Float | None = None) -> Float:
-    """Return the columns (V, J, m, N) of `following_places` at V rows of shapes, `nodes` (V, S); of `held_places` where
-    the parameters are held at `reference` (P,).
+def following_columns(
+    model: Model, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
+) -> Float:
+    """Return the columns (V, J, m, N) of the parameters `chosen` (m,), all of `following_places` or of `held_places`, at
+    V rows of shapes, `nodes` (V, S), and with the parameters at `reference` (P,) where columns depend on these.
     """
     names, words = [entry.name for entry in model.shapes], motion_words(motion)
-    terms = tuple(term for term in model.terms if term.effect.shape)
-    if reference is not None:
-        if terms[-1].effect.derive is not None:
-            return derived_columns(model, motion, nodes, reference)(nodes)
-        if any(map(uses_feedback, terms)):
-            carried, base = carrying(motion, reference), np.zeros((len(model.joints), len(motion), len(reference)))
-            _fill_base(model, motion, base, carried, shape_values(model, nodes[0]))
-            words |= feedback(model, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
+    wanted = {model.parameters[k].term for k in chosen}
+    terms = tuple(term for term in model.terms if term.name in wanted)
+    numbers = vector(reference, np.zeros(len(model.parameters)), "reference")
+    if terms[-1].effect.derive is not None:
+        return derived_columns(model, motion, nodes, numbers)(nodes)
+    if any(map(uses_feedback, terms)):
+        carried = carrying(motion, numbers)
+        base = np.zeros((len(model.joints), len(motion), len(carried)))
+        _fill_base(model, motion, base, carried, shape_values(model, nodes[0]))
+        words |= feedback(model, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
     width = sum(len(term.effect.coefficients) for term in terms)
     out, first = np.zeros((len(nodes), len(model.joints), width, len(motion))), 0
     for term in terms:
@@ -179,8 +178,11 @@ def moving_torque(
 
 def needs_reference(model: Model) -> bool:
     """Whether some column depends on the linear parameters themselves."""
-    if any(uses_feedback(term) for term in model.terms):
-        return True
+    return any(uses_feedback(term) for term in model.terms) or _mechanism_follows(model)
+
+
+def _mechanism_follows(model: Model) -> bool:
+    """Whether columns of the mechanism itself depend on the linear parameters."""
     return bool(model.derived) and compiled(rigid_model(model)).needs_reference
 
 

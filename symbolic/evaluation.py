@@ -83,11 +83,11 @@ def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
     """
     base = base_places(model)
     rigid = [k for k in base if not len(model.inertial) <= k < model.base_count]
-    env: dict[str, Float] = {}
-    for j in range(len(out)):
-        env[f"tau_rigid{j + 1}"] = out[j][:, rigid] @ linear[rigid]
-        env[f"tau_model{j + 1}"] = out[j][:, base] @ linear[base]
-    return env
+    numbers = np.zeros((2, len(linear)))
+    for row, chosen in zip(numbers, (rigid, base), strict=True):
+        row[chosen] = linear[chosen]
+    both = zip(("tau_rigid", "tau_model"), numbers, strict=True)
+    return {f"{word}{j + 1}": columns @ row for word, row in both for j, columns in enumerate(out)}
 
 
 def apply_transforms(model: Model, out: Float, shapes: Float, motion: Motion) -> None:

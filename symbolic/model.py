@@ -10,7 +10,7 @@ each term. A model is a value: `with_effect` and `without` return another one. W
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -237,7 +237,7 @@ class Model:
         @property
         def held_places(self) -> tuple[int, ...]: ...  # noqa: D102
         def following_columns(  # noqa: D102
-            self, motion: Motion, nodes: Float, reference: Float | None = None
+            self, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
         ) -> Float: ...
         def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
         def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102

@@ -42,7 +42,7 @@ class Assembly:
         self.prepared = tuple(prepared)
         self._raw: list[Float | None] = [None] * len(self.prepared)
         self._smooth: list[Float | None] = [None] * len(self.prepared)
-        self._shapes: list[Float | None] = [None] * len(self.prepared)
+        self._at = [b""] * len(self.prepared)
         self._factors = Factors()
         self._tau = np.concatenate([one.tau for one in self.prepared]).T
         self._use = np.concatenate([one.use for one in self.prepared]).T
@@ -76,11 +76,12 @@ class Assembly:
         one, before, smooth = self.prepared[index], self._raw[index], self._smooth[index]
         own = shape[index] if shape is not None and np.ndim(shape) == 2 else shape
         places = list(self.model.following_places)
+        at = b"" if own is None else np.concatenate([own, () if reference is None else reference]).tobytes()
         if places and smooth is not None and own is not None:
-            if not np.array_equal(own, self._shapes[index]):  # type: ignore[arg-type]
+            if at != self._at[index]:
                 smooth = smooth.copy()
-                smooth[:, :, places] = self._following(one, np.asarray(own)[None])[0]
-                self._smooth[index], self._shapes[index] = smooth, np.array(own)
+                smooth[:, :, places] = self._following(one, places, np.asarray(own)[None], reference)[0]
+                self._smooth[index], self._at[index] = smooth, at
             return smooth
         raw = self.model.columns(one.motion, own, reference)
         if before is None or smooth is None:
@@ -90,13 +91,14 @@ class Assembly:
             if changed.size:
                 smooth = smooth.copy()
                 smooth[:, :, changed] = one.smooth_columns(raw[:, :, changed])
-        self._raw[index], self._smooth[index] = raw, smooth
-        self._shapes[index] = None if own is None else np.array(own)
+        self._raw[index], self._smooth[index], self._at[index] = raw, smooth, at
         return smooth
 
-    def _following(self, one: PreparedRecording, nodes: Float, reference: Float | None = None) -> Float:
-        """Return the filtered columns (V, J, K, m) that follow the shapes, at `nodes` (V, S)."""
-        raw = self.model.following_columns(one.motion, nodes, reference)
+    def _following(
+        self, one: PreparedRecording, places: Sequence[int], nodes: Float, reference: Float | None
+    ) -> Float:
+        """Return the filtered columns (V, J, K, m) at `places` (m,) that follow the shapes, at `nodes` (V, S)."""
+        raw = self.model.following_columns(one.motion, places, nodes, reference)
         joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
         out = np.zeros((*raw.shape[:2], len(one.tau), raw.shape[2]))
         if not joints:  # zero at all nodes, as of a stop that is never met
@@ -123,7 +125,7 @@ class Assembly:
         out = []
         many = max(1, TOGETHER // (data.columns[:, :, places].size * max(1, round(self._thinned))))
         for some in np.array_split(nodes, -(-len(nodes) // many)):
-            parts = [self._following(one, some, reference) for one in self.prepared]
+            parts = [self._following(one, places, some, reference) for one in self.prepared]
             columns = np.concatenate(parts, axis=2) * data.use[:, :, None]
             columns = columns.reshape(len(some), -1, len(places))
             rows = np.ascontiguousarray(np.swapaxes(columns, 1, 2))

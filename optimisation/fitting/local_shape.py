@@ -161,7 +161,8 @@ def _step(
     far: Float,
     delta: Float,
 ) -> tuple[Float, float]:
-    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does.
+    """Return the shapes and the loss after one Gauss-Newton step, halved until it helps; unchanged where none does that
+    promises more than the fall at which a descent stops.
 
     `moving` are the indices of shape values that all recordings share, and of those that each has to itself.
     """
@@ -186,7 +187,8 @@ def _step(
     scale = np.where(scale > 0.0, scale, 1.0)
     matrix = (jacobian / scale * weight[:, :, None]).reshape(-1, jacobian.shape[2])
     gram, right = matrix.T @ matrix, matrix.T @ (weight * residual).ravel()
-    step = (np.linalg.lstsq(gram, right, rcond=1e-10)[0] / scale)[here.columns.shape[2] :]
+    whole = np.linalg.lstsq(gram, right, rcond=1e-10)[0]
+    promised, step = float(right @ whole), (whole / scale)[here.columns.shape[2] :]
     most = 2.0 * far[[index for _, index in places]]
     step = np.clip(step, -most, most)
     for _ in range(HALVINGS):
@@ -197,7 +199,9 @@ def _step(
         reached = problem.loss(trial)
         if reached < value:
             return trial, reached
-        step = 0.5 * step
+        promised, step = 0.5 * promised, 0.5 * step
+        if promised <= SETTLED * value:
+            break
     return shapes, value
 
 
