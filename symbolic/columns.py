@@ -97,8 +97,8 @@ def _coefficients(model: Model, terms: Iterable[Term]) -> tuple[int, ...]:
 def following_columns(
     model: Model, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
 ) -> Float:
-    """Return the columns (V, J, m, N) of the parameters `chosen` (m,), all of `following_places` or of `held_places`, at
-    V rows of shapes, `nodes` (V, S), and with the parameters at `reference` (P,) where columns depend on these.
+    """Return the columns (V, J, m, N) of the parameters `chosen` (m,), all of `following_places` or `held_places`, at V
+    rows of shapes, `nodes` (V, S), and with the parameters at `reference` (P,) where columns depend on these.
     """
     names, words = [entry.name for entry in model.shapes], motion_words(motion)
     wanted = {model.parameters[k].term for k in chosen}

@@ -147,7 +147,8 @@ class _Pooled:
 
     def answer(self, number: int, question: _Question) -> tuple[float, float, float, Float] | None:
         """Return the change that recording `number` wants, its 95 % half-width, the share of the recording's loss that
-        it explains, and how all columns' numbers (P,) then move in the others. None where it cannot be told.
+        it explains, and how all columns' numbers (P,) then move in the others. None where it cannot be told; a share
+        that matters to nobody has an infinite half-width.
         """
         block, weight = self.blocks[number], self.weights[number]
         own = question.column(block)
@@ -159,6 +160,9 @@ class _Pooled:
         if loss <= 0.0 or power <= self.rules.differing_new * float(np.sum(weight * own * own)):
             return None
         change = self._sum(rest, self.left) / power
+        share = change**2 * power / loss
+        if share < self.rules.differing_share:
+            return change, np.inf, share, -lean * change
         score = np.concatenate(
             [np.sum(w * x * (r - change * x), axis=0) for w, x, r in zip(self.weights, rest, self.left, strict=True)]
         )[:, None]
@@ -166,7 +170,7 @@ class _Pooled:
         lag = block_length(score, groups)
         critical = float(np.polynomial.polynomial.polyval(min(lag / len(score), 1.0), FIXED_B))
         half = critical * float(np.sqrt(block_outer(score, groups, lag)[0, 0])) / power
-        return change, half, change**2 * power / loss, -lean * change
+        return change, half, share, -lean * change
 
     def _sum(self, x: list[Float], y: list[Float]) -> float:
         return float(sum(np.sum(w * a * b) for w, a, b in zip(self.weights, x, y, strict=True)))

@@ -98,10 +98,9 @@ def beaten(
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
         bump = BetterCurve(best, common, None, score.share)
-        as_good = score.share >= rules.as_good * alone and candidate.numbers < numbers
-        return bump if as_good and bump.supersedes(term) else None
+        return bump if score.share >= rules.as_good * alone and bump.supersedes(term) else None
 
-    contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint)]
+    contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
     won = first_passing(lambda k: contests[k]() is not None, len(contests), allowed_processes())
     return None if won is None else contests[won]()
 

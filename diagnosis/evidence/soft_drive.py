@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -139,15 +140,16 @@ def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
     all joints, shared with copies of this process.
     """
     if fitted not in _BEST:
-        found: dict[int, float | None] = {}
+        found: dict[int, dict[str, Any] | None] = {}
         joints = range(len(fitted.model.joints))
         share_out(lambda k: _sought(fitted, k), joints, found.__setitem__, allowed_processes())
-        _BEST[fitted] = {k: None if c is None else _drive(fitted, k, c) for k, c in found.items()}
+        _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in found.items()}
     return _BEST[fitted][joint]
 
 
-def _sought(fitted: FittedModel, joint: int) -> float | None:
-    """Return the compliance at `joint` that leaves least of the fitted torque; None where none helps.
+def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:
+    """Return the compliance at `joint` that leaves least of the fitted torque, its resonance, and what it leaves, as
+    fields of a SoftDrive; None where none helps.
 
     None as well where the model has terms that change its mechanism or its whole torque.
     """
@@ -156,8 +158,9 @@ def _sought(fitted: FittedModel, joint: int) -> float | None:
         return None
     if not any(one.driven[joint] and not one.standing[joint] for one in train):
         return None
-    links = _links(fitted, joint)
-    inertia = _inertia(links, fitted)
+    links = [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
+    # What the torque rises by with the acceleration, at the median of the motion.
+    inertia = float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
     if not inertia > 0.0:
         return None
     count, scale = len(train), np.maximum(fitted.train_rms, 1e-12)
@@ -171,36 +174,29 @@ def _sought(fitted: FittedModel, joint: int) -> float | None:
     if least > NO_BETTER:
         return None
     low, high = float(np.log(coarse / REACH)), float(np.log(coarse * REACH))
-    return float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
-
-
-def _drive(fitted: FittedModel, joint: int, compliance: float) -> SoftDrive:
-    """Return the drive of this compliance at `joint`, and what it leaves."""
-    links, count, scale = _links(fitted, joint), len(fitted.prepared.train), np.maximum(fitted.train_rms, 1e-12)
-    every = fitted.prepared.all
+    compliance = float(np.exp(minimum(lambda x: cost(float(np.exp(x))), low, high, CLOSE)[0]))
+    left, every = _left(links, count, compliance, scale, fitted.linear), fitted.prepared.all
     judged = slice(count, None) if fitted.verified else slice(0, count)
-    left = _left(links, count, compliance, scale, fitted.linear)
-    one = fitted.model.joints[joint]
+    return {
+        "compliance": compliance,
+        "hertz": float((compliance * inertia) ** -0.5 / (2.0 * np.pi)),
+        "after": pooled_rms(left[judged], every[judged]).tolist(),
+        "fitted": pooled_rms(left[:count], train).tolist(),
+    }
+
+
+def _drive(fitted: FittedModel, joint: int, found: dict[str, Any]) -> SoftDrive:
+    """Return the drive at `joint` with what was `found` of it."""
+    before, one = fitted.evaluation_rms, fitted.model.joints[joint]
+    arrays = {key: np.array(found[key]) for key in ("after", "fitted")}
     return SoftDrive(
-        one.name,
-        compliance,
-        f"{one.unit('q')}/({one.unit('tau')})",
-        f"{one.unit('tau')}/{one.unit('q')}",
-        float((compliance * _inertia(links, fitted)) ** -0.5 / (2.0 * np.pi)),
-        fitted.evaluation_rms,
-        pooled_rms(left[judged], every[judged]),
-        fitted.evaluation_rms > 0.0,
-        pooled_rms(left[:count], every[:count]),
+        joint=one.name,
+        unit=f"{one.unit('q')}/({one.unit('tau')})",
+        stiffness=f"{one.unit('tau')}/{one.unit('q')}",
+        before=before,
+        asked=before > 0.0,
+        **{**found, **arrays},
     )
-
-
-def _links(fitted: FittedModel, joint: int) -> list[_Link]:
-    return [_Link(fitted, k, joint) for k in range(len(fitted.prepared.all))]
-
-
-def _inertia(links: Sequence[_Link], fitted: FittedModel) -> float:
-    """Return what the joint's torque rises by with its acceleration, at the median of the motion."""
-    return float(np.median(np.concatenate([link.slopes(fitted.linear)[2] for link in links])))
 
 
 class _Link:

@@ -24,11 +24,10 @@ TOLD = 1e-7
 
 
 class _Beside:
-    """What is new in columns beside the present model, on all fitted samples."""
+    """What is new in columns beside the present model, on fitted recordings, `every` of them by its index."""
 
-    def __init__(self, evidence: Evidence) -> None:
-        blocks = evidence.blocks
-        self._every = [k for k in range(len(evidence.train)) if blocks[k].use.any()]
+    def __init__(self, evidence: Evidence, every: Sequence[int]) -> None:
+        blocks, self._every = evidence.blocks, every
         self._uses = [blocks[k].use for k in self._every]
         known = np.concatenate([blocks[k].columns[use] for k, use in zip(self._every, self._uses, strict=True)])
         self._basis, _ = np.linalg.qr(known / np.maximum(np.linalg.norm(known, axis=0), 1e-300))
@@ -40,8 +39,8 @@ class _Beside:
         whole = np.concatenate([parts[k].full(node, count)[use] for k, use in pairs])
         return whole, whole - self._basis @ (self._basis.T @ whole)
 
-    def left_of(self, torque: Float, parts: Sequence[Columns]) -> Float:
-        """Return the square (V,) that columns leave of a `torque` (samples,) in which all is new, at every node, to
+    def left_of(self, torque: Float, parts: Sequence[Columns], nodes: np.ndarray | slice) -> Float:
+        """Return the square (V,) that columns leave of a `torque` (samples,) in which all is new, at `nodes` (V,), to
         `UNCLEAR` of it; zero where they are too alike to tell.
         """
         gram = onto = slope = np.zeros(())
@@ -50,7 +49,7 @@ class _Beside:
             some = slice(end - np.count_nonzero(use), end)
             table = np.zeros((*use.shape, self._basis.shape[1] + 1))
             table[use] = np.column_stack([self._basis[some], torque[some]])
-            rows, flat = list(parts[k].joints), parts[k].flat  # (V, m, A·K)
+            rows, flat = list(parts[k].joints), parts[k].flat[nodes]  # (V, m, A·K)
             both = flat @ table[rows].reshape(-1, table.shape[2])
             onto, slope = onto + both[:, :, :-1], slope + both[:, :, -1]
             gram = gram + (flat * use[rows].ravel()) @ np.swapaxes(flat, 1, 2)
@@ -63,13 +62,17 @@ class _Beside:
         return np.where(told.all(axis=1), left, 0.0)
 
 
-_KEPT: WeakKeyDictionary[Evidence, _Beside] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[Evidence, tuple[_Beside, _Beside]] = WeakKeyDictionary()
 """Of evidence that is still in use: one candidate after the other is held beside the same model."""
 
 
-def _beside(evidence: Evidence) -> _Beside:
+def _beside(evidence: Evidence) -> tuple[_Beside, _Beside]:
+    """Return what is new on the first recording that shows anything, and on all: what the former cannot be, the latter
+    cannot.
+    """
     if evidence not in _KEPT:
-        _KEPT[evidence] = _Beside(evidence)
+        every = [k for k in range(len(evidence.train)) if evidence.blocks[k].use.any()]
+        _KEPT[evidence] = _Beside(evidence, every[:1]), _Beside(evidence, every)
     return _KEPT[evidence]
 
 
@@ -77,7 +80,7 @@ def is_within(context: SearchContext, extension: Extension, evidence: Evidence, 
     """Whether a rival with more numbers can be nothing else than `plain` beside the present model, whatever its shape:
     the other numbers show on no motion of this machine.
     """
-    beside, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
+    (_, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
     _, own = beside.samples(context.columns_of(plain, extension.fitted), 0)
     for node in range(rival.nodes.shape[1]):
         whole, new = beside.samples(columns, node)
@@ -102,12 +105,17 @@ def contains(
     """
     limit = evidence.rules.contained if limit is None else limit
     rival = context.library.find(rival.name)  # with all its nodes, also where one of them was refined
-    beside, columns = _beside(evidence), context.library.columns(rival, extension.fitted)
-    torque = beside.samples(context.columns_of(plain, extension.fitted), 0)[1] @ np.asarray(plain.coefficients)
+    (first, beside), columns = _beside(evidence), context.library.columns(rival, extension.fitted)
+    wanted, numbers = context.columns_of(plain, extension.fitted), np.asarray(plain.coefficients)
+    torque = beside.samples(wanted, 0)[1] @ numbers
     nodes, whole = rival.nodes, np.sum(torque**2)
     ends = (nodes == nodes.min(axis=1, keepdims=True)) | (nodes == nodes.max(axis=1, keepdims=True))
     limits = np.where(ends.any(axis=(0, 2)), limit, EXACT) * whole
-    for node in np.flatnonzero(beside.left_of(torque, columns) <= limits + UNCLEAR * whole):
+    new = first.samples(wanted, 0)[1] @ numbers
+    near = np.flatnonzero(first.left_of(new, columns, slice(None)) <= limits + UNCLEAR * whole)
+    if near.size:
+        near = near[beside.left_of(torque, columns, near) <= limits[near] + UNCLEAR * whole]
+    for node in near:
         _, own = beside.samples(columns, int(node))
         rest = torque - own @ np.linalg.lstsq(own, torque, rcond=1e-9)[0]
         if np.sum(rest**2) <= limits[node]:
