@@ -82,7 +82,10 @@ class Waterfall(AsJson):
 class Addition(AsJson):
     """One effect added: the extended `model`, the fits `before` and `after`, and whether unseen motion gained."""
 
-    JSON = "helped sentence backend biased"
+    JSON = (
+        "helped sentence backend biased parameters=after.estimates{} steps=waterfall.steps "
+        "noise_floor=waterfall.noise_floor stopped_because=waterfall.stopped_because"
+    )
 
     model: Model
     before: Fit
@@ -92,11 +95,6 @@ class Addition(AsJson):
     helped: bool
     backend: str
     biased: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the addition in plain types."""
-        parameters = {e.name: e.to_json() for e in self.after.estimates}
-        return {**super().to_json(), "parameters": parameters, **self.waterfall.to_json()}
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""

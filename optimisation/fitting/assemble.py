@@ -145,17 +145,9 @@ class Assembly:
         return float(np.mean([len(one.motion) / max(1, len(one.tau)) for one in self.prepared]))
 
 
-def assemble(
-    model: Model,
-    prepared: Sequence[PreparedRecording],
-    shape: Float | None = None,
-    reference: Float | None = None,
-) -> LinearData:
-    """Return the linear data of all `prepared` recordings.
-
-    `shape` (S,) are the shape values, `reference` (P,) the parameters a fed-back torque is computed from.
-    """
-    return Assembly(model, prepared).data(shape, reference)
+def assemble(model: Model, prepared: Sequence[PreparedRecording]) -> LinearData:
+    """Return the linear data of all `prepared` recordings at typical shapes."""
+    return Assembly(model, prepared).data()
 
 
 @dataclass(frozen=True, eq=False)

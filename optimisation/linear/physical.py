@@ -295,7 +295,7 @@ def physical_reference(data: LinearData, delta: Float, possible: Physics, start:
 
 
 def certify_physical(
-    data: LinearData, linear: Float, delta: Float, possible: Physics, *, tolerance: float = PROVEN, scope: str = ""
+    data: LinearData, linear: Float, delta: Float, possible: Physics, *, scope: str = ""
 ) -> Certificate:
     """Return the Certificate of a claimed optimum `linear` (P,) among the possible ones; `delta` (J,), ∞ means SSE.
 
@@ -307,5 +307,5 @@ def certify_physical(
             data, linear, possible = lift.data(data), numbers, lift.inner
     return certify(
         data, linear, delta, possible.conditions(linear),
-        tolerance=tolerance, scope=scope or "all possible parameters", possible=not possible.broken(linear),
+        tolerance=PROVEN, scope=scope or "all possible parameters", possible=not possible.broken(linear),
     )  # fmt: skip

@@ -41,11 +41,8 @@ class Reference(AsJson):
     gap: float | None = None
 
 
-def solve_reference(data: LinearData, delta: Float, start: Float | None = None) -> Reference:
-    """Solve the Huber problem of `data` for thresholds `delta` (J,) with IPOPT; infinite thresholds give SSE.
-
-    `start` (P,) defaults to zero.
-    """
+def solve_reference(data: LinearData, delta: Float) -> Reference:
+    """Solve the Huber problem of `data` for thresholds `delta` (J,) with IPOPT from zero; infinite ones give SSE."""
     import casadi as ca
 
     began = time.perf_counter()
@@ -53,8 +50,7 @@ def solve_reference(data: LinearData, delta: Float, start: Float | None = None) 
     x = ca.MX.sym("x", scale.size)
     problem: Any = {"x": x, "f": loss_expression(data, delta, x, scale)}
     solver = ca.nlpsol("reference", "ipopt", problem, OPTIONS)
-    first = np.zeros(scale.size) if start is None else np.asarray(start, dtype=float) / scale
-    found = np.asarray(solver(x0=first)["x"]).reshape(-1) * scale
+    found = np.asarray(solver(x0=np.zeros(scale.size))["x"]).reshape(-1) * scale
     stats = solver.stats()
     return Reference(
         x=found,

@@ -137,14 +137,14 @@ class PreparedRecording:
         motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload, old.base)
         return replace(self, motion=motion)
 
-    def smooth(self, x: Float, joints: Sequence[int] | None = None, axis: int = 1) -> Float:
-        """Bridge and filter `x` (N, ...) exactly as the torque was; return the kept samples (K, ...).
+    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
+        """Bridge and filter `x` (N, A, ...) exactly as the torque was; return the kept samples (K, A, ...).
 
-        `axis` of `x` has the rows of `joints`, of all where none are given.
+        A are `joints`, all where none are given.
         """
         joints = range(self.tau.shape[1]) if joints is None else joints
         rows = np.array(x.transpose(*range(1, x.ndim), 0), dtype=float, order="C")
-        smooth = self.smooth_rows(rows, joints, axis - 1)
+        smooth = self.smooth_rows(rows, joints, 0)
         return np.ascontiguousarray(smooth.transpose(x.ndim - 1, *range(x.ndim - 1)))
 
     def smooth_columns(self, x: Float) -> Float:

@@ -56,7 +56,5 @@ def test_torque_near_standstill_is_of_no_consequence():
     np.testing.assert_allclose(one.smooth(wild), one.smooth(exact), atol=1e-10)
     fitted = solve_sse(assemble(model, [replace(one, tau=one.smooth(wild))]))
     np.testing.assert_allclose(fitted, beta, rtol=1e-8)
-    other = rng.normal(size=(len(one.motion), 3, 1, 2))
-    np.testing.assert_allclose(
-        one.smooth(other[:, :, 0], (0, 1), 2), one.smooth(np.moveaxis(other, 3, 1))[..., 0].transpose(0, 2, 1)
-    )
+    other = rng.normal(size=(2, len(one.motion), 3))
+    np.testing.assert_allclose(one.smooth_columns(other), np.moveaxis(one.smooth(np.moveaxis(other, 0, 1)), 0, 1))
