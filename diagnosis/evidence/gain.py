@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
+from diagnosis.evidence.shifts import draw_shifts, spectra_of, upper_pairs
 from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
 
@@ -80,7 +81,7 @@ class Evidence:
         self.blocks = blocks
         self.of = np.array([index for index, _ in self._units])
         self.is_train = self.of < len(self.train)
-        self.shifts = _draw_shifts(blocks, draws, np.random.default_rng(seed), rules)
+        self.shifts = draw_shifts([(one.motion, one.rate) for one in blocks], draws, np.random.default_rng(seed), rules)
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
         self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
         bases = [self._unit_base(index, weight) for index, weight in self._units]
@@ -207,7 +208,7 @@ class Evidence:
         units = []
         for unit in map(int, wanted):
             if (index := int(self.of[unit])) not in spectra:  # of all parts of a recording
-                spectra[index] = _spectra(columns[index], node)
+                spectra[index] = spectra_of(columns[index], node)
             units.append(self._shifted_unit(unit, columns[index], spectra[index], shifts[index]))
         return Gram(*(np.array(part) for part in zip(*units, strict=True)))
 
@@ -260,7 +261,7 @@ class Evidence:
     ) -> tuple[Float, Float, Float]:
         take = np.concatenate([[0], shifts])
         _, _, samples, width = columns.values.shape
-        first, second = _pairs(width)
+        first, second = upper_pairs(width)
         if columns.is_absent:
             none = np.zeros((self.prior.size + width + 1, width, take.size))
             return none[: self.prior.size], none[self.prior.size : -1], none[-1]
@@ -376,41 +377,3 @@ def robust_weight(block: RecordingEvidence, sigma: Float, rules: Rules = RULES) 
     """
     size = np.maximum(np.abs(block.residual), 1e-300)
     return block.use * np.minimum(1.0, rules.robust * sigma[:, None] / size)
-
-
-def _spectra(columns: Columns, node: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the conjugate transforms of the columns of one node, and of their products, at each of its joints."""
-    out: list[tuple[np.ndarray, np.ndarray]] = []
-    if columns.is_absent:
-        return out
-    first, second = _pairs(columns.values.shape[3])
-    for x in columns.values[node]:
-        rows = np.ascontiguousarray(x.T)
-        both = np.conj(np.fft.rfft(np.concatenate([rows, rows[first] * rows[second]])))
-        out.append((both[: len(rows)], both[len(rows) :]))
-    return out
-
-
-@lru_cache
-def _pairs(width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows and columns of the upper triangle of a square matrix."""
-    return np.triu_indices(width)
-
-
-def _draw_shifts(
-    blocks: Sequence[RecordingEvidence], draws: int, rng: np.random.Generator, rules: Rules
-) -> list[np.ndarray]:
-    """Return (draws,) shifts in samples for each recording, away from zero and from repeats of the motion."""
-    out = []
-    for block in blocks:
-        samples = len(block.motion)
-        least = min(int(rules.min_shift * block.rate), samples // 4)
-        centred = block.motion - block.motion.mean(axis=0)
-        spectrum = np.abs(np.fft.rfft(centred, axis=0)) ** 2
-        alike = np.fft.irfft(spectrum, samples, axis=0)
-        alike = (alike / np.maximum(alike[:1], 1e-300)).mean(axis=1)
-        lag = np.arange(samples)
-        allowed = (lag >= least) & (lag <= samples - least)
-        fresh = np.flatnonzero(allowed & (alike < rules.repeats))
-        out.append(rng.choice(fresh if fresh.size > 20 else np.flatnonzero(allowed), size=draws))
-    return out

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale, robust_weight
 from diagnosis.evidence.gram import weighted_fit
 from diagnosis.rules import Rules
 from optimisation.linear.uncertainty import covariance
@@ -30,17 +30,9 @@ def cut_evidence(now: FittedModel, before: int, seed: int, rules: Rules) -> Evid
         samples = block.residual.shape[1]
         blocks.append(replace(block, fold=np.arange(samples) * parts // samples))
     # A large change is no outlier: where samples count less because of it, what shows least of it would lead.
-    scale = np.maximum(_scale(blocks[:before]), _scale(blocks[before:]))
+    left = [(block.residual, block.use) for block in blocks]
+    scale = np.maximum(pooled_scale(left[:before]), pooled_scale(left[before:]))
     return Evidence(blocks, [], seed=seed, draws=0, sigma=scale, prior=whole.prior, rules=rules)
-
-
-def _scale(blocks: Sequence[RecordingEvidence]) -> Float:
-    """Return the robust standard deviation (J,) of the residual, N·m."""
-    out = []
-    for joint in range(len(blocks[0].residual)):
-        values = np.concatenate([b.residual[joint][b.use[joint]] for b in blocks])
-        out.append(max(float(np.median(np.abs(values))) / 0.6745, 1e-9) if values.size else 1.0)
-    return np.array(out)
 
 
 def replace_blocks(evidence: Evidence, blocks: Sequence[RecordingEvidence], seed: int, rules: Rules) -> Evidence:
