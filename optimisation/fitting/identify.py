@@ -23,7 +23,8 @@ from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.intervals import estimates_of, middle, spread_of
 from optimisation.fitting.plausibility import check_plausibility
 from optimisation.fitting.settings import FitOptions, FitSettings, Search
-from optimisation.fitting.shape_fit import shape_method, solution, solve_shape
+from optimisation.fitting.shape_fit import shape_method, solve_shape
+from optimisation.fitting.shape_problem import solution
 from optimisation.fitting.shapes import STARTS
 from optimisation.linear.certificate import Certificate, certify
 from optimisation.linear.loss import huber

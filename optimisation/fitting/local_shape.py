@@ -8,7 +8,6 @@ never are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,9 +18,8 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from optimisation.fitting.assemble import Assembly, Settled
     from optimisation.fitting.fit import Fit
-    from optimisation.linear.problem import LinearData
+    from optimisation.fitting.shape_problem import ShapeProblem
     from optimisation.preparation.filtering import PreparedRecording
     from optimisation.preparation.prepare import Prepared
 
@@ -99,31 +97,6 @@ def _one_by_one(losses: Callable[[Float], Float]) -> Callable[[float], float]:
     return lambda value: float(losses(np.array([value]))[0])
 
 
-@dataclass(frozen=True, eq=False)
-class ShapeProblem:
-    """A fit as a descent sees it; shapes are (R, S), a row per recording, or (1, S) where none has its `own` values."""
-
-    assembly: Assembly
-    at: Callable[[Float], float]
-    solved: Callable[[Float], Settled]
-    own: bool
-
-    def _form(self, shapes: Float) -> Float:
-        return shapes if self.own else shapes[0]
-
-    def loss(self, shapes: Float) -> float:
-        """Return the loss with the linear parameters solved anew."""
-        return self.at(self._form(shapes))
-
-    def linear(self, shapes: Float) -> Float:
-        """Return the linear parameters (P,) there."""
-        return self.solved(self._form(shapes)).linear
-
-    def data(self, shapes: Float, linear: Float) -> LinearData:
-        """Return the linear data there, fed-back torques computed from `linear`."""
-        return self.assembly.data(self._form(shapes), linear if self.assembly.model.needs_reference else None)
-
-
 def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
@@ -138,7 +111,7 @@ def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
     for _ in range(SWEEPS):
         before = value
         if own:
-            linear = problem.linear(best)
+            linear = problem.solved(best).linear
             moved = np.array(
                 [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
             )
@@ -166,7 +139,7 @@ def _step(
 
     `moving` are the indices of shape values that all recordings share, and of those that each has to itself.
     """
-    linear = problem.linear(shapes)
+    linear = problem.solved(shapes).linear
     here = problem.data(shapes, linear)
     residual = here.residual(linear)
     slopes, places, (shared, own) = [], [], moving
