@@ -133,21 +133,18 @@ def minimise(
 ) -> OptimiserRun:
     """Run `optimiser` on `problem` for exactly `individuals` × `generations` evaluations and return the Run.
 
-    The first population is drawn evenly from the box unless `start` (I, n) gives it. `form` turns candidates (I, n)
-    into such as stand for the same and are nearer to each other. `progress(evaluations, best)` is called once per
-    generation.
+    The first population is drawn evenly from the box unless `start` (I, n) gives it. `form` turns candidates into such
+    as stand for the same. `progress(evaluations, best)` is called once per generation.
     """
-    began = time.perf_counter()
-    rng = np.random.default_rng(seed)
+    began, rng = time.perf_counter(), np.random.default_rng(seed)
     inside = BOUNDARIES[optimiser.boundary]
     budget = individuals * generations
-    width = problem.high - problem.low
-    first = problem.low + rng.random((individuals, problem.low.size)) * width if start is None else start
-    x = inside(np.asarray(first, dtype=float)[:budget], problem.low, problem.high)
+    if start is None:
+        start = problem.low + rng.random((individuals, problem.low.size)) * (problem.high - problem.low)
+    x = inside(np.asarray(start, dtype=float)[:budget], problem.low, problem.high)
     f = _evaluate(problem, x)
     state = optimiser.start(x, f, Box(problem.low, problem.high), rng)
-    winner = int(np.argmin(f))
-    best_x, best_f, spent = x[winner].copy(), float(f[winner]), len(x)
+    best_x, best_f, spent = x[int(np.argmin(f))].copy(), float(np.min(f)), len(x)
     history, counts = [best_f], [spent]
     # The very first evaluation is the best so far whatever it found.
     places, values = [np.ones(1), 1.0 + _better(f, f[0])], [f[:1], f[_better(f, f[0])]]

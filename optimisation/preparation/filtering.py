@@ -198,17 +198,8 @@ def prepare_one(
     factor = max(1, int(even.rate // max(WORKING_RATE, 12.0 * cutoff)))
     tau = even.slower_torque(factor)
     rate = even.rate / factor
-    driven = ~(even.passive | _reads_nothing(even, cutoff))
     inner = min(INNER * cutoff, 0.4 * even.rate)
-    smoothed = METHODS[derivative]
-    noise = noise_density(even)
-    if smoothed is None:
-        q = low_pass_every(even.q, inner, even.rate, factor)
-        dq, ddq = derivatives(q, rate)
-    else:
-        *parts, periods = smoothed(even, inner, name)
-        q, dq, ddq = (np.array(part[::factor]) for part in parts)
-        noise = noise / periods
+    q, dq, ddq, noise = _smoothed(even, inner, factor, derivative, name)
     payload = np.sum([p.added(base) for p in even.payloads], axis=0) if even.payloads else None
     reach_of = reaches(base.joints)
     near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
@@ -221,26 +212,20 @@ def prepare_one(
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
-    known = tau * 0.0 if beta is None else base.torque(_at_rest(motion, stuck), beta)
-    bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER if beta is not None else 6.0)
-    quick = _quick(motion, even, factor, rate, noise, reach_of) if beta is not None and smoothed is None else None
-    if quick is not None and np.any(bad.mean(axis=0) > MANY):
-        beside_quick = tau - base.torque(_at_rest(quick, stuck), beta)
-        too, around = median_outliers(beside_quick, OUTLIER_SECONDS, rate, OUTLIER)
-        spikes = too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
-        bad = bad & (spikes | (bad.mean(axis=0) <= MANY))
+    asked = beta is not None and METHODS[derivative] is None
+    quick = _quick(motion, even, factor, rate, noise, reach_of) if asked else None
+    bad, usual = _outliers(tau, rate, base, beta, stuck, motion, quick)
     bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
-    logged, tau = tau, np.where(bad, known + middle, tau)
+    logged, tau = tau, np.where(bad, usual, tau)
     gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
     loaded = held & _bears_load(tau, rate, cutoff) if held.any() else held
     use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~loaded)
-    level = np.ascontiguousarray(bridged(tau, stuck, rate).T)
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=np.ascontiguousarray(low_pass_at(level, cutoff, rate, kept).T),
+        tau=np.ascontiguousarray(low_pass_at(np.ascontiguousarray(bridged(tau, stuck, rate).T), cutoff, rate, kept).T),
         use=use,
         kept=kept,
         cutoff=cutoff,
@@ -251,11 +236,46 @@ def prepare_one(
         band=min(inner, 0.4 * rate),
         stuck=stuck,
         standing=standing,
-        driven=driven,
+        driven=~(even.passive | _reads_nothing(even, cutoff)),
         full_rate=even.rate,
         reach=reach_of,
         logged_tau=logged,
     )
+
+
+def _smoothed(
+    even: UniformSignals, inner: float, factor: int, derivative: str, name: str
+) -> tuple[Float, Float, Float, Float]:
+    """Return angles below `inner` Hz and their derivatives (N, J), every `factor`-th sample, and the density (J,) of
+    the noise that the angles have then.
+    """
+    method, noise = METHODS[derivative], noise_density(even)
+    if method is None:
+        q = low_pass_every(even.q, inner, even.rate, factor)
+        return (q, *derivatives(q, even.rate / factor), noise)
+    *parts, periods = method(even, inner, name)
+    q, dq, ddq = (np.array(part[::factor]) for part in parts)
+    return q, dq, ddq, noise / periods
+
+
+def _outliers(
+    tau: Float, rate: float, base: Model, beta: Float | None, stuck: Bool, motion: Motion, quick: Motion | None
+) -> tuple[Bool, Float]:
+    """Return which torque samples (N, J) are outliers, and what stands there instead (N, J): by the torque's own
+    running median, or with `beta` (P,) by that of what `base` leaves along `motion`.
+
+    Where these are many, along the `quick` motion too, of angles that are hardly filtered, if there is one.
+    """
+    if beta is None:
+        return median_outliers(tau, OUTLIER_SECONDS, rate, 6.0)
+    known = base.torque(_at_rest(motion, stuck), beta)
+    bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER)
+    if quick is not None and np.any(bad.mean(axis=0) > MANY):
+        beside_quick = tau - base.torque(_at_rest(quick, stuck), beta)
+        too, around = median_outliers(beside_quick, OUTLIER_SECONDS, rate, OUTLIER)
+        spikes = too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
+        bad = bad & (spikes | (bad.mean(axis=0) <= MANY))
+    return bad, known + middle
 
 
 def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:
