@@ -20,17 +20,4 @@ if TYPE_CHECKING:
     from diagnosis.watching.watch import follow as follow
     from diagnosis.watching.watch import watch as watch
 
-__all__ = lend(
-    __name__,
-    {
-        "diagnosis.compare": "compare",
-        "diagnosis.discover": "diagnose discover",
-        "diagnosis.evidence.fitted": "fitted_model",
-        "diagnosis.extend": "add",
-        "diagnosis.separation.design": "separate",
-        "diagnosis.session.session": "Session",
-        "diagnosis.watching.differences": "compare_against",
-        "diagnosis.watching.replay": "replay",
-        "diagnosis.watching.watch": "follow watch",
-    },
-)
+__all__ = lend(__name__)

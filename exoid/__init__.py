@@ -26,11 +26,7 @@ from exoid.own_packages import check_own_packages
 
 check_own_packages()
 
-import diagnosis  # noqa: E402 - after the check: another package of this name would fail without saying why
-import measurement  # noqa: E402
-import optimisation  # noqa: E402
-import symbolic  # noqa: E402
-from ground.lazy import lend, lent  # noqa: E402
+from ground.lazy import lend  # noqa: E402 - after the check: another package would fail without saying why
 
 if TYPE_CHECKING:
     from diagnosis import *  # noqa: F403
@@ -41,14 +37,6 @@ if TYPE_CHECKING:
     from measurement import *  # noqa: F403
     from optimisation import *  # noqa: F403
     from symbolic import *  # noqa: F403
-    from symbolic.mechanics.lagrange import mechanics as mechanics
+    from symbolic.mechanics.lagrange import mechanics as mechanics  # `symbolic.mechanics` is a folder
 
-_HOMES = {
-    "ground.errors": "ExoidError",
-    "ground.figures": "figure_style label new_figure",
-    "symbolic.mechanics.lagrange": "mechanics",  # `symbolic.mechanics` is a folder
-}
-for _package in (symbolic, measurement, optimisation, diagnosis):
-    _HOMES |= lent(_package)
-
-__all__ = lend(__name__, _HOMES)
+__all__ = lend(__name__)

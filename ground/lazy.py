@@ -4,7 +4,10 @@ until they are used.
 
 from __future__ import annotations
 
+import ast
 import importlib
+import inspect
+import itertools
 import sys
 from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
@@ -43,13 +46,23 @@ class LazyPackage(ModuleType):
         return sorted({*super().__dir__(), *self._homes})
 
 
-def lend(package: str, homes: Mapping[str, str]) -> list[str]:
-    """Let `package` hand out the short names of {module: "the names it defines"}; return all of them."""
+def lend(package: str) -> list[str]:
+    """Let `package` hand out the short names that its own file imports for type checkers; return all of them.
+
+    What stands below `if TYPE_CHECKING:` is so the one place that says which names there are and where they live. A
+    star takes all names of another package that lends.
+    """
     module = sys.modules[package]
-    module.__dict__["_homes"] = {name: home for home, names in homes.items() for name in names.split()}
-    module.__dict__["_lent"] = homes
+    blocks = (block.body for block in ast.parse(inspect.getsource(module)).body if isinstance(block, ast.If))
+    homes: dict[str, str] = {}
+    for line in itertools.chain.from_iterable(blocks):
+        if isinstance(line, ast.ImportFrom) and line.module:
+            star = line.names[0].name == "*"
+            lent = importlib.import_module(line.module).__dict__["_homes"] if star else {}
+            homes |= lent or {name.name: line.module for name in line.names}
+    module.__dict__["_homes"] = homes
     module.__class__ = LazyPackage
-    return list(module.__dict__["_homes"])
+    return list(homes)
 
 
 _METHODS: dict[str, Mapping[str, Any]] = {}
@@ -83,8 +96,3 @@ def _method(name: str, module: str, function: str) -> Callable[..., Any]:
     method.__name__ = name
     method.__doc__ = f"Return `{module}.{function}` of this object."
     return method
-
-
-def lent(package: ModuleType) -> dict[str, str]:
-    """Return {module: "the names it defines"} of a package that lends."""
-    return dict(package.__dict__["_lent"])

@@ -28,20 +28,4 @@ if TYPE_CHECKING:
     from measurement.trajectories.trajectory_file import read_trajectory as read_trajectory
     from measurement.trajectories.trajectory_file import write_trajectory as write_trajectory
 
-__all__ = lend(
-    __name__,
-    {
-        "measurement.bench.blind": "draw_hidden write_runs",
-        "measurement.bench.control": "track",
-        "measurement.bench.hidden": "Hidden",
-        "measurement.bench.leg": "paper_leg standard_leg",
-        "measurement.bench.seal": "open_seal",
-        "measurement.bench.simulation": "Bench simulate simulate_runs",
-        "measurement.finding": "Finding",
-        "measurement.reading.read": "read_recording read_recordings",
-        "measurement.recording": "Recording write_recording",
-        "measurement.trajectories.extremes": "shortest_period",
-        "measurement.trajectories.trajectory": "paper_trajectory",
-        "measurement.trajectories.trajectory_file": "read_trajectory write_trajectory",
-    },
-)
+__all__ = lend(__name__)

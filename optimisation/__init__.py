@@ -18,13 +18,4 @@ if TYPE_CHECKING:
     from optimisation.fitting.identify import identify as identify
     from optimisation.preparation.prepare import prepare as prepare
 
-__all__ = lend(
-    __name__,
-    {
-        "optimisation.contest.rivals": "entrants rivals",
-        "optimisation.excitation.design": "design evaluate evaluate_paper",
-        "optimisation.fitting.fit": "Fit",
-        "optimisation.fitting.identify": "Search identify",
-        "optimisation.preparation.prepare": "prepare",
-    },
-)
+__all__ = lend(__name__)

@@ -25,22 +25,7 @@ if TYPE_CHECKING:
     from symbolic.model_file import write_model as write_model
     from symbolic.motion import Motion as Motion
 
-__all__ = lend(
-    __name__,
-    {
-        "symbolic.catalogue": "catalogue find_effect",
-        "symbolic.check": "check_equations",
-        "symbolic.codegen.code": "stale_files",
-        "symbolic.codegen.kernel": "compiled",
-        "symbolic.effect": "Coefficient Effect Shape",
-        "symbolic.joints": "Joint",
-        "symbolic.mechanics.payload": "Payload",
-        "symbolic.mechanics.regressor": "regressor",
-        "symbolic.model": "Limits Model",
-        "symbolic.model_file": "read_model write_model",
-        "symbolic.motion": "Motion",
-    },
-)
+__all__ = lend(__name__)
 
 lend_methods(
     "symbolic.model.Model",

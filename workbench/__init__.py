@@ -10,9 +10,4 @@ from ground.lazy import lend
 if TYPE_CHECKING:
     from workbench.command import main as main
 
-__all__ = lend(
-    __name__,
-    {
-        "workbench.command": "main",
-    },
-)
+__all__ = lend(__name__)
