@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 
 class ExoidError(Exception):
     """Something the user can mend. The command line prints it and exits with status 2, without a traceback.
@@ -39,3 +42,24 @@ class RecordingError(ExoidError):
 
 class NotEnoughDataError(ExoidError):
     """Recordings that are readable but cannot carry the question asked of them."""
+
+
+@contextlib.contextmanager
+def refused(
+    error: type[ExoidError],
+    what: str,
+    where: object,
+    remedy: str = "",
+    causes: tuple[type[BaseException], ...] = (OSError,),
+) -> Iterator[None]:
+    """Raise `error` for what goes wrong inside by one of `causes`; "{}" in `what` is what it says.
+
+    What is an ExoidError already passes as it is.
+    """
+    try:
+        yield
+    except ExoidError:
+        raise
+    except causes as problem:
+        said = str(getattr(problem, "strerror", None) or problem)[:300]
+        raise error(what.replace("{}", said), where=str(where), remedy=remedy) from problem

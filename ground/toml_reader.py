@@ -4,28 +4,32 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
-from ground.errors import ModelFileError
+from ground.errors import ExoidError, ModelFileError, refused
+from ground.inputs import read_input
 from ground.suggest import did_you_mean
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The `values` of a table at `path` in the file `where` with the text `source`."""
+    """The `values` of a table at `path` in the file `where` with the text `source`; what is wrong is a `refusal`."""
 
     values: Mapping[str, Any]
-    path: Path
+    path: KeyPath
     where: str
     source: str
+    refusal: type[ExoidError] = ModelFileError
 
     def child(self, key: str | int, values: Mapping[str, Any]) -> Table:
         """Return a table below this one."""
-        return Table(values, (*self.path, key), self.where, self.source)
+        return replace(self, values=values, path=(*self.path, key))
 
     def place(self, key: str | None = None) -> str:
         """Return "file, line 12, custom_effects[1].torque"."""
@@ -34,9 +38,9 @@ class Table:
         words = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
         return ", ".join(filter(None, (self.where, f"line {line}" if line else "", words)))
 
-    def error(self, key: str | None, what: str, remedy: str) -> ModelFileError:
+    def error(self, key: str | None, what: str, remedy: str) -> ExoidError:
         """Return the error to raise about a key of this table."""
-        return ModelFileError(what, where=self.place(key), remedy=remedy)
+        return self.refusal(what, where=self.place(key), remedy=remedy)
 
     def only(self, *known: str) -> None:
         """Refuse keys that are not known."""
@@ -57,7 +61,7 @@ class Table:
         value = self.values.get(key, [])
         if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
             raise self.error(key, f"{key} is {_kind(value)}", f"write [[{key}]] with double brackets, once per effect")
-        return [Table(item, (*self.path, key, k), self.where, self.source) for k, item in enumerate(value)]
+        return [replace(self, values=item, path=(*self.path, key, k)) for k, item in enumerate(value)]
 
     def text_of(self, key: str) -> str:
         """Return the text under `key`, which must be there."""
@@ -115,6 +119,23 @@ class Table:
         return number
 
 
+def read_table(
+    path: str | Path, most: int, error: type[ExoidError], *, what: str, remedy: str, remember: bool = True
+) -> Table:
+    """Return the whole of a TOML file of at most `most` bytes, which should be `what`.
+
+    Raises `error`, with the `remedy`, where it cannot be read or is no TOML. `remember` is that of `open_input`.
+    """
+    with refused(error, "cannot be read: {}", path, "check the path"):
+        data = read_input(path, most, remember=remember)
+    with refused(error, "is not UTF-8 text", path, "save it as UTF-8", (UnicodeDecodeError,)):
+        text = data.decode("utf-8-sig")
+    if text.lstrip()[:1] == "{":
+        raise error(f"is JSON and no {what}", where=str(path), remedy=remedy)
+    with refused(error, "is not valid TOML: {}", path, remedy, (ValueError, RecursionError)):
+        return Table(tomllib.loads(text), (), str(path), text, error)
+
+
 def _kind(value: Any) -> str:
     names = {bool: "true or false", str: "a text", int: "a number", float: "a number", list: "a list", dict: "a table"}
     if isinstance(value, list):
@@ -122,7 +143,7 @@ def _kind(value: Any) -> str:
     return "an empty text" if value == "" else names.get(type(value), "a date or time")
 
 
-def locate(text: str, path: Path) -> int | None:
+def locate(text: str, path: KeyPath) -> int | None:
     """Return the line (from 1) where `path` stands in TOML `text`, or its nearest ancestor that has a line of its
     own.
     """
@@ -133,7 +154,7 @@ def locate(text: str, path: Path) -> int | None:
     return best
 
 
-def _line_of(text: str, path: Path, start: int) -> int | None:
+def _line_of(text: str, path: KeyPath, start: int) -> int | None:
     """Find a header "[a.b]", the n-th "[[a]]", or "key =" at or after line `start`."""
     names = [str(p) for p in path if isinstance(p, str)]
     lines = text.splitlines()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
+from ground.errors import RecordingError, refused
 from ground.files import write_whole
 from ground.frames import pandas
 from ground.html import bullets, lines, table
@@ -233,12 +233,6 @@ def write_recording(recording: Recording, path: str | Path) -> Path:
     The same recording gives the same bytes on every machine. Raises RecordingError when the folder cannot be
     written.
     """
-    target = Path(path)
-    try:
-        return write_whole(target, to_csv(recording))
-    except OSError as error:
-        raise RecordingError(
-            f"the recording cannot be written ({error.strerror or error})",
-            where=str(target),
-            remedy="check that the folder may be written to and is not full",
-        ) from error
+    remedy = "check that the folder may be written to and is not full"
+    with refused(RecordingError, "the recording cannot be written ({})", path, remedy):
+        return write_whole(path, to_csv(recording))

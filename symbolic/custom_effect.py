@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import EffectError, ModelFileError
+from ground.errors import EffectError, ExoidError
 from symbolic.catalogue import FAMILIES, every_effect
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.joints import LEG, Joint
@@ -58,7 +58,7 @@ def read_custom_effect(entry: Table, machine: tuple[Joint, ...] = LEG) -> Effect
     return effect
 
 
-def _placed(entry: Table, parts: Mapping[str, Mapping[str, Any]], error: EffectError) -> ModelFileError:
+def _placed(entry: Table, parts: Mapping[str, Mapping[str, Any]], error: EffectError) -> ExoidError:
     """Return the error with the line of the number, or of the key, that it speaks of."""
     name = error.where.rpartition(".")[2]
     for part, declared in parts.items():

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
 from ground.files import write_whole
-from ground.inputs import open_input
-from ground.toml_reader import Table
+from ground.toml_reader import Table, read_table
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint, check_joints, is_leg
@@ -163,25 +161,8 @@ def _ends(estimate: Estimate) -> dict[str, Any]:
 
 
 def _load(path: str | Path) -> Table:
-    where = str(path)
-    try:
-        with open_input(path) as stream:
-            data = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise ModelFileError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
-    if len(data) > LARGEST_FILE:
-        raise ModelFileError("is too large for a model file", where=where, remedy="give the TOML file of a model")
-    try:
-        text = data.decode("utf-8-sig")
-        values = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise ModelFileError("is not UTF-8 text", where=where, remedy="save it as UTF-8") from error
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        if text.lstrip()[:1] == "{":
-            remedy = "give the model file (TOML); exoid identify --write FILE and exoid add write one with its numbers"
-            raise ModelFileError("is a result in JSON and no model file", where=where, remedy=remedy) from error
-        raise ModelFileError(f"is not valid TOML: {error}", where=where, remedy="mend that line") from error
-    return Table(values, (), where, text)
+    remedy = "mend that line, or give the model file (TOML) that exoid identify --write FILE or exoid add wrote"
+    return read_table(path, LARGEST_FILE, ModelFileError, what="model file", remedy=remedy)
 
 
 def _model(top: Table) -> Model:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.delivery import where
-from ground.errors import ExoidError
+from ground.errors import ExoidError, refused
 from ground.files import sha256_file, write_whole
 from ground.inputs import read_input
 from ground.plain import AsJson
@@ -84,10 +84,8 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
     Raises SealError when a recording is missing or the file cannot be written.
     """
     target = Path(path)
-    try:
+    with refused(SealError, "a recording cannot be read: {}", path):
         sums = {Path(file).name: sha256_file(where(file)) for file in recordings}
-    except OSError as error:
-        raise SealError(f"a recording cannot be read: {error}", where=str(path)) from error
     content = json.dumps(truth.to_json(), sort_keys=True, ensure_ascii=False).encode()
     document = {
         "kind": KIND,
@@ -97,14 +95,9 @@ def write_seal(path: str | Path, truth: Truth, recordings: Sequence[str | Path])
         "truth": (packed := base64.b85encode(zlib.compress(content, 9)).decode("ascii")),
         "filler": _filler(content, -len(packed) % EVEN),
     }
-    try:
+    remedy = "check that the folder exists and may be written to"
+    with refused(SealError, "the seal cannot be written ({})", target, remedy):
         return write_whole(target, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-    except OSError as error:
-        raise SealError(
-            f"the seal cannot be written ({error.strerror or error})",
-            where=str(target),
-            remedy="check that the folder exists and may be written to",
-        ) from error
 
 
 def _filler(content: bytes, count: int) -> str:
@@ -119,11 +112,10 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
     SealError when the file is missing, is no seal, was altered, or belongs to other recordings.
     """
     place = str(path)
-    try:
+    with refused(SealError, "the seal cannot be read ({})", place):
         raw = read_input(path, LARGEST)
-    except OSError as error:
-        raise SealError(f"the seal cannot be read ({error.strerror or error})", where=place) from error
-    try:
+    remedy = "give the .seal file that exoid simulate wrote next to the recordings"
+    with refused(SealError, "this is not a seal of exoid, or it is damaged", place, remedy, DAMAGE):
         document = json.loads(raw.decode("utf-8"))
         if document["kind"] != KIND:
             raise KeyError("kind")
@@ -133,12 +125,6 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
             raise ValueError("packed truth is cut short or too large")
         whole = hashlib.sha256(content).hexdigest() == document["sha256"]
         opened = OpenedSeal(_truth(json.loads(content)), dict(document["recordings"]))
-    except DAMAGE as error:
-        raise SealError(
-            "this is not a seal of exoid, or it is damaged",
-            where=place,
-            remedy="give the .seal file that exoid simulate wrote next to the recordings",
-        ) from error
     if not whole:
         raise SealError("the seal was altered after it was written", where=place, remedy="simulate again")
     for file in recordings:
@@ -147,10 +133,8 @@ def open_seal(path: str | Path, recordings: Sequence[str | Path] = ()) -> Opened
 
 
 def _check_belongs(file: Path, opened: OpenedSeal, place: str) -> None:
-    try:
+    with refused(SealError, "a recording cannot be read ({})", file):
         found = sha256_file(file)
-    except OSError as error:
-        raise SealError(f"a recording cannot be read ({error.strerror or error})", where=str(file)) from error
     if found not in opened.recordings.values():
         raise SealError(
             f"{file.name} is not one of the recordings of this seal",

@@ -1,4 +1,5 @@
-"""How much a recording may take: one bound for every format, held to before anything is allocated.
+"""What every format has in common: how much a recording may take, held to before anything is allocated, and how a file
+is refused that is damaged or needs a package.
 
 What a file claims costs nothing: a few kilobytes can stand for any number of cells. So every reader adds up what it is
 going to unpack, and asks first.
@@ -8,10 +9,11 @@ from __future__ import annotations
 
 import io
 import os
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ground.errors import RecordingError
+from ground.errors import RecordingError, refused
 
 MOST_BYTES = 2_000_000_000
 """Of one recording, as its numbers lie in memory: five columns of fifty million samples."""
@@ -59,3 +61,16 @@ class Within(io.BufferedReader):
         """Return at most `size` bytes, all that are left where it is None or negative."""
         left = max(0, self.size - self.tell())
         return super().read(left if size is None or size < 0 else min(size, left))
+
+
+def needing(package: str, what: str, path: Path, extra: str, instead: str = "") -> AbstractContextManager[None]:
+    """Refuse files of a kind (`what`, in the plural) where importing inside fails: their `package` is an `extra`."""
+    missing = f"{what} need the package {package}, which is not installed"
+    return refused(RecordingError, missing, path, f"pip install 'exoid[{extra}]'{instead}", (ImportError,))
+
+
+def damaged(
+    what: str, path: Path, causes: tuple[type[BaseException], ...], remedy: str = "copy or save it again"
+) -> AbstractContextManager[None]:
+    """Refuse a file as damaged where one of `causes` is raised inside."""
+    return refused(RecordingError, f"the {what} is damaged or incomplete ({{}})", path, remedy, causes)

@@ -11,16 +11,14 @@ Whoever reads says so every time. What is given by hand comes before it; the fil
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ground.errors import ExoidError, RecordingError
+from ground.errors import RecordingError, refused
 from ground.files import write_whole
-from ground.inputs import read_input
-from ground.toml_reader import Table
+from ground.toml_reader import Table, read_table
 
 FILE = "exoid.toml"
 MOST_BYTES = 1_000_000
@@ -58,24 +56,12 @@ def remembered(folder: Path, names: Sequence[str]) -> StatedMapping | None:
 
 def entries(path: Path) -> list[tuple[list[str], StatedMapping]]:
     """Return (header, mapping) of every entry of the file `path`; empty where there is no such file."""
-    where = str(path)
-    try:
-        text = read_input(path, MOST_BYTES, remember=False).decode("utf-8-sig")
-        values = tomllib.loads(text)
-    except (FileNotFoundError, NotADirectoryError):
+    if not path.exists():
         return []
-    except (OSError, ValueError, RecursionError) as error:
-        raise RecordingError(
-            f"this is not a mapping that exoid can read ({error})",
-            where=where,
-            remedy="mend it, or move it elsewhere; exoid map FILE makes one",
-        ) from error
-    try:
-        top = Table(values, (), where, text)
-        top.only("recordings")
-        return [_entry(one) for one in top.tables("recordings")]
-    except ExoidError as error:
-        raise RecordingError(error.what, where=error.where, remedy=error.remedy) from error
+    remedy = "mend it, or move it elsewhere; exoid map FILE makes one"
+    top = read_table(path, MOST_BYTES, RecordingError, what="mapping", remedy=remedy, remember=False)
+    top.only("recordings")
+    return [_entry(one) for one in top.tables("recordings")]
 
 
 def _entry(table: Table) -> tuple[list[str], StatedMapping]:
@@ -120,14 +106,9 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
     content |= {"columns": dict(mapping.columns)} if mapping.columns else {}
     content |= {"units": dict(mapping.units)} if mapping.units else {}
     content |= {"leg": mapping.leg} if mapping.leg else {}
-    try:
+    elsewhere = "--out DIR keeps it elsewhere, beside a copy of the recordings"
+    with refused(RecordingError, "the mapping cannot be written ({})", path, elsewhere):
         before = path.read_text(encoding="utf-8-sig") if path.exists() else FIRST_LINE
         added = tomli_w.dumps({"recordings": [content]})
         # The last entry for a header counts, so nothing that stands there is touched.
         return write_whole(path, before.rstrip("\n") + "\n\n" + added)
-    except OSError as error:
-        raise RecordingError(
-            f"the mapping cannot be written ({error.strerror or error})",
-            where=str(path),
-            remedy="--out DIR keeps it elsewhere, beside a copy of the recordings",
-        ) from error

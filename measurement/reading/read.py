@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ground.errors import RecordingError
+from ground.errors import RecordingError, refused
 from ground.files import sha256
 from ground.inputs import open_input
 from ground.progress import Progress
@@ -273,16 +273,10 @@ def _format_of(path: Path) -> ModuleType:
 
 
 def _read_table(path: Path) -> RawTable:
-    try:
+    check, cut = "check that it is complete and that you may read it", "cut it into shorter recordings"
+    with (
+        refused(RecordingError, "the file does not fit into memory", path, cut, (MemoryError,)),
+        refused(RecordingError, "the file cannot be read ({})", path, check),
+    ):
         table: RawTable = _format_of(path).read(path)
         return table
-    except OSError as error:
-        raise RecordingError(
-            f"the file cannot be read ({error.strerror or error})",
-            where=str(path),
-            remedy="check that it is complete and that you may read it",
-        ) from error
-    except MemoryError as error:
-        raise RecordingError(
-            "the file does not fit into memory", where=str(path), remedy="cut it into shorter recordings"
-        ) from error

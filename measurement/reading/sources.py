@@ -21,7 +21,7 @@ from functools import cache
 from pathlib import Path, PurePosixPath
 from types import ModuleType
 
-from ground.errors import RecordingError
+from ground.errors import RecordingError, refused
 from ground.inputs import open_input
 from ground.suggest import nearest
 from measurement.reading import formats
@@ -30,6 +30,10 @@ MOST_FILES = 1000
 MOST_BYTES = 8_000_000_000
 """A small archive can unpack to any size."""
 BAG = "metadata.yaml"
+DAMAGE = (zipfile.BadZipFile, NotImplementedError, RuntimeError, ValueError, EOFError, OSError, zlib.error)
+"""What reading an archive raises that is none, or cut off."""
+NO_PATH = (OSError, ValueError, RuntimeError)
+"""What looking at a path raises; before Python 3.13 a loop of links is a RuntimeError."""
 OTHERS = frozenset({"readme.txt", "license.txt", "requirements.txt", "notes.txt", "log.txt"})
 """Files of a folder that are texts about the recordings; one that is named is read all the same."""
 
@@ -112,22 +116,25 @@ def is_bag(path: Path) -> bool:
 def members(archive: Path) -> list[str]:
     """Return the names of the recordings in a ZIP archive, sorted."""
     known = suffixes()
-    try:
-        with zipfile.ZipFile(archive) as content:
-            names = sorted(
-                entry.filename
-                for entry in content.infolist()
-                if not entry.is_dir()
-                and PurePosixPath(entry.filename).suffix.lower() in known
-                and not PurePosixPath(entry.filename).name.startswith((".", "__MACOSX"))
-                and not entry.filename.startswith("__MACOSX")
-                and PurePosixPath(entry.filename).name.lower() not in OTHERS
-            )
-    except (zipfile.BadZipFile, NotImplementedError, ValueError, OSError, zlib.error) as error:
-        raise RecordingError(
-            f"the ZIP archive is damaged ({error})", where=str(archive), remedy="copy it again"
-        ) from error
+    with _archive(archive, archive) as content:
+        names = sorted(
+            entry.filename
+            for entry in content.infolist()
+            if not entry.is_dir()
+            and PurePosixPath(entry.filename).suffix.lower() in known
+            and not PurePosixPath(entry.filename).name.startswith((".", "__MACOSX"))
+            and not entry.filename.startswith("__MACOSX")
+            and PurePosixPath(entry.filename).name.lower() not in OTHERS
+        )
     return _counted(names, str(archive), "the archive holds no recordings")
+
+
+@contextmanager
+def _archive(path: Path, where: object) -> Iterator[zipfile.ZipFile]:
+    """Yield an open ZIP archive; RecordingError where it is damaged."""
+    damaged = refused(RecordingError, "the ZIP archive is damaged ({})", where, "copy it again", DAMAGE)
+    with damaged, zipfile.ZipFile(path) as content:
+        yield content
 
 
 def _in_archive(path: Path) -> tuple[Path, str] | None:
@@ -150,12 +157,8 @@ def opened(path: Path) -> Iterator[Path]:
 
     RecordingError when there is none, or when it may not be read.
     """
-    try:
+    with refused(RecordingError, "this is not a path of a file", str(path)[:200], "check the spelling", NO_PATH):
         inside = None if path.exists() or path.is_symlink() else _in_archive(path)
-    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
-        raise RecordingError(
-            "this is not a path of a file", where=str(path)[:200], remedy="check the spelling"
-        ) from error
     if inside is None:
         _check(path)
         if path.suffix.lower() != ".zip":
@@ -177,43 +180,31 @@ def opened(path: Path) -> Iterator[Path]:
 
 
 def _unpack(archive: Path, member: str, target: Path, where: str) -> None:
-    try:
-        with zipfile.ZipFile(archive) as content:
-            entry = content.getinfo(member)
-            if entry.file_size > min(MOST_BYTES, shutil.disk_usage(target.parent).free // 2):
-                raise RecordingError(
-                    f"the member unpacks to {entry.file_size / 1e9:.3g} GB", where=where, remedy="unpack it by hand"
-                )
-            if entry.flag_bits & 1:
-                raise RecordingError("the archive is encrypted", where=where, remedy="unpack it by hand")
-            with content.open(entry) as stream, target.open("wb") as out:
-                shutil.copyfileobj(stream, out, 1 << 20)
-    except KeyError as error:
-        raise RecordingError(
-            "the archive has no such member", where=where, remedy=f"it holds {', '.join(members(archive)[:10])}"
-        ) from error
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, ValueError, EOFError, zlib.error) as error:
-        raise RecordingError(f"the ZIP archive is damaged ({error})", where=where, remedy="copy it again") from error
+    with _archive(archive, where) as content:
+        entry = next((one for one in content.infolist() if one.filename == member), None)
+        if entry is None:
+            held = ", ".join(members(archive)[:10])
+            raise RecordingError("the archive has no such member", where=where, remedy=f"it holds {held}")
+        if entry.file_size > min(MOST_BYTES, shutil.disk_usage(target.parent).free // 2):
+            raise RecordingError(
+                f"the member unpacks to {entry.file_size / 1e9:.3g} GB", where=where, remedy="unpack it by hand"
+            )
+        if entry.flag_bits & 1:
+            raise RecordingError("the archive is encrypted", where=where, remedy="unpack it by hand")
+        with content.open(entry) as stream, target.open("wb") as out:
+            shutil.copyfileobj(stream, out, 1 << 20)
 
 
 def _check(path: Path) -> None:
     """Refuse what is not a readable file."""
-    try:
-        if path.is_symlink() and not path.exists():
-            raise RecordingError(
-                "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
-            )
+    with refused(RecordingError, "the file cannot be reached ({})", str(path)[:200], "check the path", NO_PATH):
+        if not path.exists():
+            if path.is_symlink():
+                raise RecordingError(
+                    "this is a link that leads nowhere", where=str(path), remedy="give the path of the file itself"
+                )
+            raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path))
         kind = path.stat()
-    except FileNotFoundError as error:
-        raise RecordingError("there is no such file", where=str(path), remedy=_nearby(path)) from error
-    except NotADirectoryError as error:
-        raise RecordingError("there is no such file", where=str(path), remedy="check the path") from error
-    except (OSError, ValueError, RuntimeError) as error:  # before Python 3.13 a loop of links is a RuntimeError
-        raise RecordingError(
-            f"the file cannot be reached ({getattr(error, 'strerror', None) or error})",
-            where=str(path)[:200],
-            remedy="check the path",
-        ) from error
     if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
         raise RecordingError(
             "this is a folder, not a recording", where=str(path), remedy=f"name one of its files: {path}/*.csv"
@@ -226,17 +217,11 @@ def digest(path: Path) -> str:
     """Return the SHA-256 of the file in hex, of a ROS 2 folder that of its files in order of their names."""
     total = hashlib.sha256()
     files = sorted(entry for entry in path.iterdir() if entry.is_file()) if path.is_dir() else [path]
-    try:
+    with refused(RecordingError, "the file cannot be read ({})", path, "check that you may read it"):
         for file in files:
             with open_input(file) as stream:
                 while block := stream.read(1 << 20):
                     total.update(block)
-    except OSError as error:
-        raise RecordingError(
-            f"the file cannot be read ({error.strerror or error})",
-            where=str(path),
-            remedy="check that you may read it",
-        ) from error
     return total.hexdigest()
 
 

@@ -12,17 +12,14 @@ cosine = [0.2, ...]
 from __future__ import annotations
 
 import io
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ground.errors import ExoidError
 from ground.files import write_whole
-from ground.inputs import open_input
-from ground.toml_reader import Table
+from ground.toml_reader import Table, read_table
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.quantity import JOINTS
 
@@ -54,29 +51,7 @@ def write_trajectory(trajectory: Fourier, path: str | Path, joints: Sequence[str
 
 def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier:
     """Read a motion of `joints`; TrajectoryError says what is wrong, where, and what to do."""
-    where = str(path)
-    try:
-        with open_input(path) as stream:
-            data = stream.read(LARGEST_FILE + 1)
-        if len(data) > LARGEST_FILE:
-            raise TrajectoryError("is too large for a motion", where=where, remedy="give the TOML exoid design wrote")
-        text = data.decode("utf-8-sig")
-        top = Table(tomllib.loads(text), (), where, text)
-    except OSError as error:
-        raise TrajectoryError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise TrajectoryError(
-            f"is not a TOML file: {error}", where=where, remedy="give the file that exoid design wrote"
-        ) from error
-    try:
-        return _trajectory(top, joints)
-    except TrajectoryError:
-        raise
-    except ExoidError as error:
-        raise TrajectoryError(error.what, where=error.where, remedy=error.remedy) from error
-
-
-def _trajectory(top: Table, joints: Sequence[str]) -> Fourier:
+    top = read_table(path, LARGEST_FILE, TrajectoryError, what="motion", remedy="give the file that exoid design wrote")
     top.only("period", *joints)
     offset, sine, cosine = [], [], []
     for joint in joints:

@@ -80,8 +80,8 @@ def test_a_group_with_nothing_to_fit_is_said(fleet):
         (FILES + "reports = 1\n", "true nor false"),
         (FILES + 'model = "{date}.toml"\n', "not a field"),
         (FILES + 'device = "date"\n', "not a field"),
-        ("verb = [\n", "not TOML"),
-        ("x = " + "[" * 5000, "not TOML"),
+        ("verb = [\n", "not valid TOML"),
+        ("x = " + "[" * 5000, "not valid TOML"),
         (FILES + "nonsense = 1\n", "unknown key"),
     ],
 )

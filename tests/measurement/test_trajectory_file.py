@@ -40,7 +40,7 @@ def test_round_trip(tmp_path):
         ("sine = [0.1, 0.2]\ncosine = [0.0, 0.1]\n[knee]", "sine = [0.1]\ncosine = [0.0]\n[knee]", "harmonics"),
         ("offset = 0.6", "offset = '0.6'", "not a number"),
         ("offset = 0.6", "offset = nan", "not finite"),
-        ("[hip]", "[hip", "not a TOML file"),
+        ("[hip]", "[hip", "not valid TOML"),
         ("sine = [0.1, 0.2]", "sine = []", "harmonics"),
     ],
 )

@@ -25,7 +25,6 @@ from __future__ import annotations
 import itertools
 import os
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,7 +32,7 @@ from typing import Any
 
 from ground.errors import ModelFileError
 from ground.suggest import did_you_mean
-from ground.toml_reader import Table
+from ground.toml_reader import Table, read_table
 
 BLIND = "blind"
 WATCH = "watch"
@@ -84,7 +83,7 @@ class Plan:
 def read_plan(path: str | Path) -> Plan:
     """Read a plan and find its recordings; PlanError says what is wrong, in which line, and what to do."""
     path = Path(path)
-    top = _load(path)
+    top = read_table(path, LARGEST_PLAN, PlanError, what="plan", remedy="see docs/campaigns.md for a plan")
     top.only(
         "name", "verb", "files", "group", "verify", "model", "timeout", "reports", "seed", "options", "device", "date",
         "blind",
@@ -105,18 +104,6 @@ def read_plan(path: str | Path) -> Plan:
     device = _named_field(top, "device", fields, fields[0] if fields else None)
     date = _named_field(top, "date", fields, "date" if "date" in fields else None)
     return Plan(name, verb, jobs, fields, device, date, timeout, reports, notes)
-
-
-def _load(path: Path) -> Table:
-    try:
-        if path.stat().st_size > LARGEST_PLAN or not path.is_file():
-            raise PlanError("this is no plan: it is too large, or no file", where=str(path), remedy="name a TOML file")
-        text = path.read_text(encoding="utf-8-sig")
-        return Table(tomllib.loads(text), (), str(path), text)
-    except OSError as error:
-        raise PlanError(f"cannot be read: {error.strerror}", where=str(path), remedy="check the path") from error
-    except (ValueError, RecursionError) as error:
-        raise PlanError(f"is not TOML: {error}", where=str(path), remedy="see docs/campaigns.md for a plan") from error
 
 
 def _flag(top: Table, key: str) -> bool:

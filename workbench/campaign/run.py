@@ -13,6 +13,7 @@ from typing import Any
 
 from ground.engines.cell import in_cell
 from ground.engines.engine import Engine, completed
+from ground.errors import refused
 from ground.files import write_whole
 from ground.frames import pandas
 from ground.progress import Progress, silent
@@ -163,24 +164,16 @@ def _row(
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Hold `folder` for one campaign at a time."""
-    try:
+    with refused(CampaignError, "cannot be written ({})", folder, "name a folder you may write to"):
         folder.mkdir(parents=True, exist_ok=True)
         handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError as error:
-        raise CampaignError(
-            f"cannot be written ({error.strerror})", where=str(folder), remedy="name a folder you may write to"
-        ) from error
     try:
         with contextlib.suppress(ImportError):  # a system without flock: two campaigns would do the same work twice
             import fcntl
 
-            try:
+            other = "another campaign is running in this folder"
+            with refused(CampaignError, other, folder, "wait for it, or give another --out"):
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
-                raise CampaignError(
-                    "another campaign is running in this folder", where=str(folder),
-                    remedy="wait for it, or give another --out",
-                ) from error  # fmt: skip
         yield
     finally:
         os.close(handle)

@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ground.errors import ExoidError
+from ground.errors import ExoidError, refused
 from ground.files import sha256, sha256_file, write_whole
 from workbench.campaign.plan import Job
 
@@ -89,15 +89,11 @@ def _checksum(key: str, row: Mapping[str, Any]) -> str:
 
 @lru_cache(maxsize=256)
 def _model_text(path: str) -> str:
-    try:
+    with refused(CampaignError, "the model file cannot be read", path, "see model in the plan", (OSError, ValueError)):
         return Path(path).read_text("utf-8")
-    except (OSError, ValueError) as error:
-        raise CampaignError("the model file cannot be read", where=path, remedy="check model in the plan") from error
 
 
 @lru_cache(maxsize=100_000)
 def _hash(path: str) -> str:
-    try:
+    with refused(CampaignError, "cannot be read: {}", path, "check the file"):
         return sha256_file(path)
-    except OSError as error:
-        raise CampaignError(f"cannot be read: {error.strerror}", where=path, remedy="check the file") from error

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.delivery import Delivery, current
-from ground.errors import ExoidError
+from ground.errors import ExoidError, refused
 from ground.inputs import read_input
 from ground.plain import plain
 from workbench.terminal.encoding import spells
@@ -37,12 +37,11 @@ _UNSEEN = re.compile("[\\x7f-\\x9f\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069\\
 
 def read_json(path: str | Path) -> Any:
     """Return the content of a JSON file; raises OutputError where it cannot be read or is no JSON."""
-    try:
+    with (
+        refused(OutputError, "is not JSON", path, "give a file that --json wrote", (ValueError, RecursionError)),
+        refused(OutputError, "cannot be read: {}", path, "check the path"),
+    ):
         return json.loads(read_input(path, LARGEST_JSON).decode("utf-8-sig"))
-    except OSError as error:
-        raise OutputError(f"cannot be read: {error.strerror}", where=str(path), remedy="check the path") from error
-    except (ValueError, RecursionError) as error:
-        raise OutputError("is not JSON", where=str(path), remedy="give a file that --json wrote") from error
 
 
 def write_text(path: str | Path, text: str) -> Path:

@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError, RecordingError
+from ground.errors import ExoidError, RecordingError, refused
 from ground.files import write_whole
 from ground.plain import plain
 from measurement.signals.methods import BUTTERWORTH
@@ -142,7 +142,7 @@ def save(workspace: Workspace, folder: Path) -> Path:
     """
     target = free_for_session(folder)
     runs = target / "recordings"
-    try:
+    with refused(RecordingError, "the session cannot be saved ({})", target, "choose a folder that may be written to"):
         runs.mkdir(parents=True, exist_ok=True)
         entries = []
         for one in workspace.given:
@@ -170,11 +170,6 @@ def save(workspace: Workspace, folder: Path) -> Path:
             "verdicts": [{"effects": sorted(names), "found": one} for names, one in list(workspace.verdicts.items())],
         }  # fmt: skip
         write_whole(target / SESSION, json.dumps(plain(content), indent=1, ensure_ascii=False))
-    except OSError as error:
-        raise RecordingError(
-            f"the session cannot be saved ({error.strerror or error})", where=str(target),
-            remedy="choose a folder that may be written to",
-        ) from error  # fmt: skip
     workspace.saved = Path(os.path.realpath(target))
     keep_in(workspace, workspace.saved)
     return workspace.saved

@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.limits import TEXT, Budget
+from measurement.reading.limits import TEXT, Budget, damaged
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 
 SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5")
 SIGNATURES = (b"\x89HDF\r\n\x1a\n",)
+DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError)
+"""What h5py raises for a damaged file."""
 LONGEST_TEXT = 100_000
 """Characters of a text that is looked at."""
 
@@ -57,17 +59,10 @@ def read(path: Path) -> RawTable:
             arrays[key] = item[()]
             units[key] = _text(item.attrs.get("units", item.attrs.get("unit", "")))
 
-    try:
-        # No lock: the file may lie on a read-only medium, or be open elsewhere.
-        with h5py.File(path, "r", locking=False) as file:
-            file.visititems(ask)
-            file.visititems(visit)
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
-        raise RecordingError(
-            f"the HDF5 file is damaged or incomplete ({error})",
-            where=str(path),
-            remedy="copy or save it again",
-        ) from error
+    # No lock: the file may lie on a read-only medium, or be open elsewhere.
+    with damaged("HDF5 file", path, DAMAGE), h5py.File(path, "r", locking=False) as file:
+        file.visititems(ask)
+        file.visititems(visit)
     if objects:
         refuse_matlab_objects(path, arrays)
     return table_from_arrays(label_matrices(arrays, labels), where=str(path), units=units)

@@ -15,7 +15,7 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.reading import mat_sizes
 from measurement.reading.formats import hdf5
-from measurement.reading.limits import Budget
+from measurement.reading.limits import Budget, damaged
 from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 from measurement.reading.stamps import since_first
 
@@ -48,19 +48,13 @@ def read(path: Path) -> RawTable:
         return hdf5.read(path) if table is None else table
     import scipy.io
 
-    try:
+    with damaged("MATLAB file", path, (*DAMAGE, scipy.io.matlab.MatReadError), "save it again from MATLAB"):
         mat_sizes.check(path)
         # The header says where the objects lie: tables, timetables, time series.
         objects = 0 not in head[:4] and bool(head[mat_sizes.SUBSYSTEM_OFFSET].strip(b"\x00 "))
         if objects and (table := _with_objects(path)) is not None:
             return table
         content = scipy.io.loadmat(str(path), struct_as_record=True, squeeze_me=True, appendmat=False)
-    except (*DAMAGE, scipy.io.matlab.MatReadError) as error:
-        raise RecordingError(
-            f"the MATLAB file is damaged or incomplete ({error})",
-            where=str(path),
-            remedy="save it again from MATLAB",
-        ) from error
     arrays: dict[str, Any] = {}
     labels: dict[str, list[str]] = {}
     objects = False
@@ -104,7 +98,7 @@ def _is_safe_with_objects(path: Path) -> bool:
                 return False
             walk(file)
             return True
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError):
+    except hdf5.DAMAGE:
         return False  # damaged: refused with its reason when it is read
 
 

@@ -11,11 +11,15 @@ from tokenize import TokenError
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.limits import Budget
+from measurement.reading.limits import Budget, damaged
 from measurement.reading.raw import RawTable, table_from_arrays
 
 SUFFIXES = (".npz",)
 SIGNATURES = (b"PK\x03\x04",)
+DAMAGE = (
+    ValueError, KeyError, EOFError, TypeError, SyntaxError, NotImplementedError, RecursionError, TokenError,
+    RuntimeError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 def read(path: Path) -> RawTable:
@@ -27,34 +31,21 @@ def read(path: Path) -> RawTable:
             where=str(path),
             remedy="in the spreadsheet, save as CSV; from NumPy, use the suffix .npz",
         )
-    try:
-        if not zipfile.is_zipfile(path):
-            raise zipfile.BadZipFile("it is not a ZIP archive")
+    with damaged("NPZ archive", path, DAMAGE, "copy it, or save it with np.savez, again"):
         with zipfile.ZipFile(path) as archive:
             budget = Budget(str(path))
             budget.count(len(archive.infolist()))
             for entry in archive.infolist():
-                budget.take(max(entry.file_size, _claimed(archive, entry)), f"the array {entry.filename}")
+                budget.take(max(entry.file_size, _claimed(archive, entry, path)), f"the array {entry.filename}")
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
             arrays = {name: content[name] for name in content.files}
-    except (
-        ValueError, KeyError, EOFError, TypeError, SyntaxError, NotImplementedError, RecursionError, TokenError,
-    ) as error:  # fmt: skip
-        if "pickle" in str(error):
-            what = "it holds Python objects, which are never loaded because they can run code"
-            remedy = "save plain number arrays: np.savez(path, t=t, q=q, tau=tau)"
-        else:
-            what, remedy = f"the NPZ archive cannot be read ({error})", "save it again with np.savez"
-        raise RecordingError(what, where=str(path), remedy=remedy) from error
-    except (zipfile.BadZipFile, zlib.error, RuntimeError) as error:
-        raise RecordingError(
-            f"the NPZ archive is damaged ({error})", where=str(path), remedy="copy or save it again"
-        ) from error
     return table_from_arrays(arrays, where=str(path))
 
 
-def _claimed(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> int:
-    """Return the bytes that the array of an entry says it has; NumPy makes room for them before it reads any."""
+def _claimed(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> int:
+    """Return the bytes that the array of an entry says it has, for which NumPy makes room before it reads any;
+    RecordingError where it holds objects.
+    """
     with archive.open(entry) as stream:
         try:
             version = np.lib.format.read_magic(stream)
@@ -62,4 +53,10 @@ def _claimed(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> int:
             shape, _, kind = read(stream)
         except (ValueError, SyntaxError, RecursionError, MemoryError, TokenError):
             return 0  # refused with its reason when it is loaded
-        return math.prod(shape) * kind.itemsize
+    if kind.hasobject:
+        raise RecordingError(
+            "it holds Python objects, which are never loaded because they can run code",
+            where=str(path),
+            remedy="save plain number arrays: np.savez(path, t=t, q=q, tau=tau)",
+        )
+    return math.prod(shape) * kind.itemsize

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.limits import TEXT, Budget
+from measurement.reading.limits import TEXT, Budget, damaged, needing
 from measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
 
 SUFFIXES = (".parquet", ".pq")
@@ -23,26 +23,14 @@ LONGEST_TEXTS = 10_000_000
 def read(path: Path) -> RawTable:
     """Return the columns of the table; raises RecordingError when it is damaged or pyarrow is not
     installed."""
-    try:
+    with needing("pyarrow", "Parquet files", path, "parquet", ", or save the recording as CSV"):
         import pyarrow
         import pyarrow.parquet
-    except ImportError as error:
-        raise RecordingError(
-            "Parquet files need the package pyarrow, which is not installed",
-            where=str(path),
-            remedy="pip install 'exoid[parquet]', or save the recording as CSV",
-        ) from error
-    try:
-        with pyarrow.parquet.ParquetFile(path) as file:
-            chosen = _affordable(file, str(path))
-            table = file.read(columns=chosen)
+    causes = (pyarrow.ArrowException, OSError, ValueError, KeyError, TypeError)
+    with damaged("Parquet file", path, causes), pyarrow.parquet.ParquetFile(path) as file:
+        chosen = _affordable(file, str(path))
+        table = file.read(columns=chosen)
         columns = _columns(table)
-    except (pyarrow.ArrowException, OSError, ValueError, KeyError, TypeError) as error:
-        raise RecordingError(
-            f"the Parquet file is damaged or incomplete ({error})",
-            where=str(path),
-            remedy="copy or save it again",
-        ) from error
     if not columns or not table.num_rows:
         raise RecordingError("the table has no rows", where=str(path), remedy="record again")
     return RawTable(columns, np.arange(1, table.num_rows + 1))
@@ -65,32 +53,28 @@ def pieces(path: Path, size: int) -> Iterator[tuple[float, RawTable]]:
     import pyarrow
     import pyarrow.parquet
 
-    try:
-        with pyarrow.parquet.ParquetFile(path) as file:
-            fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type)]
-            groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
-            if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
-                raise RecordingError(
-                    "a row group of the file is too large",
-                    where=str(path),
-                    remedy="write it with row_group_size=1000000",
-                )
-            rows = max(1000, size // (16 * max(1, len(fields))))  # as many as of a text of this size
-            done = 0
-            # A few groups of rows at a time: what is iterated over in one go stays in memory until its end.
-            for some in _together([group.num_rows for group in groups], rows):
-                total = sum(groups[k].num_rows for k in some)
-                each = max(1, -(-total // max(1, total // rows)))
-                for batch in file.iter_batches(each, row_groups=some, columns=[one.name for one in fields]):
-                    table = pyarrow.Table.from_batches([batch])
-                    columns = _columns(table)
-                    row = np.arange(done + 1, done + table.num_rows + 1)
-                    done += table.num_rows
-                    yield done / file.metadata.num_rows, RawTable(columns, row)
-    except (pyarrow.ArrowException, OSError, KeyError, TypeError) as error:
-        raise RecordingError(
-            f"the Parquet file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
-        ) from error
+    causes = (pyarrow.ArrowException, OSError, KeyError, TypeError)
+    with damaged("Parquet file", path, causes), pyarrow.parquet.ParquetFile(path) as file:
+        fields = [one for one in file.schema_arrow if pyarrow.types.is_primitive(one.type)]
+        groups = [file.metadata.row_group(k) for k in range(file.metadata.num_row_groups)]
+        if max((group.total_byte_size for group in groups), default=0) > MOST_GROUP or len(fields) > 1000:
+            raise RecordingError(
+                "a row group of the file is too large",
+                where=str(path),
+                remedy="write it with row_group_size=1000000",
+            )
+        rows = max(1000, size // (16 * max(1, len(fields))))  # as many as of a text of this size
+        done = 0
+        # A few groups of rows at a time: what is iterated over in one go stays in memory until its end.
+        for some in _together([group.num_rows for group in groups], rows):
+            total = sum(groups[k].num_rows for k in some)
+            each = max(1, -(-total // max(1, total // rows)))
+            for batch in file.iter_batches(each, row_groups=some, columns=[one.name for one in fields]):
+                table = pyarrow.Table.from_batches([batch])
+                columns = _columns(table)
+                row = np.arange(done + 1, done + table.num_rows + 1)
+                done += table.num_rows
+                yield done / file.metadata.num_rows, RawTable(columns, row)
 
 
 def _columns(table: Any) -> tuple[RawColumn, ...]:

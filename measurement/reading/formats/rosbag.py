@@ -22,7 +22,7 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.finding import Finding
 from measurement.reading import limits
-from measurement.reading.limits import Budget, Within
+from measurement.reading.limits import Budget, Within, damaged, needing
 from measurement.reading.names import quantity_of, recognise
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.resample import onto
@@ -72,20 +72,15 @@ class Topic:
 
 def read(path: Path) -> RawTable:
     """Return the columns of all topics; raises RecordingError when it is damaged or rosbags is not installed."""
-    try:
+    with needing("rosbags", "ROS bags and MCAP files", path, "ros"):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise RecordingError(
-            "ROS bags and MCAP files need the package rosbags, which is not installed",
-            where=str(path),
-            remedy="pip install 'exoid[ros]'",
-        ) from error
     _bound_unpacking()
     topics: dict[str, Topic] = {}
     skipped: set[str] = set()
     budget = Budget(str(path))
-    try:
+    # The package raises whatever the bytes of a damaged bag happen to hit.
+    with damaged("bag", path, (Exception,), "ros2 bag reindex or rosbag reindex may mend it"):
         for part in path.glob("*.db3") if path.is_dir() else (path,):
             if part.suffix == ".db3":
                 _refuse_computed_tables(part)
@@ -104,14 +99,6 @@ def read(path: Path) -> RawTable:
                     skipped.add(connection.topic)
                     continue
                 topics.setdefault(connection.topic, Topic()).add(numbers, _stamp(message), arrived, budget)
-    except RecordingError:
-        raise
-    except Exception as error:  # the package raises whatever the bytes of a damaged bag happen to hit
-        raise RecordingError(
-            f"the bag is damaged or incomplete ({str(error)[:200]})",
-            where=str(path),
-            remedy="ros2 bag reindex or rosbag reindex may mend it",
-        ) from error
     return _table(topics, skipped, str(path))
 
 

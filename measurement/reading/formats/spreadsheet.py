@@ -20,7 +20,7 @@ from ground.errors import RecordingError
 from measurement.finding import Finding
 from measurement.reading import limits, sheet_process
 from measurement.reading.camera import with_time
-from measurement.reading.limits import TEXT, Budget
+from measurement.reading.limits import TEXT, Budget, needing
 from measurement.reading.names import recognise
 from measurement.reading.raw import RawTable, column_from_cells, split_unit
 from measurement.reading.sniff import FLEXION, under_groups
@@ -36,14 +36,8 @@ HEAD_ROWS = 100
 
 def read(path: Path) -> RawTable:
     """Return the columns of the table; raises RecordingError when there is none or python-calamine is missing."""
-    try:
+    with needing("python-calamine", "spreadsheets", path, "excel", ", or save the sheet as CSV"):
         import python_calamine  # noqa: F401 - the process that reads needs it
-    except ImportError as error:
-        raise RecordingError(
-            "spreadsheets need the package python-calamine, which is not installed",
-            where=str(path),
-            remedy="pip install 'exoid[excel]', or save the sheet as CSV",
-        ) from error
     budget = Budget(str(path))
     budget.take(path.stat().st_size, "the spreadsheet")
     for others, name, rows in _sheets(path, budget):

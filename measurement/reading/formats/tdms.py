@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
 from measurement.finding import Finding
-from measurement.reading.limits import TEXT, Budget, Within
+from measurement.reading.limits import TEXT, Budget, Within, damaged, needing
 from measurement.reading.names import recognise
 from measurement.reading.raw import RawTable, table_from_arrays
 
@@ -25,15 +24,9 @@ SCALED = 2
 
 def read(path: Path) -> RawTable:
     """Return the channels of the file as columns; raises RecordingError when it is damaged or npTDMS is missing."""
-    try:
+    with needing("npTDMS", "TDMS files", path, "tdms", ", or save the recording as CSV"):
         import nptdms
         import nptdms.log
-    except ImportError as error:
-        raise RecordingError(
-            "TDMS files need the package npTDMS, which is not installed",
-            where=str(path),
-            remedy="pip install 'exoid[tdms]', or save the recording as CSV",
-        ) from error
     arrays: dict[str, Any] = {}
     units: dict[str, str] = {}
     steps: list[float] = []
@@ -41,7 +34,8 @@ def read(path: Path) -> RawTable:
     said, console = io.StringIO(), nptdms.log.log_manager.console_handler
     before = console.setStream(said)
     try:
-        with Within(path) as stream, nptdms.TdmsFile.open(stream) as file:
+        # The package raises whatever the bytes of a damaged file happen to hit.
+        with damaged("TDMS file", path, (Exception,)), Within(path) as stream, nptdms.TdmsFile.open(stream) as file:
             budget = Budget(str(path))
             for group in file.groups():
                 for channel in group.channels():
@@ -55,12 +49,6 @@ def read(path: Path) -> RawTable:
                     arrays[name] = channel[:]
                     units[name] = str(channel.properties.get("unit_string", ""))
                     steps.append(float(channel.properties.get("wf_increment", 0.0) or 0.0))
-    except RecordingError:
-        raise
-    except Exception as error:  # the package raises whatever the bytes of a damaged file happen to hit
-        raise RecordingError(
-            f"the TDMS file is damaged or incomplete ({error})", where=str(path), remedy="copy or save it again"
-        ) from error
     finally:
         console.setStream(before)
     texts = [text[:150] for text in said.getvalue().splitlines() if text.isprintable() and "reader WARNING" in text]
