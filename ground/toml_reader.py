@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.errors import ExoidError, ModelFileError, refused
-from ground.inputs import read_input
+from ground.inputs import open_input
 from ground.suggest import did_you_mean
 
 KeyPath = tuple[str | int, ...]
@@ -119,15 +119,17 @@ class Table:
         return number
 
 
-def read_table(
+def read_toml(
     path: str | Path, most: int, error: type[ExoidError], *, what: str, remedy: str, remember: bool = True
 ) -> Table:
     """Return the whole of a TOML file of at most `most` bytes, which should be `what`.
 
     Raises `error`, with the `remedy`, where it cannot be read or is no TOML. `remember` is that of `open_input`.
     """
-    with refused(error, "cannot be read: {}", path, "check the path"):
-        data = read_input(path, most, remember=remember)
+    with refused(error, "cannot be read: {}", path, "check the path"), open_input(path, remember=remember) as stream:
+        data = stream.read(most + 1)
+    if len(data) > most:
+        raise error(f"is too large for a {what}", where=str(path), remedy=remedy)
     with refused(error, "is not UTF-8 text", path, "save it as UTF-8", (UnicodeDecodeError,)):
         text = data.decode("utf-8-sig")
     if text.lstrip()[:1] == "{":

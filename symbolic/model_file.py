@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
 from ground.files import write_whole
-from ground.toml_reader import Table, read_table
+from ground.toml_reader import Table, read_toml
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint, check_joints, is_leg
@@ -162,7 +162,7 @@ def _ends(estimate: Estimate) -> dict[str, Any]:
 
 def _load(path: str | Path) -> Table:
     remedy = "mend that line, or give the model file (TOML) that exoid identify --write FILE or exoid add wrote"
-    return read_table(path, LARGEST_FILE, ModelFileError, what="model file", remedy=remedy)
+    return read_toml(path, LARGEST_FILE, ModelFileError, what="model file", remedy=remedy)
 
 
 def _model(top: Table) -> Model:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
-from measurement.bench.plant import Equation, StatefulOperator, Symbols, step_function
+from measurement.bench.plant import REMEMBERED, step_function
 from symbolic.codegen.equation import model_expressions
 from symbolic.language.torque import torques
 from symbolic.language.tree import OPERATORS, Call
@@ -99,49 +99,9 @@ def stepper(model: Model, dt: float) -> Stepper:
 def _build(model: Model, dt: float) -> Stepper:
     import casadi as ca
 
-    equation = equation_of(model)
-    sym = equation.symbols
-    arguments = ca.vertcat(ca.SX(0, 1), *(entry.argument for entry in equation.memories))
-    values = ca.vertcat(ca.SX(0, 1), *(entry.start(entry.argument) for entry in equation.memories))
-    first = ca.Function(
-        "first",
-        [sym.t, sym.q, sym.dq, sym.ddq, sym.linear, sym.shape, sym.base],
-        [ca.vertcat(arguments, values)],
-    )
-    return Stepper(step_function(equation, dt, [joint.reach for joint in model.joints]), first)
-
-
-def equation_of(model: Model) -> Equation:
-    """Return the torque (J,) of `model`, all its terms included, with an entry of memory per `play` or
-    `dahl`.
-    """
     form = model_expressions(model)
-    motion = form.t, form.q, form.dq, form.ddq, form.sign
-    symbols = Symbols(*motion, form.linear, form.shape, form.memory, form.base_motion)
-    memories = (StatefulOperator(one.argument, one.parameter, *REMEMBERED[one.operator]) for one in form.memories)
-    return Equation(symbols, form.torque, tuple(memories))
-
-
-def _play_start(x: Any) -> Any:
-    return x
-
-
-def _play(value: Any, old: Any, new: Any, half_width: Any) -> Any:
-    import casadi as ca
-
-    return ca.fmin(ca.fmax(value, new - half_width), new + half_width)
-
-
-def _dahl_start(x: Any) -> Any:
-    return 0.0 * x
-
-
-def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
-    import casadi as ca
-
-    side = ca.sign(new - old)
-    return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
-
-
-REMEMBERED = {"play": (_play_start, _play), "dahl": (_dahl_start, _dahl)}
-"""Operators that the leg itself can have, because their state moves with the joint: (start, update)."""
+    arguments = ca.vertcat(ca.SX(0, 1), *(one.argument for one in form.memories))
+    values = ca.vertcat(ca.SX(0, 1), *(REMEMBERED[one.operator][0](one.argument) for one in form.memories))
+    given = [form.t, form.q, form.dq, form.ddq, form.linear, form.shape, form.base_motion]
+    first = ca.Function("first", given, [ca.vertcat(arguments, values)])
+    return Stepper(step_function(form, dt, [joint.reach for joint in model.joints]), first)

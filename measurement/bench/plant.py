@@ -16,9 +16,11 @@ Source: Moreau, "Numerical aspects of the sweeping process", Comput. Methods App
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from symbolic.codegen.equation import Expressions
 
 NEWTON_STEPS = 5
 """Corrections of `a` per step. Two leave 1e-9 N·m on smooth motion; friction that grows with load needs five.
@@ -35,49 +37,30 @@ EXACT, SWEEPS = 3, 30
 """Joints up to which the friction of a step is found exactly, and sweeps of the approximation beyond."""
 
 
-@dataclass(frozen=True)
-class Symbols:
-    """What the equation of motion is written in (CasADi SX): scalar `t`, `q`, `dq`, `ddq`, `sign` (J,).
-
-    `linear` (P,) and `shape` (S,) are the model's numbers, `memory` (K,) what its operators with memory give, `base`
-    (5, or 0 where it stands) how a measured base moves.
-    """
-
-    t: Any
-    q: Any
-    dq: Any
-    ddq: Any
-    sign: Any
-    linear: Any
-    shape: Any
-    memory: Any
-    base: Any
+def _play_start(x: Any) -> Any:
+    return x
 
 
-@dataclass(frozen=True)
-class StatefulOperator:
-    """An operator that remembers: its `argument` x at an instant, its `parameter`, and how its value follows
-    x.
+def _play(value: Any, old: Any, new: Any, half_width: Any) -> Any:
+    import casadi as ca
 
-    `start(x)` is the value when it is switched on, `update(value, old_x, new_x, parameter)` the value after x
-    moved on; all in CasADi SX.
-    """
-
-    argument: Any
-    parameter: Any
-    start: Callable[[Any], Any]
-    update: Callable[[Any, Any, Any, Any], Any]
+    return ca.fmin(ca.fmax(value, new - half_width), new + half_width)
 
 
-@dataclass(frozen=True)
-class Equation:
-    """The torque (J,) the drives must supply, in terms of `symbols`, and the operators that feed
-    `symbols.memory`.
-    """
+def _dahl_start(x: Any) -> Any:
+    return 0.0 * x
 
-    symbols: Symbols
-    torque: Any
-    memories: tuple[StatefulOperator, ...] = ()
+
+def _dahl(value: Any, old: Any, new: Any, sigma: Any) -> Any:
+    import casadi as ca
+
+    side = ca.sign(new - old)
+    return side + (value - side) * ca.exp(-sigma * ca.fabs(new - old))
+
+
+REMEMBERED = {"play": (_play_start, _play), "dahl": (_dahl_start, _dahl)}
+"""Operators that the leg itself can have, because their state moves with the joint: `start(x)` is the value when it is
+switched on, `update(value, old_x, new_x, parameter)` the value after x moved on; all in CasADi SX."""
 
 
 def friction_impulse(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
@@ -90,8 +73,6 @@ def friction_impulse(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
     count = free.numel()
     if count == 1:
         return ca.fmin(ca.fmax(free / weight, -bound), bound)
-    if count == 2:
-        return _on_a_square(ca, weight, free, bound)
     if count > EXACT:
         return _joint_by_joint(ca, weight, free, bound)
     inside = ca.mtimes(ca.inv(weight), free)
@@ -104,7 +85,8 @@ def friction_impulse(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
             rest = friction_impulse(
                 ca, weight[others, others], free[others] - weight[others, j] * fixed, bound[others]
             )
-            trial = ca.vertcat(rest[:j], fixed, rest[j:])
+            beside = ca.vertsplit(rest)
+            trial = ca.vertcat(*beside[:j], fixed, *beside[j:])
             height = _energy(ca, weight, free, trial)
             better = height < cost
             best, cost = ca.if_else(better, trial, best), ca.if_else(better, height, cost)
@@ -122,69 +104,40 @@ def _joint_by_joint(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
     return ca.vertcat(*impulse)
 
 
-def _on_a_square(ca: Any, weight: Any, free: Any, bound: Any) -> Any:
-    """Return the friction torques (2,): inside, or on one of four edges; all five are tried."""
-    det = weight[0, 0] * weight[1, 1] - weight[0, 1] * weight[0, 1]
-    inside = ca.vertcat(
-        (weight[1, 1] * free[0] - weight[0, 1] * free[1]) / det,
-        (weight[0, 0] * free[1] - weight[0, 1] * free[0]) / det,
-    )
-    outside = ca.logic_or(ca.fabs(inside[0]) > bound[0], ca.fabs(inside[1]) > bound[1])
-    best, cost = inside, ca.if_else(outside, ca.inf, _energy(ca, weight, free, inside))
-    for j, edge in ((0, 1), (0, -1), (1, 1), (1, -1)):
-        other = 1 - j
-        fixed = edge * bound[j]
-        rest = (free[other] - weight[0, 1] * fixed) / weight[other, other]
-        rest = ca.fmin(ca.fmax(rest, -bound[other]), bound[other])
-        trial = ca.vertcat(fixed, rest) if j == 0 else ca.vertcat(rest, fixed)
-        height = _energy(ca, weight, free, trial)
-        better = height < cost
-        best, cost = ca.if_else(better, trial, best), ca.if_else(better, height, cost)
-    return best
-
-
 def _energy(ca: Any, weight: Any, free: Any, impulse: Any) -> Any:
     return 0.5 * ca.dot(impulse, ca.mtimes(weight, impulse)) - ca.dot(free, impulse)
 
 
-class _Midpoint:
-    """The residual of the equation at mid-step and its derivatives, as one CasADi function of (a, s)."""
+def _midpoint(ca: Any, form: Expressions, dt: float) -> Any:
+    """Return the residual of the equation at mid-step and its derivatives, as one CasADi function of (a, s)."""
+    count, joints = len(form.memories), form.q.numel()
+    a, s = ca.SX.sym("a", joints), ca.SX.sym("s", joints)
+    q, v = ca.SX.sym("q", joints), ca.SX.sym("v", joints)
+    last, value = ca.SX.sym("last", count), ca.SX.sym("value", count)
+    q_m, v_m = q + 0.5 * dt * v + 0.125 * dt**2 * a, v + 0.5 * dt * a
 
-    def __init__(self, ca: Any, equation: Equation, dt: float) -> None:
-        sym = equation.symbols
-        count = len(equation.memories)
-        joints = sym.q.numel()
-        a, s = ca.SX.sym("a", joints), ca.SX.sym("s", joints)
-        q, v, t = ca.SX.sym("q", joints), ca.SX.sym("v", joints), ca.SX.sym("t")
-        last, value = ca.SX.sym("last", count), ca.SX.sym("value", count)
-        linear, shape = ca.SX.sym("linear", sym.linear.numel()), ca.SX.sym("shape", sym.shape.numel())
-        base = ca.SX.sym("base", sym.base.numel())
-        q_m, v_m = q + 0.5 * dt * v + 0.125 * dt**2 * a, v + 0.5 * dt * a
+    def at(expression: Any, memory: Any) -> Any:
+        names = [form.q, form.dq, form.ddq, form.sign, form.memory]
+        return ca.substitute([ca.SX(expression)], names, [q_m, v_m, a, s, memory])[0]
 
-        def at(expression: Any, memory: Any) -> Any:
-            names = [sym.t, sym.q, sym.dq, sym.ddq, sym.sign, sym.linear, sym.shape, sym.memory, sym.base]
-            return ca.Function("at", names, [expression])(t, q_m, v_m, a, s, linear, shape, memory, base)
-
-        blank, none = ca.SX.zeros(count), ca.SX(0, 1)
-        now = ca.vertcat(none, *(at(entry.argument, blank) for entry in equation.memories))
-        memory = ca.vertcat(
-            none,
-            *(
-                entry.update(value[k], last[k], now[k], at(ca.SX(entry.parameter), blank))
-                for k, entry in enumerate(equation.memories)
-            ),
-        )
-        residual = at(equation.torque, memory)
-        by_a, by_s = ca.jacobian(residual, a), ca.diag(ca.jacobian(residual, s))
-        self.evaluate = ca.Function(
-            "midpoint",
-            [a, s, q, v, t, last, value, linear, shape, base],
-            [residual, 0.5 * (by_a + by_a.T), by_s, now, memory, q_m, v_m],
-        )
+    blank, none = ca.SX.zeros(count), ca.SX(0, 1)
+    now = ca.vertcat(none, *(at(one.argument, blank) for one in form.memories))
+    values = [
+        REMEMBERED[one.operator][1](value[k], last[k], now[k], at(one.parameter, blank))
+        for k, one in enumerate(form.memories)
+    ]
+    memory = ca.vertcat(none, *values)
+    residual = at(form.torque, memory)
+    by_a, by_s = ca.jacobian(residual, a), ca.diag(ca.jacobian(residual, s))
+    return ca.Function(
+        "midpoint",
+        [a, s, q, v, form.t, last, value, form.linear, form.shape, form.base_motion],
+        [residual, 0.5 * (by_a + by_a.T), by_s, now, memory, q_m, v_m],
+    )
 
 
-def step_function(equation: Equation, dt: float, reach: Sequence[float] | None = None) -> Any:
-    """Return the CasADi function (state, input, numbers) -> (state, record) of one step of `dt` s.
+def step_function(form: Expressions, dt: float, reach: Sequence[float] | None = None) -> Any:
+    """Return the CasADi function (state, input, numbers) -> (state, record) of one step of `dt` s of a model's `form`.
 
     state  (6J + 2K): q, v, a, s at the start of the step, last encoder reading, filtered velocity, and the
     operators'
@@ -197,20 +150,19 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     """
     import casadi as ca
 
-    count = len(equation.memories)
-    sym = equation.symbols
-    joints = sym.q.numel()
+    count, joints = len(form.memories), form.q.numel()
     fixed = 3 * joints + 2
-    state, given = ca.SX.sym("state", 6 * joints + 2 * count), ca.SX.sym("given", 1 + 4 * joints + sym.base.numel())
+    state = ca.SX.sym("state", 6 * joints + 2 * count)
+    given = ca.SX.sym("given", 1 + 4 * joints + form.base_motion.numel())
     base = given[1 + 4 * joints :]
-    numbers = ca.SX.sym("numbers", fixed + sym.linear.numel() + sym.shape.numel())
+    numbers = ca.SX.sym("numbers", fixed + form.linear.numel() + form.shape.numel())
     q, v, a, s, reading, speed = (state[joints * k : joints * (k + 1)] for k in range(6))
     wanted, wanted_speed, noise, external = (given[1 + joints * k : 1 + joints * (k + 1)] for k in range(4))
     last, value = state[6 * joints : 6 * joints + count], state[6 * joints + count :]
     kp, kd, limit = (numbers[joints * k : joints * (k + 1)] for k in range(3))
     smoothing, resolution = numbers[fixed - 2], numbers[fixed - 1] * ca.DM(reach or [1.0] * joints)
-    linear = numbers[fixed : fixed + sym.linear.numel()]
-    shape = numbers[fixed + sym.linear.numel() :]
+    linear = numbers[fixed : fixed + form.linear.numel()]
+    shape = numbers[fixed + form.linear.numel() :]
 
     encoder = q + noise
     coarse = ca.fmax(resolution, 1e-30)
@@ -220,9 +172,9 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     motor = ca.fmin(ca.fmax(motor, -limit), limit)
     supplied = motor + external
 
-    midpoint = _Midpoint(ca, equation, dt)
+    midpoint = _midpoint(ca, form, dt)
     for _ in range(NEWTON_STEPS):
-        residual, mass, friction, *_ = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape, base)
+        residual, mass, friction, *_ = midpoint(a, s, q, v, given[0], last, value, linear, shape, base)
         bound = ca.fmax(friction, 0.0)
         inverse = ca.inv(mass)
         # The friction inside the residual is taken out, then put back as the unknown of the box problem.
@@ -237,7 +189,7 @@ def step_function(equation: Equation, dt: float, reach: Sequence[float] | None =
     sticks = ca.logic_and(ca.fabs(impulse) < bound, bound > TINY)
     a = ca.if_else(sticks, -v / dt, a)
     velocity = ca.if_else(sticks, 0.0, v + dt * a)
-    residual, _, _, now, memory, q_m, v_m = midpoint.evaluate(a, s, q, v, given[0], last, value, linear, shape, base)
+    residual, _, _, now, memory, q_m, v_m = midpoint(a, s, q, v, given[0], last, value, linear, shape, base)
 
     after = ca.vertcat(q + dt * v + 0.5 * dt**2 * a, velocity, a, s, encoder, speed, now, memory)
     record = ca.vertcat(q_m, v_m, a, s, motor, residual - supplied)

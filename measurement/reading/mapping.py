@@ -18,7 +18,7 @@ from typing import Any
 
 from ground.errors import RecordingError, refused
 from ground.files import write_whole
-from ground.toml_reader import Table, read_table
+from ground.toml_reader import Table, read_toml
 
 FILE = "exoid.toml"
 MOST_BYTES = 1_000_000
@@ -59,7 +59,7 @@ def entries(path: Path) -> list[tuple[list[str], StatedMapping]]:
     if not path.exists():
         return []
     remedy = "mend it, or move it elsewhere; exoid map FILE makes one"
-    top = read_table(path, MOST_BYTES, RecordingError, what="mapping", remedy=remedy, remember=False)
+    top = read_toml(path, MOST_BYTES, RecordingError, what="mapping", remedy=remedy, remember=False)
     top.only("recordings")
     return [_entry(one) for one in top.tables("recordings")]
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ground.files import write_whole
-from ground.toml_reader import Table, read_table
+from ground.toml_reader import Table, read_toml
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.quantity import JOINTS
 
@@ -51,7 +51,7 @@ def write_trajectory(trajectory: Fourier, path: str | Path, joints: Sequence[str
 
 def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier:
     """Read a motion of `joints`; TrajectoryError says what is wrong, where, and what to do."""
-    top = read_table(path, LARGEST_FILE, TrajectoryError, what="motion", remedy="give the file that exoid design wrote")
+    top = read_toml(path, LARGEST_FILE, TrajectoryError, what="motion", remedy="give the file that exoid design wrote")
     top.only("period", *joints)
     offset, sine, cosine = [], [], []
     for joint in joints:

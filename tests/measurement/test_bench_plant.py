@@ -1,5 +1,7 @@
 """The plant against independent ground: a Newton-Euler leg, SciPy's integrator, energy, and sticking."""
 
+from types import SimpleNamespace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
 from measurement.bench.leg import standard_leg
-from measurement.bench.plant import Equation, Symbols, friction_impulse, step_function
+from measurement.bench.plant import friction_impulse, step_function
 from measurement.bench.simulation import integrate
 
 DT, G, LEG = 1e-3, 9.81, standard_leg()
@@ -49,8 +51,9 @@ def plant(coulomb=(0.0, 0.0), viscous=(0.0, 0.0), extra=None, dt=DT):
     rigid = ca.vertcat(*newton_euler([q[0], q[1]], [dq[0], dq[1]], [ddq[0], ddq[1]], ca))
     torque = rigid + ca.DM(coulomb) * s + ca.DM(viscous) * dq
     torque = torque if extra is None else torque + extra(q, dq, ddq, s)
-    none = [ca.SX.sym(name, 0) for name in ("linear", "shape", "memory")]
-    return step_function(Equation(Symbols(ca.SX.sym("t"), q, dq, ddq, s, *none, ca.SX(0, 1)), torque), dt)
+    none = {name: ca.SX.sym(name, 0) for name in ("linear", "shape", "memory", "base_motion")}
+    form = SimpleNamespace(t=ca.SX.sym("t"), q=q, dq=dq, ddq=ddq, sign=s, torque=torque, memories=(), **none)
+    return step_function(form, dt)
 
 
 def run(step, q0, dq0, count, external, dt=DT):

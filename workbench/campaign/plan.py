@@ -32,7 +32,7 @@ from typing import Any
 
 from ground.errors import ModelFileError
 from ground.suggest import did_you_mean
-from ground.toml_reader import Table, read_table
+from ground.toml_reader import Table, read_toml
 
 BLIND = "blind"
 WATCH = "watch"
@@ -83,7 +83,7 @@ class Plan:
 def read_plan(path: str | Path) -> Plan:
     """Read a plan and find its recordings; PlanError says what is wrong, in which line, and what to do."""
     path = Path(path)
-    top = read_table(path, LARGEST_PLAN, PlanError, what="plan", remedy="see docs/campaigns.md for a plan")
+    top = read_toml(path, LARGEST_PLAN, PlanError, what="plan", remedy="see docs/campaigns.md for a plan")
     top.only(
         "name", "verb", "files", "group", "verify", "model", "timeout", "reports", "seed", "options", "device", "date",
         "blind",
