@@ -23,6 +23,8 @@ class Finding(AsJson):
     `confidence` is "certain", "likely" or "possible", `remedy` says what to do.
     """
 
+    JSON = "* repaired"
+
     check: str
     severity: str
     what: str
@@ -30,9 +32,13 @@ class Finding(AsJson):
     value: float | None = None
     limit: float | None = None
     remedy: str = ""
-    repaired: bool = False
     consequence: str = ""
     confidence: str = "certain"
+
+    @property
+    def repaired(self) -> bool:
+        """Whether it was mended."""
+        return self.severity == "repaired"
 
     def __post_init__(self) -> None:
         if self.severity not in SEVERITIES:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.watching.estimator import ROBUST, Estimator, constants
@@ -58,7 +59,8 @@ def write_updater(
         "UNIT": _list(unit), "BODY": _body(function, joints),
         "OPERATIONS": _operations(function, joints, count, filters),
     }  # fmt: skip
-    return {f"{name}_updater.h": filled(_HEADER, values), f"{name}_updater.c": filled(_SOURCE, values)}
+    texts = {end: Path(__file__).with_name(f"updater.{end}.in").read_text("utf-8") for end in ("h", "c")}
+    return {f"{name}_updater.{end}": filled(text, values) for end, text in texts.items()}
 
 
 def first_estimator(model: Model, linear: Float, unit: Float, rate: float) -> Estimator:
@@ -121,177 +123,3 @@ def _nth(number: int) -> str:
 
 def _list(values: np.ndarray) -> str:
     return ", ".join(repr(float(v)) for v in values)
-
-
-_HEADER = """/* @MODEL@:
- * its numbers, followed while it runs. Written by exoid; do not edit.
- *
- * A square-root information filter with a forgetting factor per parameter, which rests without excitation. Nothing is
- * allocated; all it remembers is in the struct. The answer is @DELAY@ s late.
- * Takes @OPERATIONS@.
- * Joints: @JOINTS@. Period of the loop: @TS@ s; call the step once per period.
- * Parameters: @NAMES@.
- */
-#ifndef @guard@
-#define @guard@
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-typedef struct @name@_updater {
-@FIELDS@
-  double angle[@RING@][@J@], torque[@RING@][@J@];
-  double first[@ORDER@][2 * @J@], smooth[3][2 * @J@];
-  double second[@COMMON@][@J@][@W@];
-  long samples, filtered;
-  int next, working, kept;
-} @name@_updater;
-
-/* Begins at the identified numbers. */
-void @name@_updater_init(@name@_updater *u);
-
-/* One sample: t [s], angles q [rad], torques tau [N.m]. Returns 1 where the numbers were updated. A sample that is not
-   finite is passed over: the filters go on with the one before. */
-int @name@_updater_step(@name@_updater *u, double t, const double q[@J@], const double tau[@J@]);
-
-/* Standard deviations of the numbers, valid although residuals resemble their neighbours; 0 where the blocks remembered
-   (u->blocks) are fewer than four. */
-void @name@_updater_spread(const @name@_updater *u, double spread[@P@]);
-
-#ifdef __cplusplus
-}
-#endif
-#endif
-"""
-
-_SOURCE = """/* Written by exoid; do not edit. See @name@_updater.h. */
-#include "@name@_updater.h"
-
-#include <math.h>
-
-enum { J = @J@, P = @P@, W = @W@, RING = @RING@ };
-
-static void regressor(double t, const double q[J], const double dq[J], const double ddq[J], const double sign[J],
-                      double columns[J * P]) {
-  (void)t;
-  (void)q;
-  (void)dq;
-  (void)ddq;
-  (void)sign;
-@BODY@
-}
-
-void @name@_updater_init(@name@_updater *u) {
-  static const double linear[P] = {@LINEAR@};
-  static const double spread[P] = {@SPREAD@};
-  static const double forget[P] = {@FORGET@};
-  static const double unit[J] = {@UNIT@};
-  static const @name@_updater empty; /* all zero */
-  int k;
-  *u = empty;
-  for (k = 0; k < P; ++k) {
-    u->linear[k] = linear[k];
-    u->forget[k] = forget[k];
-    u->variance[k] = spread[k] * spread[k];
-    u->root[k][k] = 1.0 / spread[k];
-    u->right[k] = linear[k] / spread[k];
-  }
-  for (k = 0; k < J; ++k) u->scale[k] = u->unit[k] = unit[k];
-}
-
-static double median(const double values[RING]) {
-  double sorted[RING];
-  int i, k;
-  for (i = 0; i < RING; ++i) {
-    const double value = values[i];
-    for (k = i; k > 0 && sorted[k - 1] > value; --k) sorted[k] = sorted[k - 1];
-    sorted[k] = value;
-  }
-  return sorted[RING / 2];
-}
-
-@ESTIMATION@
-int @name@_updater_step(@name@_updater *u, double t, const double q[J], const double tau[J]) {
-  double x[2 * J], pose[J], speed[J], rise[J], sign[J], flat[J * P], columns[J][P], torque[J];
-  int use[J], j, k, p, place, before;
-  before = u->samples ? (u->next + RING - 1) % RING : -1;
-  for (j = 0; j < J; ++j) {
-    const int whole = isfinite(q[j]) && isfinite(tau[j]);
-    if (!whole && before < 0) return 0;
-    u->angle[u->next][j] = whole ? q[j] : u->angle[before][j];
-    u->torque[u->next][j] = whole ? tau[j] : u->torque[before][j];
-  }
-  u->next = (u->next + 1) % RING;
-  if (++u->samples < RING) return 0;
-  u->samples = RING;
-  place = (u->next + @HALF@) % RING;
-  for (j = 0; j < J; ++j) {
-    double values[RING], middle, scale;
-    for (k = 0; k < RING; ++k) values[k] = u->torque[k][j];
-    middle = median(values);
-    for (k = 0; k < RING; ++k) values[k] = fabs(u->torque[k][j] - middle);
-    scale = median(values) / 0.6745;
-    x[j] = u->angle[place][j];
-    x[J + j] = fabs(u->torque[place][j] - middle) > @SPIKE@ * scale ? middle : u->torque[place][j];
-  }
-  for (j = 0; j < 2 * J; ++j) {
-    for (k = 0; k < @ORDER@; ++k) {
-      if (!u->filtered) u->first[k][j] = x[j];
-      u->first[k][j] = (1.0 - @KEEP@) * x[j] + @KEEP@ * u->first[k][j];
-      x[j] = u->first[k][j];
-    }
-    u->smooth[0][j] = u->smooth[1][j];
-    u->smooth[1][j] = u->smooth[2][j];
-    u->smooth[2][j] = x[j];
-  }
-  if (++u->filtered < 3) return 0;
-  u->filtered = 3;
-  p = u->working;
-  u->working = (u->working + 1) % @FACTOR@;
-  if (p) return 0;
-  for (j = 0; j < J; ++j) {
-    pose[j] = u->smooth[1][j];
-    speed[j] = 0.5 * @RATE@ * (u->smooth[2][j] - u->smooth[0][j]);
-    rise[j] = @RATE@ * @RATE@ * (u->smooth[2][j] - 2.0 * u->smooth[1][j] + u->smooth[0][j]);
-    sign[j] = tanh(speed[j] / @SIGN@);
-  }
-  regressor(t - (@HALF@ + 1) * @TS@, pose, speed, rise, sign, flat);
-  for (j = 0; j < J; ++j) {
-    const double weight = fabs(speed[j]) > @STICK@ + @REACH@ * fabs(rise[j]) ? 1.0 : 0.0;
-    double total;
-    for (p = 0; p < W; ++p) {
-      double value = p == 0 ? weight : p == 1 ? weight * u->smooth[1][J + j] : weight * flat[j * P + p - 2];
-      for (k = 0; k < @COMMON@; ++k) {
-        u->second[k][j][p] = (1.0 - @SECOND@) * value + @SECOND@ * u->second[k][j][p];
-        value = u->second[k][j][p];
-      }
-    }
-    total = u->second[@COMMON@ - 1][j][0];
-    use[j] = total > @LEAST@;
-    if (total < 1e-6) total = 1e-6;
-    torque[j] = u->second[@COMMON@ - 1][j][1] / total;
-    for (p = 0; p < P; ++p) columns[j][p] = u->second[@COMMON@ - 1][j][p + 2] / total;
-  }
-  p = u->kept;
-  u->kept = (u->kept + 1) % @STRIDE@;
-  return p ? 0 : estimate(u, columns, torque, use);
-}
-
-void @name@_updater_spread(const @name@_updater *u, double spread[P]) {
-  double inverse[P][P], bread[P][P];
-  int k, m, n;
-  invert((const double(*)[P])u->root, inverse);
-  for (k = 0; k < P; ++k)
-    for (m = 0; m < P; ++m) {
-      bread[k][m] = 0.0;
-      for (n = 0; n < P; ++n) bread[k][m] += inverse[k][n] * inverse[m][n];
-    }
-  for (k = 0; k < P; ++k) {
-    double square = 0.0;
-    for (m = 0; m < P; ++m)
-      for (n = 0; n < P; ++n) square += bread[k][m] * u->meat[m][n] * bread[n][k];
-    spread[k] = u->blocks < 4.0 || square < 0.0 ? 0.0 : sqrt(square);
-  }
-}
-"""

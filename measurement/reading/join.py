@@ -148,14 +148,14 @@ def _lag(base: JoinedFile, piece: JoinedFile, told: float | None, count: int) ->
         more = f"; physics says {seen}" if not found.why else ""
         return told, Finding(
             "join", "warning" if apart else "repaired", f"joined to {base.where} at the given lag of {told:g} s{more}",
-            where, told, remedy="give the lag that physics says, or none" if apart else "nothing", repaired=not apart,
+            where, told, remedy="give the lag that physics says, or none" if apart else "nothing",
         )  # fmt: skip
     if shared:
         apart = not found.why and not found.low <= 0.0 <= found.high
         more = f"; physics says a lag of {seen}" if not found.why else f"; physics cannot check it: {found.why}"
         return 0.0, Finding(
             "join", "warning" if apart else "repaired", f"joined to {base.where} on the time since 1970{more}",
-            where, found.value, repaired=not apart,
+            where, found.value,
             remedy=f"do the clocks differ? --join {where}@{found.value:.4f}" if apart else "nothing",
         )  # fmt: skip
     if found.why:
@@ -168,5 +168,5 @@ def _lag(base: JoinedFile, piece: JoinedFile, told: float | None, count: int) ->
     what = "on their common time, the lag by physics being" if value == 0.0 else "at the lag that physics says,"
     return value, Finding(
         "join", "repaired", f"joined to {base.where} {what} {seen}; {found.left:.1%} are left unexplained at it",
-        where, found.value, remedy=f"if it is known better: --join {where}@LAG", repaired=True, confidence="likely",
+        where, found.value, remedy=f"if it is known better: --join {where}@LAG", confidence="likely",
     )  # fmt: skip

@@ -91,9 +91,7 @@ def in_stretches(
     minutes = sum(one.duration for one in kept) / 60
     what = f"{rows} rows in {count} pieces were audited; {len(kept)} stretches of them, {minutes:.0f} min in all, "
     what += "stand for it: of each part of the file that with most motion"
-    said = [
-        Finding("large", "repaired", what, where, remedy="cut out what matters most, if that is not it", repaired=True)
-    ]
+    said = [Finding("large", "repaired", what, where, remedy="cut out what matters most, if that is not it")]
     if refused:
         what = f"{len(refused)} of {count} pieces cannot be used, for example: {refused[0].what}"
         said.append(Finding("large", "warning", what, refused[0].where, remedy=refused[0].remedy))

@@ -45,8 +45,7 @@ class Draft:
     def noted(self, check: str, severity: str, what: str, where: str = "", **more: Any) -> Draft:
         """Return the draft with one finding more; `where` follows the file name."""
         place = f"{self.file}, {where}" if where else self.file
-        done = severity == "repaired"
-        return replace(self, findings=(*self.findings, Finding(check, severity, what, place, repaired=done, **more)))
+        return replace(self, findings=(*self.findings, Finding(check, severity, what, place, **more)))
 
     def rows(self, mask: NDArray[np.bool_]) -> str:
         """Return the row numbers of the file where `mask` (N,) holds, as text."""

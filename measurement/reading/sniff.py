@@ -64,7 +64,7 @@ def decode(data: bytes, *, where: str) -> tuple[str, tuple[Finding, ...]]:
     if not encoding and data.endswith(b"\x00"):
         kept = data.rstrip(b"\x00")
         what = f"the file ends in {len(data) - len(kept)} zero bytes, as after a power cut; they are passed over"
-        notes.append(Finding("cells", "repaired", what, where, repaired=True))
+        notes.append(Finding("cells", "repaired", what, where))
         data = kept
     try:
         text = data.decode(encoding or "utf-8")

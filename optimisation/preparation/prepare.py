@@ -214,4 +214,4 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
     shares = ", ".join(f"{joint} up to {100 * share:.0f} %" for joint, share in zip(joints, most, strict=True))
     what = f"torque samples far off their neighbours were bridged before filtering ({shares})"
     remedy = "look at the torque sensor and its cable if this is unexpected"
-    return (Finding("torque_outliers", "repaired", what, "all recordings", float(most.max()), 0.01, remedy, True),)
+    return (Finding("torque_outliers", "repaired", what, "all recordings", float(most.max()), 0.01, remedy),)

@@ -14,7 +14,8 @@ from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeM
 from workbench import commands
 from workbench.command import main
 from workbench.formula import pretty
-from workbench.terminal.showing import above, truth_sentence
+from workbench.terminal.screen import Screen
+from workbench.terminal.showing import show_limit, truth_sentence
 
 DATA = Path(commands.__file__).parents[1] / "demo_data"
 TRAIN, VERIFY = str(DATA / "train_1.csv"), str(DATA / "verify.csv")
@@ -80,8 +81,8 @@ def test_a_limit_that_is_not_met_ends_with_1(limit, status, stand_in, capsys):
 
 
 def test_an_error_that_is_not_a_number_meets_no_limit():
-    assert above((1.0, 1.0), [0.5, float("nan")])
-    assert not above(None, [float("nan"), 0.0])
+    assert show_limit(Screen(silent=True), (1.0, 1.0), [0.5, float("nan")], "N·m")
+    assert not show_limit(Screen(silent=True), None, [float("nan"), 0.0], "N·m")
 
 
 @pytest.mark.parametrize("verb", ["diagnose", "discover"])

@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material, Steps, before_and_after, command_of, pictures_of, settings_of
+from workbench.report.material import Material, Steps, before_and_after, pictures_of
 from workbench.terminal.progress import part, progress
 from workbench.terminal.screen import Screen
 from workbench.terminal.showing import show_diagnosis, show_steps
@@ -37,7 +37,7 @@ def answer_question(
 
         write_model(found.model, write, found.fit)
         screen.say(f"model: {write}")
-    deliver_results(args, screen, found.to_json(), lambda: material_of(args, title, given, found, comparison))
+    deliver_results(args, screen, found.to_json(), lambda: material_of(title, given, found, comparison))
     return 1 if found.verdict == "check_channels" else 0
 
 
@@ -57,9 +57,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
     return found, comparison
 
 
-def material_of(
-    args: argparse.Namespace, title: str, given: Inputs, found: Any, comparison: Any, truth: str = ""
-) -> Material:
+def material_of(title: str, given: Inputs, found: Any, comparison: Any, truth: str = "") -> Material:
     """Return what the report of a Diagnosis draws on."""
     changed = comparison is not None and len(found.steps) > 1
     falls = before_and_after(comparison, found.fit) if changed else ()
@@ -74,7 +72,6 @@ def material_of(
         steps=Steps.of(found),
         pictures=falls + pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
         truth=truth,
-        command=command_of(args),
-        settings=settings_of(args) | ({"filter": found.cutoff} if found.cutoff else {}),
+        settings={"filter": found.cutoff} if found.cutoff else {},
         seconds=found.seconds,
     )

@@ -35,7 +35,10 @@ def deliver_results(
     if material is None:
         screen.say(f"wrote {folder}")
         return
+    from workbench.report.material import command_of, settings_of
     from workbench.report.page import write_report
 
-    page = write_report(replace(material(), payload=payload), folder)
+    made = material()
+    told = {**settings_of(args), **made.settings}
+    page = write_report(replace(made, payload=payload, command=command_of(args), settings=told), folder)
     screen.say(f"report: {page}")

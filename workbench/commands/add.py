@@ -70,10 +70,10 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from workbench.report.material import Material, Steps, command_of, pictures_of, settings_of
+    from workbench.report.material import Material, Steps, pictures_of
 
     return Material(
         title=f"Adding {args.effect}", answer=str(found.sentence), recordings=given.recordings,
         verify=given.verify, model=found.model, fit=found.after, steps=Steps.of(found.waterfall),
-        pictures=pictures_of(found), command=command_of(args), settings=settings_of(args),
+        pictures=pictures_of(found),
     )  # fmt: skip

@@ -42,20 +42,18 @@ def run(args: argparse.Namespace) -> int:
         from diagnosis.compare import compare
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
-    from workbench.report.material import Material, command_of, pictures_of, settings_of
-    from workbench.terminal.showing import above, show_comparison
+    from workbench.report.material import Material, pictures_of
+    from workbench.terminal.showing import show_comparison, show_limit
 
     screen = Screen.of(args)
     show_comparison(screen, found)
     rms = found.rms if found.verify_rms is None else found.verify_rms
-    over = above(args.limit, rms)
-    if over:
-        screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in args.limit)} {found.unit}", "bad")
+    over = show_limit(screen, args.limit, rms, found.unit)
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(
         title="Model against measurement", answer=_sentence(rms, found),
         recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
-        pictures=pictures_of(found, section="where"), command=command_of(args), settings=settings_of(args),
+        pictures=pictures_of(found, section="where"),
     ))  # fmt: skip
     return 1 if over else 0
 
@@ -64,7 +62,7 @@ def _against(args: argparse.Namespace) -> int:
     """Say what differs between two sets of recordings; that nothing does is an answer too."""
     from workbench.command_line.inputs import load
     from workbench.command_line.parser import UsageError
-    from workbench.report.material import Material, command_of, pictures_of, settings_of
+    from workbench.report.material import Material, pictures_of
     from workbench.terminal.showing import show_differences
 
     if args.verify:
@@ -85,7 +83,6 @@ def _against(args: argparse.Namespace) -> int:
     deliver_results(args, screen, payload, lambda: Material(
         title="Before against after", answer=" ".join([found.sentence, *(f"{d.sentence}." for d in found.found)]),
         recordings=given.recordings, verify=given.verify, model=given.model, pictures=pictures_of(found),
-        command=command_of(args), settings=settings_of(args),
     ))  # fmt: skip
     return 0
 

@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     payload = {**found.to_json(), "control": control.to_json(), "seconds": time.perf_counter() - began}
 
     def material() -> Material:
-        made = material_of(args, "exoid demo", given, found, comparison, truth)
+        made = material_of("exoid demo", given, found, comparison, truth)
         return replace(made, pictures=(*made.pictures, *pictures_of(control)))
 
     deliver_results(args, screen, payload, material)

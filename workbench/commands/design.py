@@ -120,7 +120,7 @@ def _design(args: argparse.Namespace) -> int:
     )
     alt = "Angle, velocity and acceleration of every joint over one period, each between its limits."
     payload = {"schema": "exoid.design/1", **found.to_json()}
-    deliver_results(args, screen, payload, lambda: _material(args, "A motion for identification", answer, found, alt))
+    deliver_results(args, screen, payload, lambda: _material("A motion for identification", answer, found, alt))
     return 0 if found.feasible and found.informative and not missed else 1
 
 
@@ -182,16 +182,12 @@ def _show(screen: Screen, found: Any) -> None:
         screen.say(f"careful: {text}", "warn")
 
 
-def _material(args: argparse.Namespace, title: str, answer: str, found: Any, alt: str) -> Any:
+def _material(title: str, answer: str, found: Any, alt: str) -> Any:
     """Return what the report draws on."""
-    from workbench.report.material import Material, Picture, command_of, settings_of
+    from workbench.report.material import Material, Picture
 
     pictures = () if found.trajectory is None else (Picture("The motion", alt, found.plot(), "motion"),)
-    settings = {name: text for name, text in settings_of(args).items() if name != "inputs"}
-    return Material(
-        title=title, answer=answer, model=found.model, pictures=pictures, command=command_of(args), settings=settings,
-        seconds=found.seconds,
-    )  # fmt: skip
+    return Material(title=title, answer=answer, model=found.model, pictures=pictures, seconds=found.seconds)
 
 
 def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
@@ -253,9 +249,8 @@ def _separate(args: argparse.Namespace) -> int:
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
     alt = "How far apart the rivals will be on this motion, at random and at present; the angles of all joints."
     payload = {"schema": "exoid.separation/1", **found.to_json()}
-    deliver_results(
-        args, screen, payload, lambda: _material(args, "A motion that distinguishes rivals", found.sentence, found, alt)
-    )
+    title = "A motion that distinguishes rivals"
+    deliver_results(args, screen, payload, lambda: _material(title, found.sentence, found, alt))
     return 0 if found.separable else 1
 
 

@@ -58,9 +58,9 @@ def run(args: argparse.Namespace) -> int:
     given = load(args)
     fit, unseen, near, length = _identified(args, given)
     from optimisation.fitting.by_recording import by_recording
-    from workbench.report.material import Material, command_of, picture_of_fit, settings_of
+    from workbench.report.material import Material, picture_of_fit
     from workbench.terminal.screen import per_joint
-    from workbench.terminal.showing import above, show_by_recording, show_fit
+    from workbench.terminal.showing import show_by_recording, show_fit, show_limit
 
     screen, joints, unit = Screen.of(args), given.model.joint_names, given.model.torque_unit
     show_fit(screen, fit)
@@ -78,10 +78,7 @@ def run(args: argparse.Namespace) -> int:
 
         write_model(given.model, args.write, fit)
         screen.say(f"model: {args.write}")
-    over = above(args.limit, fit.rms if unseen is None else unseen.huber)
-    if over:
-        limit = " / ".join(f"{x:g}" for x in args.limit)
-        screen.say(f"the error is above the limit of {limit} {unit}", "bad")
+    over = show_limit(screen, args.limit, fit.rms if unseen is None else unseen.huber, unit)
     checked = {} if unseen is None else unseen.to_json()
     beyond = "" if unseen is None else f"; on motion the fit has not seen, {per_joint(unseen.huber, joints, unit)}"
     payload = {"schema": "exoid.fit/1", **fit.to_json(), **checked, "neighbouring_cutoffs": near.to_json()}
@@ -92,8 +89,7 @@ def run(args: argparse.Namespace) -> int:
         answer=f"The error left on the fitted motion is {per_joint(fit.rms, joints, unit)} (RMS){beyond}.",
         recordings=given.recordings, verify=given.verify, model=given.model, fit=fit,
         by_recording=alone,
-        pictures=(picture_of_fit(fit),), command=command_of(args), settings=settings_of(args),
-        seconds=fit.seconds,
+        pictures=(picture_of_fit(fit),), seconds=fit.seconds,
     ))  # fmt: skip
     return 1 if over else 0
 

@@ -54,13 +54,12 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         found.write_logs(Path(args.out) / "ioh")
         screen.say(f"IOHprofiler logs: {Path(args.out) / 'ioh'}")
-    from workbench.report.material import Material, command_of, pictures_of, settings_of
+    from workbench.report.material import Material, pictures_of
 
     payload = {"schema": "exoid.rivals/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(
         title="Optimisers against the certified optimum", answer=_sentence(found),
-        recordings=() if given is None else given.recordings, pictures=pictures_of(found),
-        command=command_of(args), settings=settings_of(args), seconds=found.seconds,
+        recordings=() if given is None else given.recordings, pictures=pictures_of(found), seconds=found.seconds,
     ))  # fmt: skip
     return 0
 

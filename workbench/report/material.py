@@ -118,7 +118,7 @@ def picture_of_fit(fit: Any) -> Picture:
 
 def settings_of(args: argparse.Namespace) -> dict[str, str]:
     """Return the settings of a command line as text, for the section that says how to repeat it."""
-    hidden = ("command_line", "quiet", "json", "out", "recordings", "verify")
+    hidden = ("command_line", "quiet", "json", "out", "inputs", "recordings", "verify")
     return {
         name.replace("_", " "): str(value)
         for name, value in sorted(vars(args).items())

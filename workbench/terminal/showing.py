@@ -189,9 +189,14 @@ def percent(share: float | None) -> str:
     return "-" if share is None or not math.isfinite(share) else f"{100 * share:.0f} %"
 
 
-def above(limit: Sequence[float] | None, rms: Iterable[float]) -> bool:
-    """Whether an error asked to stay at or below `limit`, (1,) or (J,), is above it at any joint (or not a number)."""
-    return limit is not None and not all(x <= limit[j % len(limit)] for j, x in enumerate(rms))
+def show_limit(screen: Screen, limit: Sequence[float] | None, rms: Iterable[float], unit: str) -> bool:
+    """Say and return whether an error asked to stay at or below `limit`, (1,) or (J,), is above it at any joint (or not
+    a number).
+    """
+    if limit is None or all(x <= limit[j % len(limit)] for j, x in enumerate(rms)):
+        return False
+    screen.say(f"the error is above the limit of {' / '.join(f'{x:g}' for x in limit)} {unit}", "bad")
+    return True
 
 
 def truth_sentence(truth: Any) -> str:

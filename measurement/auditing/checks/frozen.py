@@ -44,7 +44,6 @@ def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int6
         "look at the cable or bus"
         if masked
         else "look at the cable or bus; empty these cells in a copy of the file and they are masked",
-        repaired=masked,
         consequence="none: the rows do not enter the fit" if masked else "the rows pull every parameter of this joint",
         confidence="certain" if masked else "likely",
     )

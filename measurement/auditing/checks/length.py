@@ -27,12 +27,10 @@ def check(recording: Recording) -> list[Finding]:
     if recording.duration < GOOD_SECONDS:
         what = f"the recording lasts only {recording.duration:.3g} s"
         consequence = "wide intervals; small effects cannot be seen"
-        found.append(
-            Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, False, consequence)
-        )
+        found.append(Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, consequence))
     share = usable / count
     if share < USABLE:
         what = f"{1 - share:.0%} of the rows are masked"
         remedy = "look at the findings above for the reason, and at the logger"
-        found.append(Finding("length", "warning", what, where, share, USABLE, remedy, False, "little data is left"))
+        found.append(Finding("length", "warning", what, where, share, USABLE, remedy, "little data is left"))
     return found

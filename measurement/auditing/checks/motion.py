@@ -62,7 +62,7 @@ def check(recording: Recording) -> list[Finding]:
 
 
 def _warning(what: str, where: str, value: float, limit: float, remedy: str, consequence: str) -> Finding:
-    return Finding("motion", "warning", what, where, value, limit, remedy, False, consequence)
+    return Finding("motion", "warning", what, where, value, limit, remedy, consequence)
 
 
 def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Finding]:

@@ -21,16 +21,5 @@ def check(recording: Recording) -> list[Finding]:
     what = f"sampled at {rate:.3g} Hz, {'too slow for' if rate < LEAST else 'slow for'} accelerations"
     remedy = "sample at 100 Hz or faster; if the time column is not in seconds, say so: --units t=ms"
     consequence = "fast motion is cut off: inertias come out too small"
-    return [
-        Finding(
-            "rate",
-            severity,
-            what,
-            place(recording, "t"),
-            rate,
-            LEAST if rate < LEAST else GOOD,
-            remedy,
-            False,
-            consequence,
-        )
-    ]
+    limit = LEAST if rate < LEAST else GOOD
+    return [Finding("rate", severity, what, place(recording, "t"), rate, limit, remedy, consequence)]

@@ -84,7 +84,6 @@ def saturated_finding(
         rows.size / len(recording),
         0.002,
         "use a wider sensor range or a gentler motion",
-        repaired=masked,
         consequence="what happened at full scale is not known; the rows do not enter the fit"
         if masked
         else "the true values are larger: inertias and friction come out too small",

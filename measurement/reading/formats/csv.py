@@ -256,5 +256,5 @@ def _tidied(body: str, layout: Layout, path: Path) -> tuple[str, NDArray[np.int6
     if ragged:
         what = f"{len(ragged)} rows do not have {width} cells like the header; they are masked"
         remedy = "nothing, if the rows are few; otherwise look at the logger"
-        notes = (Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy, True),)
+        notes = (Finding("cells", "repaired", what, f"{path}, {places}", float(len(ragged)), 0.0, remedy),)
     return "\n".join(lines) + "\n", np.array(row, dtype=np.int64), notes
