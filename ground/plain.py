@@ -36,21 +36,26 @@ def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
     return {str(key): plain(value) for key, value in values.items()}
 
 
-class AsJson:
-    """A dataclass whose JSON is told by `JSON`: "*" for all fields, a name for a field or property, "key=name" (or
-    "key=name.of.its") where the key is another, "name{}" where a sequence becomes {name: one of them}.
+def picked(value: Any, words: str) -> dict[str, Any]:
+    """Return what `words` name of an object: "*" for all fields of a dataclass, a name for a field or property,
+    "key=name" (or "key=name.of.its") where the key is another, "name{}" where a sequence becomes {name: one of them}.
     """
+    out: dict[str, Any] = {}
+    for word in words.split():
+        if word == "*":
+            out |= {f.name: getattr(value, f.name) for f in fields(value)}
+        else:
+            key, _, place = word.removesuffix("{}").partition("=")
+            found = attrgetter(place or key)(value)
+            out[key] = {one.name: one for one in found} if word.endswith("{}") else found
+    return out
+
+
+class AsJson:
+    """A dataclass whose JSON is told by `JSON`, in the words that `picked` takes."""
 
     JSON: ClassVar[str] = "*"
 
     def to_json(self) -> dict[str, Any]:
         """Return what `JSON` names in plain types."""
-        out: dict[str, Any] = {}
-        for word in self.JSON.split():
-            if word == "*":
-                out |= {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-            else:
-                key, _, place = word.removesuffix("{}").partition("=")
-                found = attrgetter(place or key)(self)
-                out[key] = {one.name: one for one in found} if word.endswith("{}") else found
-        return plain_dict(out)
+        return plain_dict(picked(self, self.JSON))

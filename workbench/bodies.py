@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ground.text import in_comment
-from optimisation.linear.links import LinkInertia, nearest_links, tree_of
-from symbolic.joints import Joint, parents
+from optimisation.linear.links import LinkInertia, nearest_links
 from symbolic.term import Term
 from workbench.identified import ExportError, Ready
 
@@ -16,19 +15,9 @@ OFF_AXIS = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
 """Effects that are a mass beside a link's axis, and the link, None where the joint says it."""
 
 
-def joints_of(ready: Ready) -> tuple[Joint, ...]:
-    """Return the joints of the machine, every length a number."""
-    return tree_of(ready.model)
-
-
 def link_names(ready: Ready) -> tuple[str, ...]:
     """Return what the links are called in a file: thigh and shank of the leg, else after their joints."""
     return tuple(f"{name}_link" for name in ready.model.joint_names) if ready.model.chain else ("thigh", "shank")
-
-
-def carriers(ready: Ready) -> tuple[int | None, ...]:
-    """Return which link carries each joint, None for the base."""
-    return parents(joints_of(ready))
 
 
 def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[LinkInertia, ...]:

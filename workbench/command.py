@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
-import pkgutil
 import signal
 import sys
 import warnings
@@ -19,6 +18,7 @@ from types import ModuleType
 
 from ground.delivery import together
 from ground.errors import ExoidError
+from ground.folder import names_in
 from ground.suggest import did_you_mean
 from ground.text import printable
 from workbench import commands
@@ -64,7 +64,7 @@ exoid --help lists every command, exoid COMMAND --help its options.
 
 def find_verbs() -> tuple[str, ...]:
     """Return the names of all commands: the modules of `commands/`, sorted."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(commands.__path__)))
+    return names_in(commands)
 
 
 def load_verb(verb: str) -> ModuleType:

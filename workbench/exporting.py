@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from types import ModuleType
 
+from ground.folder import names_in
 from workbench import export
 
 
 def formats() -> tuple[str, ...]:
     """Return the names of all formats, sorted; none is imported."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(export.__path__)))
+    return names_in(export)
 
 
 def exporter(name: str) -> ModuleType:

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from optimisation.linear.links import LinkInertia
+from optimisation.linear.links import LinkInertia, tree_of
 from symbolic.joints import parents
 from symbolic.motion import Float
 from symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
 from symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
-from workbench.bodies import friction_of, joints_of, left_out, links_of
+from workbench.bodies import friction_of, left_out, links_of
 from workbench.identified import ExportError, Ready
 
 START_TAG = re.compile(rb"<[^\s/>]+(?:\s+[^\s=>]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*\s*(/?)>")
@@ -88,7 +88,7 @@ def _matched(ready: Ready, robot: RobotFile, where: str) -> tuple[PlanarMachine,
             )  # fmt: skip
         found.append(names[joint])
     machine = planar_machine(robot, found, ready.model.gravity, where)
-    for mine, other in zip(joints_of(ready), machine.model.chain, strict=True):
+    for mine, other in zip(tree_of(ready.model), machine.model.chain, strict=True):
         lengths = [0.0 if one.length is None else one.length for one in (mine, other)]
         if mine.kind != other.kind or (other.length is not None and abs(lengths[0] - lengths[1]) > SAME_LENGTH):
             raise ExportError(
@@ -97,7 +97,7 @@ def _matched(ready: Ready, robot: RobotFile, where: str) -> tuple[PlanarMachine,
                 where=where,
                 remedy="make the model from this file (exoid model --from-urdf) and identify it",
             )
-    if parents(joints_of(ready)) != parents(machine.model.chain):
+    if parents(tree_of(ready.model)) != parents(machine.model.chain):
         raise ExportError("its joints hang from each other otherwise than in the model", where=where,
                           remedy="make the model from this file (exoid model --from-urdf) and identify it")  # fmt: skip
     return machine, [robot.joints[name] for name in found]

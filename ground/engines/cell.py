@@ -19,10 +19,11 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from ground.engines.workers import PROCESSES
+from ground.plain import AsJson
 
 MOST_JOBS = 500
 """Jobs after which a process is replaced, so that whatever leaks stays small."""
@@ -34,7 +35,7 @@ BESIDE_OTHERS = {name: "1" for name in (*ONE_THREAD, PROCESSES)}
 
 
 @dataclass(frozen=True)
-class Answer:
+class Answer(AsJson):
     """What became of a job.
 
     `status` is "done" (with the `value` that the function returned), "failed" (an exception: `reason` is its
@@ -48,10 +49,6 @@ class Answer:
     attempts: int = 1
     seconds: float = 0.0
     worker: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields under their names."""
-        return asdict(self)
 
 
 class Cell:

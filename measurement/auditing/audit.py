@@ -6,11 +6,10 @@ not raise; what makes a recording unusable is a finding of severity "refused".
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from collections.abc import Callable
 from functools import cache
 
+from ground.folder import modules_in
 from measurement.auditing import checks
 from measurement.finding import SEVERITIES, Finding, row_ranges
 from measurement.recording import Recording
@@ -23,8 +22,7 @@ Check = Callable[[Recording], list[Finding]]
 @cache
 def find_checks() -> dict[str, Check]:
     """Return {file name: check} of every module in `measurement/auditing/checks/`."""
-    names = sorted(module.name for module in pkgutil.iter_modules(checks.__path__))
-    return {name: importlib.import_module(f"{checks.__name__}.{name}").check for name in names}
+    return {name: module.check for name, module in modules_in(checks).items()}
 
 
 def audit(recording: Recording) -> tuple[Finding, ...]:

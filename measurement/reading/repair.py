@@ -27,6 +27,7 @@ ABSURD = 1e12
 """No quantity of a leg in any of its units comes near; larger cells are treated like infinity."""
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
+UNUSED = "none: the rows do not enter the fit"
 ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
 
 
@@ -47,9 +48,13 @@ class Draft:
         place = f"{self.file}, {where}" if where else self.file
         return replace(self, findings=(*self.findings, Finding(check, severity, what, place, **more)))
 
-    def rows(self, mask: NDArray[np.bool_]) -> str:
-        """Return the row numbers of the file where `mask` (N,) holds, as text."""
-        return row_ranges(np.sort(self.row[mask]))
+    def mended(
+        self, check: str, what: str, mask: NDArray[np.bool_], remedy: str, column: str = "", **more: Any
+    ) -> Draft:
+        """Return the draft with a note on what was repaired in the rows of `mask` (N,)."""
+        rows = row_ranges(np.sort(self.row[mask]))
+        where = f"column {column}, {rows}" if column else rows
+        return self.noted(check, "repaired", what, where, value=float(mask.sum()), limit=0.0, remedy=remedy, **more)
 
 
 def repaired(
@@ -67,26 +72,15 @@ def repaired(
     draft = _clock_unit(draft)
     draft = _angles(draft)
     columns = draft.columns
-    pairs = {
+    pairs: dict[str, Any] = {
         field: np.column_stack([columns[f"{key}{k + 1}"] for k in range(len(joints))])
         for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"), ("force", "f"))
         if f"{key}1" in columns
     }
     return Recording(
-        name,
-        columns["t"],
-        pairs["q"],
-        pairs["tau"],
-        draft.valid,
-        pairs.get("dq"),
-        pairs.get("ddq"),
-        pairs.get("force"),
-        source,
-        draft.findings,
-        draft.row,
-        joints=joints,
-        base=_base(columns),
-    )
+        name, columns["t"], **pairs, valid=draft.valid, source=source, findings=draft.findings, row=draft.row,
+        joints=joints, base=_base(columns),
+    )  # fmt: skip
 
 
 def _base(columns: Mapping[str, Float]) -> Float | None:
@@ -152,29 +146,25 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
             columns[name] = np.where(bad, np.nan, values)
             valid &= ~bad
         if bad.mean() > 0.5:
-            what, where = _bad_cells(draft, [name], assigned)
+            what, shown, rows = _bad_cells(draft, [name], assigned)
             remedy = f"is this the right column? --map {name}=COLUMN names another"
-            raise RecordingError(what, where=f"{draft.file}, {where}", remedy=remedy)
+            where = f"{draft.file}, column {shown}, {row_ranges(np.sort(draft.row[rows]))}"
+            raise RecordingError(what, where=where, remedy=remedy)
     for names in reported.values():
-        what, where = _bad_cells(draft, names, assigned)
-        bad_rows = int(np.isnan(columns[names[0]]).sum())
-        draft = draft.noted(
-            "cells",
-            "repaired",
-            f"{what}; these rows are masked",
-            where,
-            value=float(bad_rows),
-            limit=0.0,
-            remedy="nothing, if the rows are few; otherwise look at the logger",
-            consequence="none: the rows do not enter the fit",
-        )
+        what, shown, bad = _bad_cells(draft, names, assigned)
+        remedy = "nothing, if the rows are few; otherwise look at the logger"
+        draft = draft.mended("cells", f"{what}; these rows are masked", bad, remedy, shown, consequence=UNUSED)
     if valid.sum() < 10:
         raise RecordingError(f"only {int(valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
     return replace(draft, columns=columns, valid=valid)
 
 
-def _bad_cells(draft: Draft, names: list[str], assigned: Mapping[str, Assigned]) -> tuple[str, str]:
-    """Return what is wrong with the columns `names`, which are bad in the same rows, and where."""
+def _bad_cells(
+    draft: Draft, names: list[str], assigned: Mapping[str, Assigned]
+) -> tuple[str, str, NDArray[np.bool_]]:
+    """Return what is wrong with the columns `names`, which are bad in the same rows, what they are called, and where
+    (N,) that is.
+    """
     values = np.column_stack([draft.columns[name] for name in names])
     endless = np.isinf(values) | (np.abs(values) > ABSURD)
     bad = np.isnan(values[:, 0]) | endless[:, 0] if names != ["t"] else ~(np.abs(values[:, 0]) <= 1e19)
@@ -191,7 +181,7 @@ def _bad_cells(draft: Draft, names: list[str], assigned: Mapping[str, Assigned])
     label = ", ".join(names)
     what = f"{int(bad.sum())} of {bad.size} cells of {label} are not usable numbers ({kinds}{example})"
     shown = ", ".join(repr(assigned[name].column.name) for name in names)
-    return what, f"column {shown}, {draft.rows(bad)}"
+    return what, shown, bad
 
 
 def _order_time(draft: Draft) -> Draft:
@@ -239,16 +229,8 @@ def _order_time(draft: Draft) -> Draft:
     if found.kind == "ticks":
         return _ticks(draft)
     if fresh.any():
-        draft = draft.noted(
-            "time",
-            "repaired",
-            f"time repeats or goes back in {int(fresh.sum())} of {count} rows; they are masked",
-            draft.rows(fresh),
-            value=float(fresh.sum()),
-            limit=0.0,
-            remedy="nothing, if the rows are few",
-            consequence="none: the rows do not enter the fit",
-        )
+        what = f"time repeats or goes back in {int(fresh.sum())} of {count} rows; they are masked"
+        draft = draft.mended("time", what, fresh, "nothing, if the rows are few", consequence=UNUSED)
     return _stamped(draft, clock.fill_stamps(_since_start(draft.columns["t"]), found.bad))
 
 
@@ -258,15 +240,8 @@ def _ticks(draft: Draft) -> Draft:
     cells = np.column_stack(list(draft.columns.values()))
     same = np.r_[False, np.all(cells[1:] == cells[:-1], axis=1)]
     if same.mean() > 0.2:
-        draft = draft.noted(
-            "time",
-            "repaired",
-            f"{int(same.sum())} rows repeat the row before in every cell; they are left out",
-            draft.rows(same),
-            value=float(same.sum()),
-            limit=0.0,
-            remedy="log each sample once",
-        )
+        what = f"{int(same.sum())} rows repeat the row before in every cell; they are left out"
+        draft = draft.mended("time", what, same, "log each sample once")
         keep &= ~same
     draft = replace(
         draft,
@@ -355,30 +330,15 @@ def _angles(draft: Draft) -> Draft:
         if not joint.turns:
             values = draft.columns[name]
         elif wraps.any():
-            draft = draft.noted(
-                "wraps",
-                "repaired",
-                f"{name} jumps by a full turn {int(wraps.sum())} times; it was unwrapped",
-                f"column {name}, {draft.rows(wraps)}",
-                value=float(wraps.sum()),
-                limit=0.0,
-                remedy="nothing",
-            )
+            what = f"{name} jumps by a full turn {int(wraps.sum())} times; it was unwrapped"
+            draft = draft.mended("wraps", what, wraps, "nothing", name)
         spikes = angles.angle_spikes(values, draft.valid)
         valid = draft.valid
         if spikes.any():
             valid = valid & ~spikes
-            draft = draft.noted(
-                "spikes",
-                "repaired",
-                f"{name} has {int(spikes.sum())} spikes of one or two samples; they are masked",
-                f"column {name}, {draft.rows(spikes)}",
-                value=float(spikes.mean()),
-                limit=0.0,
-                remedy="look at the encoder cable",
-                consequence="none: the rows do not enter the fit",
-                confidence="likely",
-            )
+            what = f"{name} has {int(spikes.sum())} spikes of one or two samples; they are masked"
+            remedy = "look at the encoder cable"
+            draft = draft.mended("spikes", what, spikes, remedy, name, consequence=UNUSED, confidence="likely")
             values = angles.fill(values, valid)
         draft = replace(draft, columns={**draft.columns, name: values}, valid=valid)
     return draft

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import glob
 import hashlib
-import importlib
-import pkgutil
 import shutil
 import stat
 import tempfile
@@ -22,6 +20,7 @@ from pathlib import Path, PurePosixPath
 from types import ModuleType
 
 from ground.errors import RecordingError, refused
+from ground.folder import modules_in
 from ground.inputs import open_input
 from ground.suggest import nearest
 from measurement.reading import formats
@@ -41,8 +40,7 @@ OTHERS = frozenset({"readme.txt", "license.txt", "requirements.txt", "notes.txt"
 @cache
 def find_formats() -> tuple[ModuleType, ...]:
     """Return every module in `measurement/reading/formats/`."""
-    names = sorted(module.name for module in pkgutil.iter_modules(formats.__path__))
-    return tuple(importlib.import_module(f"{formats.__name__}.{name}") for name in names)
+    return tuple(modules_in(formats).values())
 
 
 def suffixes() -> tuple[str, ...]:

@@ -163,7 +163,8 @@ class FakeDiagnosis:
                  "rms_before": [0.74, 0.98], "rms_after": [0.73, 0.58]},
             ],
             "suspects": [
-                {"effect": s.effect, "joint": s.joint, "explained_share": share, "p_value": p, "look_alikes": alike}
+                {"effect": s.effect, "joint": s.joint, "explained_share": share, "p_value": p, "look_alikes": alike,
+                 "caution": s.caution}
                 for s, share, p, alike in zip(self.suspects, (0.61, 0.4, 0.02), (0.001, 0.02, None),
                                               (["viscous_quadratic:knee"], [], []), strict=True)
             ],

@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.errors import ModelFileError
+from ground.plain import AsJson
 from ground.suggest import did_you_mean
 from ground.toml_reader import Table, read_toml
 
@@ -48,11 +49,13 @@ class PlanError(ModelFileError):
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(AsJson):
     """One question: `verb` about `recordings` and held-out `verify`, of a group with these `fields`.
 
     `model` is the path of a model file or None, `options` the command's own, `case` the name of a simulated leg.
     """
+
+    JSON = "name verb fields recordings verify model options seed"
 
     name: str
     verb: str

@@ -11,6 +11,7 @@ from typing import Any
 
 from ground.files import write_whole
 from workbench.campaign.plan import Plan
+from workbench.report.sections.verdict import term
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a spreadsheet takes for a formula at the start of a cell: a name from a file is not one."""
@@ -44,9 +45,7 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
 
 def effect_name(one: Mapping[str, Any]) -> str:
     """Return "stribeck:knee" of an entry of `accepted` or `possible`, from recordings or from a simulated leg."""
-    if "name" in one:
-        return str(one["name"])
-    return str(one["effect"]) + (f":{one['joint']}" if one.get("joint") else "")
+    return str(one["name"]) if "name" in one else term(one)
 
 
 def effect_values(one: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ import argparse
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,34 +57,53 @@ def load_model(path: str | None) -> Model:
 
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
-    from measurement.reading.sources import expand
-
     model = load_model(getattr(args, "model", None))
     most = getattr(args, "limit", None) or (0.0,)
     if len(most) not in (1, len(model.joints)):
         remedy = f"give one, or one per joint as {','.join(model.joint_names)}"
         raise UsageError(f"--limit has {len(most)} numbers", where="--limit", remedy=remedy)
+    *groups, told = told_recordings(args, model.joint_names)
+    joints = model.joints if getattr(args, "model", None) else None
+    recordings, verify = (
+        tuple(one for path in paths for one in _read_as(path, joints=joints, quiet=args.quiet, **told[path]))
+        for paths in groups
+    )
+    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
+
+
+def _read_as(
+    path: str, *, options: Mapping[str, Any], passive: Sequence[str], payloads: Sequence[Payload], **more: Any
+) -> Iterator[Recording]:
+    for one in read(path, **options, **more):
+        for load in payloads:
+            one = one.with_payload(load.mass, load.along, load.link)
+        yield one.with_passive(*passive)
+
+
+def told_recordings(
+    args: argparse.Namespace, joints: Sequence[str]
+) -> tuple[list[str], list[str], dict[str, dict[str, Any]]]:
+    """Return the files that `args` mean to be fitted and held out, and of each: `options`, what `read_recordings` takes,
+    `passive`, its joints without a drive, and `payloads`, known masses.
+    """
+    from measurement.reading.sources import expand
+
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
     expand([*args.recordings, *held_out])  # so that every missing file is named at once, of both groups
     given, unseen = expand(args.recordings), expand(held_out)
     refuse_repeats(given, unseen)
-    loads = payloads(getattr(args, "payload", []), [*given, *unseen])
-    told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
-    told["joints"] = model.joints if getattr(args, "model", None) else None
-    kept = conventions_of(args.convention, [*given, *unseen])
-    idle = passive_joints(getattr(args, "passive", []), [*given, *unseen], model.joint_names)
-    others = joins_of(args.join, [*given, *unseen])
-
-    def all_of(paths: Sequence[str]) -> tuple[Recording, ...]:
-        return tuple(
-            _loaded(one, loads.get(path, [])).with_passive(*idle[path])
-            for path in paths
-            for one in read(path, **told, convention=kept[path], join=others[path], quiet=args.quiet)
-        )
-
-    recordings, verify = all_of(given), all_of(unseen)
-    return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
+    every = [*given, *unseen]
+    loads = payloads(getattr(args, "payload", []), every)
+    all_of = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
+    kept, others = conventions_of(args.convention, every), joins_of(args.join, every)
+    idle = passive_joints(args.passive, every, joints)
+    told = {}
+    for path in every:
+        options = {**all_of, "convention": kept[path], "join": others[path]}
+        said = {name: value for name, value in options.items() if value}
+        told[path] = {"options": said, "passive": tuple(idle[path]), "payloads": tuple(loads.get(path, ()))}
+    return given, unseen, told
 
 
 def read(path: str, *, quiet: bool = False, **told: Any) -> tuple[Recording, ...]:
@@ -113,7 +132,7 @@ def joins_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[tuple
     plain: list[str] = []
     for text in given:
         name, _, rest = text.partition("=")
-        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        meant = _called(name, paths)
         if not Path(text).exists() and rest and len(meant) == 1:
             found[meant[0]].append(_with_lag(rest))
         else:
@@ -130,6 +149,11 @@ def joins_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[tuple
             remedy=f"write for example {paths[0] if paths else 'REC'}={plain[0]}, or one file per recording, in order",
         )
     return found
+
+
+def _called(name: str, paths: Sequence[str]) -> list[str]:
+    """Return the recordings that a name means: one's path or, where that is enough, its file name."""
+    return [path for path in paths if path == name] or [path for path in paths if Path(path).name == name]
 
 
 def _with_lag(text: str) -> tuple[str, float | None]:
@@ -151,7 +175,7 @@ def conventions_of(given: Sequence[str], paths: Sequence[str]) -> dict[str, list
     found: dict[str, list[str]] = {path: [] for path in paths}
     for text in given:
         name, _, names = text.partition("=")
-        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        meant = _called(name, paths)
         for path in meant or paths:
             found[path].append(names if meant else text)
     return found
@@ -162,7 +186,7 @@ def passive_joints(given: Sequence[str], paths: Sequence[str], joints: Sequence[
     found: dict[str, list[str]] = {path: [] for path in paths}
     for text in given:
         name, _, joint = text.rpartition("=")
-        meant = [p for p in paths if not name or p == name] or [p for p in paths if Path(p).name == name]
+        meant = _called(name, paths) if name else list(paths)
         if joint not in joints or not meant:
             raise UsageError(
                 f"{text!r} does not name a joint{f' of a recording called {name}' if name else ''}",
@@ -177,10 +201,7 @@ def passive_joints(given: Sequence[str], paths: Sequence[str], joints: Sequence[
 
 
 def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Payload]]:
-    """Return {path: its payloads} from texts such as run4.csv=2@0.35; UsageError where one names no recording of these.
-
-    A recording is named by its path or, where that is enough, by its file name.
-    """
+    """Return {path: its payloads} from texts such as run4.csv=2@0.35; UsageError where one names none of these."""
     found: dict[str, list[Payload]] = {}
     for text in given:
         name, _, load = text.rpartition("=")
@@ -188,7 +209,7 @@ def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Paylo
             raise UsageError(
                 f"{text!r} is not FILE=KG@M", where="--payload", remedy="write for example run4.csv=2@0.35 (kg, m)"
             )
-        meant = [p for p in paths if p == name] or [p for p in paths if Path(p).name == name]
+        meant = _called(name, paths)
         if len(meant) != 1:
             raise UsageError(
                 f"{name} is {'none' if not meant else 'more than one'} of the recordings given",
@@ -212,12 +233,6 @@ def payload_of(text: str) -> Payload:
             f"{text!r} is not KG@M", where="--payload", remedy="write for example 2@0.35, or thigh:2@0.2 (kg, m)"
         ) from None
     return Payload(*numbers, link if colon else "shank")
-
-
-def _loaded(recording: Recording, loads: Sequence[Payload]) -> Recording:
-    for load in loads:
-        recording = recording.with_payload(load.mass, load.along, load.link)
-    return recording
 
 
 def refuse_repeats(fitted: Sequence[str], unseen: Sequence[str]) -> None:

@@ -6,7 +6,7 @@ import argparse
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from workbench.command_line.deliver import check_places
 from workbench.command_line.files import check_folder, write_json
@@ -58,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     if args.dry_run:
         _show_jobs(screen, plan)
         if args.json:
-            write_json(args.json, {"schema": "exoid.campaign_plan/1", "jobs": [_described(job) for job in plan.jobs]})
+            write_json(args.json, {"schema": "exoid.campaign_plan/1", "jobs": plan.jobs})
         return 0
     check_folder(args.out)
     from workbench.campaign.run import run_campaign
@@ -89,13 +89,6 @@ def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     from ground.engines.local import local
 
     return local(args.jobs)
-
-
-def _described(job: Any) -> dict[str, Any]:
-    return {
-        "name": job.name, "verb": job.verb, "fields": dict(job.fields), "recordings": list(job.recordings),
-        "verify": list(job.verify), "model": job.model, "options": list(job.options), "seed": job.seed,
-    }  # fmt: skip
 
 
 def _show_jobs(screen: Screen, plan: Plan) -> None:

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ground.plain import picked
 from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json, write_text
 from workbench.command_line.inputs import split_joint
@@ -130,35 +131,24 @@ def _coefficient(entry: Coefficient) -> str:
         (True, False): f"at most {entry.max}",
         (False, False): f"{entry.min} to {entry.max}",
     }[entry.min is None, entry.max is None]
-    typical = f", typically {entry.typical:g}" if entry.typical is not None else ""
-    return f"{entry.unit or '1'}, {bounds}{typical}" + (f"; {entry.explains}" if entry.explains else "")
+    return _number(entry, bounds)
 
 
 def _shape(entry: Shape) -> str:
     span = " or ".join(f"{c:g}" for c in entry.choices) if entry.choices else f"{entry.min:g} to {entry.max:g}"
+    return _number(entry, span)
+
+
+def _number(entry: Coefficient | Shape, span: str) -> str:
     typical = f", typically {entry.typical:g}" if entry.typical is not None else ""
     return f"{entry.unit or '1'}, {span}{typical}" + (f"; {entry.explains}" if entry.explains else "")
 
 
 def effect_record(effect: Effect) -> dict[str, Any]:
     """Return the entry in plain types."""
-    return {
-        "id": effect.id,
-        "title": effect.title,
-        "family": effect.family,
-        "explains": effect.explains,
-        "joints": list(effect.joints),
-        "torque": effect.torque if effect.torque is None or isinstance(effect.torque, str) else dict(effect.torque),
-        "derived": effect.derive is not None,
-        "deflection": None if effect.deflection is None else dict(effect.deflection),
-        "coefficients": _fields(effect.coefficients),
-        "shape": _fields(effect.shape),
-        "absorbed_on": dict(effect.absorbed_on),
-        "tells_apart": effect.tells_apart,
-        "reference": effect.reference,
-        "custom": effect.custom,
+    plain = "id title family explains joints torque deflection absorbed_on tells_apart reference custom"
+    numbers = {
+        kind: {name: dict(vars(entry)) for name, entry in getattr(effect, kind).items()}
+        for kind in ("coefficients", "shape")
     }
-
-
-def _fields(entries: Mapping[str, Coefficient] | Mapping[str, Shape]) -> dict[str, Any]:
-    return {name: dict(vars(entry)) for name, entry in entries.items()}
+    return picked(effect, plain) | numbers | {"derived": effect.derive is not None}

@@ -54,9 +54,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
-    from measurement.reading.sources import expand
-    from workbench.command_line.inputs import conventions_of, joins_of, passive_joints, payloads, refuse_repeats
-    from workbench.command_line.options import merged
+    from workbench.command_line.inputs import told_recordings
     from workbench.page.given import FIT, VERIFY
     from workbench.page.takeaway import is_session, reopen
 
@@ -65,23 +63,6 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
         return
     if args.model:
         workspace.use_model(Path(args.model), args.model)
-    refuse_repeats(args.recordings, args.verify)
-    given, unseen = (expand(paths) if paths else [] for paths in (args.recordings, args.verify))
-    every = [*given, *unseen]
-    told = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
-    said = {name: value for name, value in told.items() if value}
-    kept, others = (
-        read(values, every)
-        for read, values in (
-            (conventions_of, args.convention), (joins_of, args.join),
-        )
-    )  # fmt: skip
-    loads = payloads(args.payload, every)
-    idle = passive_joints(args.passive, every, workspace.model.joint_names)
-    for path in every:
-        options = {**said, "convention": kept[path], "join": others[path]}
-        workspace.add_file(
-            Path(path), Path(path).name, VERIFY if path in unseen else FIT,
-            options={name: value for name, value in options.items() if value}, passive=tuple(idle[path]),
-            payloads=tuple(loads.get(path, ())),
-        )  # fmt: skip
+    _, unseen, told = told_recordings(args, workspace.model.joint_names)
+    for path, one in told.items():
+        workspace.add_file(Path(path), Path(path).name, VERIFY if path in unseen else FIT, **one)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from math import isfinite
 
-from symbolic.joints import Joint
-from workbench.bodies import carriers, friction_of, joints_of, left_out, link_names, links_of, terms_of
+from optimisation.linear.links import tree_of
+from symbolic.joints import Joint, parents
+from workbench.bodies import friction_of, left_out, link_names, links_of, terms_of
 from workbench.identified import Options, Ready
 
 HELP = "MJCF (MuJoCo) of the rigid machine with friction, rotor inertias and joint springs"
@@ -18,7 +19,8 @@ CARRIED = ("rotor_inertia", "joint_spring")
 
 def write(ready: Ready, options: Options) -> dict[str, str]:
     """Return {file name: text}; ExportError where no machine of positive masses has the numbers."""
-    joints, names, above, links = joints_of(ready), link_names(ready), carriers(ready), links_of(ready)
+    joints, names, links = tree_of(ready.model), link_names(ready), links_of(ready)
+    above = parents(joints)
 
     def body(k: int, depth: int) -> str:
         parent, one = above[k], links[k]

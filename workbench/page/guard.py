@@ -7,9 +7,10 @@ its browser says of it (Origin) is refused; a name that is made to point here (D
 from __future__ import annotations
 
 import hmac
-from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING
-from urllib.parse import parse_qs
+
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -43,12 +44,11 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        headers = {key.decode("latin-1").lower(): value.decode("latin-1") for key, value in scope["headers"]}
-        given = _query(scope).get("token", [""])[0] or headers.get("x-exoid-token", "")
-        known = self._is(given)
-        why = self._why_not(headers, scope["method"], known)
+        request = Request(scope)
+        known = self._is(request.query_params.get("token", "") or request.headers.get("x-exoid-token", ""))
+        why = self._why_not(request, known)
         if why:
-            await _refuse(send, why)
+            await PlainTextResponse(f"exoid: {why}\n", 403, HEADERS)(scope, receive, send)
             return
 
         async def answer(message: Message) -> None:
@@ -61,38 +61,20 @@ class Guard:
 
         await self.app(scope, receive, answer)
 
-    def _why_not(self, headers: dict[str, str], method: str, known: bool) -> str:
-        if headers.get("host", "") not in self.hosts:
+    def _why_not(self, request: Request, known: bool) -> str:
+        if request.headers.get("host", "") not in self.hosts:
             return "this address is not ours"
-        origin = headers.get("origin")
+        origin = request.headers.get("origin")
         ours = origin is not None and origin.removeprefix("http://") in self.hosts and origin.startswith("http://")
         if origin is not None and not ours:
             return "requests from other sites are refused"
         if known:
             return ""
-        if not self._is(_cookie(headers.get("cookie", ""), self.cookie)):
+        if not self._is(request.cookies.get(self.cookie, "")):
             return "the token is missing or wrong: open the address that exoid open printed"
-        if method not in SAFE and not ours:
+        if request.method not in SAFE and not ours:
             return "the token is missing"
         return ""
 
     def _is(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self.token.encode())
-
-
-def _query(scope: Scope) -> dict[str, list[str]]:
-    return parse_qs(scope["query_string"].decode("latin-1"))
-
-
-def _cookie(text: str, name: str) -> str:
-    try:
-        found = SimpleCookie(text).get(name)
-    except CookieError:
-        return ""
-    return "" if found is None else found.value
-
-
-async def _refuse(send: Send, why: str) -> None:
-    headers = [(k.encode(), v.encode()) for k, v in {**HEADERS, "content-type": "text/plain; charset=utf-8"}.items()]
-    await send({"type": "http.response.start", "status": 403, "headers": headers})
-    await send({"type": "http.response.body", "body": f"exoid: {why}\n".encode()})

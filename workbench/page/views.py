@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ground.plain import plain_dict
+from ground.plain import picked, plain_dict
 from ground.text import printable
+from optimisation.linear.links import tree_of
 from symbolic.joints import parents
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from workbench.exporting import formats
 from workbench.page.given import VERIFY, error_json, without_path
+from workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from diagnosis.evidence.score import Score
@@ -56,12 +57,10 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
     score = None if ranking is None else ranking.score(name)
     effect = _effect(workspace, name)
     out: dict[str, Any] = {
+        **picked(effect, "explains tells_apart reference"),
         "name": name,
         "title": _title(effect, name),
-        "explains": effect.explains,
         "torque": effect.torque if isinstance(effect.torque, str) else "",
-        "tells_apart": effect.tells_apart,
-        "reference": effect.reference,
         "alike": [],
         "numbers": [],
     }
@@ -76,10 +75,7 @@ def details(workspace: Workspace, name: str) -> dict[str, Any]:
 def _file(one: Any) -> dict[str, Any]:
     findings = [f for recording in one.recordings for f in recording.findings]
     return {
-        "id": one.id,
-        "name": one.name,
-        "role": one.role,
-        "read": one.read,
+        **picked(one, "id name role read"),
         "error": None if one.error is None else error_json(one.error),
         "seconds": sum(r.duration for r in one.recordings),
         "rate": one.recordings[0].rate if one.recordings else None,
@@ -97,15 +93,12 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     prepared = session.prepared
     error = _error(workspace, session, names)
     base = session.fitted()
-    unit = [joint.unit("tau") for joint in session.model.joints]
-    lengths = _lengths(session.model)
-    above = parents(session.model.joints)
+    lengths, above = _lengths(session.model), parents(session.model.joints)
     return {
         "joints": [
             {
-                "name": joint.name,
-                "kind": joint.kind,
-                "unit": unit[j],
+                **picked(joint, "name kind"),
+                "unit": joint.unit("tau"),
                 "length": lengths[j],
                 "parent": above[j],
                 "error": None if error is None else error[j],
@@ -134,9 +127,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
 
 def _lengths(model: Any) -> list[float]:
     """Return how long each link is drawn, m; the last one, whose length nobody needs to know, like the one before."""
-    given = [joint.length for joint in model.joints]
-    if not model.chain:
-        given[0] = model.thigh_length
+    given = [joint.length for joint in tree_of(model)]
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
     return [length or usual for length in given]
@@ -168,13 +159,11 @@ def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
         mine = [e for name, e in estimates.items() if name.startswith(f"{layer.name}.")]
         out.append(
             {
-                "name": layer.name,
-                "on": layer.on,
+                **picked(layer, "name on"),
                 "title": _title(effect, layer.name),
                 "explains": effect.explains,
                 "numbers": [
-                    {"name": e.name.rpartition(".")[2], "value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
-                    for e in mine
+                    {**picked(e, "value low high unit"), "name": e.name.rpartition(".")[2]} for e in mine
                 ],
             }
         )
@@ -209,8 +198,8 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
             "sentence": found["sentence"],
             "why": found["rule"],
             "next": found["next_experiment"],
-            "stability": [f"{_name(one)}: {one['stability']}" for one in found["accepted"] if one["stability"]],
-            "possible": [f"{_name(one)}: {one['reason']}" for one in found["possible"]],
+            "stability": [f"{term(one)}: {one['stability']}" for one in found["accepted"] if one["stability"]],
+            "possible": [f"{term(one)}: {one['reason']}" for one in found["possible"]],
             "judged": True,
         }
     if names in workspace.failed:
@@ -233,16 +222,8 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
             "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
 
 
-def _name(entry: Mapping[str, Any]) -> str:
-    return str(entry["effect"]) if entry["joint"] is None else f"{entry['effect']}:{entry['joint']}"
-
-
 def _ranking(ranking: Ranking) -> dict[str, Any]:
-    return {
-        "weighed": ranking.weighed,
-        "finished": ranking.finished,
-        "suspects": [_suspect(ranking, score) for score in ranking.scores],
-    }
+    return picked(ranking, "weighed finished") | {"suspects": [_suspect(ranking, score) for score in ranking.scores]}
 
 
 def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
@@ -251,19 +232,12 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
     low, high = interval(score.p_value, draws)
     agreement = score.agreement
     return {
-        "name": score.name,
-        "effect": term.effect.id,
-        "joint": term.joint,
+        **picked(score, "name share p=p_value significant caution"),
+        **picked(term, "effect=effect.id joint explains=effect.explains custom=effect.custom"),
         "title": _title(term.effect, score.name),
-        "explains": term.effect.explains,
-        "custom": term.effect.custom,
-        "share": score.share,
-        "p": score.p_value,
         "p_low": low,
         "p_high": high,
         "draws": draws,
-        "significant": score.significant,
-        "caution": score.caution,
         "splits": None if agreement is None or agreement.share is None else [agreement.accepted, agreement.of],
     }
 
@@ -294,13 +268,9 @@ def _search(workspace: Workspace) -> dict[str, Any]:
     search = workspace.search
     running = search is not None and search.running
     steps = search.steps if search is not None and running else []
-    return {
-        "running": running,
-        "fraction": search.fraction if search is not None and running else 0.0,
-        "text": search.text if search is not None and running else "",
-        "steps": [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps],
-        "message": printable(workspace.search_message),
-    }
+    shown = picked(search, "fraction text") if running else {"fraction": 0.0, "text": ""}
+    steps = [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in steps]
+    return {**shown, "running": running, "steps": steps, "message": printable(workspace.search_message)}
 
 
 def _effect(workspace: Workspace, name: str) -> Effect:

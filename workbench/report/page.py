@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import math
-import pkgutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ground.engines.workers import allowed_processes, share_out
+from ground.folder import modules_in
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
 from workbench.report.material import Material, Picture, without_folders
@@ -34,9 +33,7 @@ class PageSection:
 
 def find_sections() -> tuple[ModuleType, ...]:
     """Return every module of `sections/`, in the order in which they stand in the page."""
-    names = [module.name for module in pkgutil.iter_modules(sections.__path__)]
-    found = [importlib.import_module(f"{sections.__name__}.{name}") for name in names]
-    return tuple(sorted(found, key=lambda section: (section.ORDER, section.__name__)))
+    return tuple(sorted(modules_in(sections).values(), key=lambda section: (section.ORDER, section.__name__)))
 
 
 def render_report(material: Material) -> str:

@@ -21,7 +21,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
     if material.diagnosis is None:
         return None
     found = material.diagnosis.to_json()
-    cautions = {_name(s): s.caution for s in material.diagnosis.suspects}
     rows = [
         (
             place,
@@ -30,7 +29,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
             share(one["explained_share"]),
             one["p_value"],
             ", ".join(one["look_alikes"]) or "–",
-            cautions.get(term(one), "") or "–",
+            one.get("caution") or "–",
         )
         for place, one in enumerate(found["suspects"][:MOST], start=1)
     ]
@@ -43,7 +42,3 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "more": max(0, len(found["suspects"]) - MOST),
         "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},
     }
-
-
-def _name(suspect: Any) -> str:
-    return f"{suspect.effect}:{suspect.joint}" if suspect.joint else str(suspect.effect)
