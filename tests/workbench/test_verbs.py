@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
+from diagnosis.extend import Waterfall
 from workbench import commands
 from workbench.command import main
 from workbench.formula import pretty
@@ -57,7 +58,7 @@ def addition(stand_in, monkeypatch, tmp_path):
                       for s in STEPS[:2])  # fmt: skip
         found = SimpleNamespace(
             model=FakeModel(), before=FakeFit(estimates=()), after=FakeFit(), helped=helped,
-            waterfall=SimpleNamespace(steps=steps, noise_floor=[0.5, 0.5], stopped_because="it was asked for one."),
+            waterfall=Waterfall(steps, np.array([0.5, 0.5]), "it was asked for one."),
             sentence="The unseen error of the knee falls from 0.98 to 0.58 N·m.", to_json=lambda: {"helped": helped},
         )  # fmt: skip
         stand_in("extend", "add", found)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from diagnosis.results import Step
 from ground.figures import JOINT_COLOURS, figure_style, label, new_figure
 from measurement.finding import Finding
 from measurement.recording import Recording, Source
@@ -136,10 +137,10 @@ class FakeDiagnosis:
         SimpleNamespace(effect="gravity_tilt", joint=None, caution=HOSTILE),
     )
     steps: tuple[Any, ...] = tuple(
-        SimpleNamespace(label=s["model"], train_rms=np.array(s["train_rms"]), verify_rms=np.array(s["verify_rms"]),
-                        sentence="")
-        for s in STEPS
-    )  # fmt: skip
+        Step(s["model"], np.array(s["train_rms"]), np.array(s["verify_rms"])) for s in STEPS
+    )
+    joints: tuple[str, ...] = ("hip", "knee")
+    unit: str = "N·m"
     noise_floor: Any = field(default_factory=lambda: np.array([0.5, 0.5]))
     next_experiment: str = "Move the knee slowly through zero speed, many times."
     seconds: float = 1.9

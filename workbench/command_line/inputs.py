@@ -83,8 +83,8 @@ def _read_as(
 def told_recordings(
     args: argparse.Namespace, joints: Sequence[str]
 ) -> tuple[list[str], list[str], dict[str, dict[str, Any]]]:
-    """Return the files that `args` mean to be fitted and held out, and of each: `options`, what `read_recordings` takes,
-    `passive`, its joints without a drive, and `payloads`, known masses.
+    """Return the files that `args` mean to be fitted and to be held out, and of each: `options`, what `read_recordings`
+    takes, `passive`, its joints without a drive, and `payloads`, known masses.
     """
     from measurement.reading.sources import expand
 

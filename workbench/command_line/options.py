@@ -177,11 +177,13 @@ def positive_number(text: str) -> float:
     return value
 
 
-def between(low: float, high: float, unit: str = "") -> Callable[[str], float]:
+def between(
+    low: float, high: float, unit: str = "", number: Callable[[str], Any] = finite_number
+) -> Callable[[str], Any]:
     """Return what reads a number from `low` to `high`."""
 
-    def read(text: str) -> float:
-        value = finite_number(text)
+    def read(text: str) -> Any:
+        value = number(text)
         if not low <= value <= high:
             raise argparse.ArgumentTypeError(f"{text} is not between {low:g} and {high:g}{unit and ' '}{unit}")
         return value
@@ -189,16 +191,10 @@ def between(low: float, high: float, unit: str = "") -> Callable[[str], float]:
     return read
 
 
-def count_to(most: int) -> Callable[[str], int]:
-    """Return what reads a whole number from 0 to `most`."""
-
-    def read(text: str) -> int:
-        value = whole_number(text)
-        if value > most:
-            raise argparse.ArgumentTypeError(f"{text} is more than {most}")
-        return value
-
-    return read
+def exclusive(args: argparse.Namespace, one: str, other: str, remedy: str = "give one of them") -> None:
+    """Refuse two options that exclude each other; UsageError."""
+    if getattr(args, one) and getattr(args, other):
+        raise UsageError(f"--{one} and --{other} exclude each other", remedy=remedy)
 
 
 def limits(text: str) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
-from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings
+from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings, exclusive
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -61,14 +61,11 @@ def run(args: argparse.Namespace) -> int:
 def _against(args: argparse.Namespace) -> int:
     """Say what differs between two sets of recordings; that nothing does is an answer too."""
     from workbench.command_line.inputs import load
-    from workbench.command_line.parser import UsageError
     from workbench.report.material import Material, pictures_of
     from workbench.terminal.showing import show_differences
 
-    if args.verify:
-        raise UsageError("--against and --verify exclude each other", remedy="what is held out is chosen by exoid here")
-    if args.limit is not None:
-        raise UsageError("--against and --limit exclude each other", remedy="leave one of them out")
+    exclusive(args, "against", "verify", "what is held out is chosen by exoid here")
+    exclusive(args, "against", "limit")
     args.verify = args.against
     given = load(args)
     with progress("comparing before and after", quiet=args.quiet):

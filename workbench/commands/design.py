@@ -12,6 +12,7 @@ from workbench.command_line.options import (
     add_reading,
     add_settings,
     between,
+    exclusive,
     finite_number,
     limits,
     settings_given,
@@ -75,10 +76,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Design or evaluate a motion; 1 when limits, a target or the wish to distinguish effects cannot be met."""
     check_places(args)
-    if args.free and args.middle:
-        raise UsageError("--free and --middle exclude each other", remedy="give one of them")
-    if args.separate and args.check:
-        raise UsageError("--separate and --check exclude each other", remedy="give one of them")
+    exclusive(args, "free", "middle")
+    exclusive(args, "separate", "check")
     if args.out and not args.check:
         from measurement.trajectories.trajectory_file import samples_per_period
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.command_line.deliver import check_places
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, count_to
+from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, between, whole_number
 
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
 
@@ -23,9 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_recordings(parser, required=False)
     add_derivative(parser)
     add_model(parser)
-    parser.add_argument(
-        "--port", metavar="N", type=count_to(LAST_PORT), default=0, help="port of the page (a free one)"
-    )
+    port = between(0, LAST_PORT, number=whole_number)
+    parser.add_argument("--port", metavar="N", type=port, default=0, help="port of the page (a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     add_common(parser, out="keep the session and its report in DIR")
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json
-from workbench.command_line.options import add_common, positive_number, whole_number
+from workbench.command_line.options import add_common, between, exclusive, positive_number, whole_number
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -35,7 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
     parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the last link, M along it (2@0.35)")
-    parser.add_argument("--runs", metavar="N", type=whole_number, default=4, help="number of recordings (4)")
+    runs = between(1, 100, number=whole_number)
+    parser.add_argument("--runs", metavar="N", type=runs, default=4, help="number of recordings (4)")
     parser.add_argument("--duration", metavar="S", type=positive_number, default=30.0, help="length of each in s (30)")
     parser.add_argument("--rate", metavar="HZ", type=positive_number, default=100.0, help="sampling rate in Hz (100)")
     add_common(parser, out=f"write the recordings into DIR (default: {DEFAULT_FOLDER})")
@@ -46,16 +47,11 @@ def run(args: argparse.Namespace) -> int:
     from measurement.bench.hidden import parse_hidden, true_model
     from measurement.bench.simulation import bench_machine
     from workbench.command_line.inputs import load_model
-    from workbench.command_line.parser import UsageError
     from workbench.terminal.showing import truth_sentence
 
     check_places(args)
-    if not 1 <= args.runs <= 100:
-        raise UsageError(f"--runs {args.runs} is not between 1 and 100")
-    if args.trajectory and args.blind:
-        raise UsageError("--trajectory and --blind exclude each other", remedy="blind runs draw motions of their own")
-    if args.payload and args.blind:
-        raise UsageError("--payload and --blind exclude each other", remedy="simulate the loaded runs without --blind")
+    exclusive(args, "trajectory", "blind", "blind runs draw motions of their own")
+    exclusive(args, "payload", "blind", "simulate the loaded runs without --blind")
     model = load_model(args.model)
     leg = _loaded(bench_machine(model), args.payload, model)
     hidden = tuple(parse_hidden(text) for text in args.effect)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from ground.plain import picked
 from symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ FALLING = "The error falling"
 NOTHING: Mapping[str, str] = MappingProxyType({})
 FOLDERS = re.compile(r"""(?<![\w.~/\\])(?:/|[A-Za-z]:[/\\]+)(?:[^\s/\\:"'<>]+[/\\]+)+""")
 """The folders of an absolute path, up to the name of the file."""
+RMS = "train_rms verify_rms"
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
 
@@ -57,12 +59,12 @@ class Steps:
     @classmethod
     def of(cls, result: Any) -> Steps:
         """Return the steps of a Diagnosis or a Waterfall."""
-        rows = tuple(_row(step) for step in result.steps)
-        floor = getattr(result, "noise_floor", None)
-        ending = str(getattr(result, "stopped_because", "") or "")
-        joints = tuple(getattr(result, "joints", JOINTS))
-        unit = str(getattr(result, "unit", "N·m"))
-        return cls(rows, None if floor is None else tuple(float(x) for x in floor), ending, joints, unit)
+        rows = tuple(
+            picked(step, "model=label sentence")
+            | {kind: None if rms is None else [float(x) for x in rms] for kind, rms in picked(step, RMS).items()}
+            for step in result.steps
+        )
+        return cls(rows, tuple(map(float, result.noise_floor)), result.stopped_because, result.joints, result.unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,19 +136,3 @@ def without_folders(text: str) -> str:
 def command_of(args: argparse.Namespace) -> str:
     """Return the command line as it can be pasted into a shell, in the folder of the files."""
     return shlex.join(without_folders(word) for word in getattr(args, "command_line", ["exoid"]))
-
-
-def _row(step: Any) -> Mapping[str, Any]:
-    if isinstance(step, Mapping):
-        return {"sentence": "", **step}
-    label = getattr(step, "label", None)
-    return {
-        "model": step.model if label is None else label,
-        "train_rms": _list(step.train_rms),
-        "verify_rms": _list(step.verify_rms),
-        "sentence": getattr(step, "sentence", ""),
-    }
-
-
-def _list(values: Sequence[float] | None) -> list[float] | None:
-    return None if values is None else [float(value) for value in values]

@@ -8,6 +8,7 @@ from typing import Any
 
 from workbench.report.material import Steps
 from workbench.report.sections.verdict import WORDS, term
+from workbench.report.sections.where import sizes
 from workbench.terminal.screen import Screen, bar
 
 MOST_SUSPECTS = 8
@@ -60,25 +61,10 @@ def of_the_set(audit: Iterable[Any]) -> list[Any]:
 
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
-    words = ("torque", "error, fitted", "error, unseen", "noise floor")
-    head = ["joint", *(f"{word} [{found.unit}]" for word in words)]
-    unseen = found.verify_rms
-    rows = [
-        [
-            joint,
-            number(found.signal_rms[j]),
-            number(found.rms[j]),
-            number(None if unseen is None else unseen[j]),
-            number(found.noise_floor[j]),
-        ]
-        for j, joint in enumerate(found.joints)
-    ]
-    if unseen is None:
-        head.pop(3)
-        for row in rows:
-            row.pop(3)
-    screen.table("How large the error is (RMS)", head, rows)
-    if unseen is None:
+    head, rows = sizes(found)
+    shown = [[joint, *("" if x is None else number(x) for x in values)] for joint, *values in rows]
+    screen.table("How large the error is (RMS)", head, shown)
+    if found.verify_rms is None:
         screen.say(NOTHING_HELD_OUT, "warn")
     for finding in (*found.misread, *of_the_set(found.audit)):
         screen.say(f"careful: {finding}", "bad")

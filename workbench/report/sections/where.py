@@ -18,7 +18,6 @@ def context(material: Material) -> Mapping[str, Any] | None:
     found = material.comparison
     if found is None:
         return None
-    unseen = found.verify_rms
     head, rows = without_empty(
         ("joint", "depends on", "share of the error", "what that means", "caution"),
         [
@@ -33,24 +32,24 @@ def context(material: Material) -> Mapping[str, Any] | None:
         ],
     )
     return {
-        "size_head": (
-            "joint",
-            *(f"{word} [{found.unit}]" for word in ("torque", "error, fitted", "error, unseen", "noise floor")),
-        ),
-        "size": [
-            (
-                joint,
-                float(found.signal_rms[j]),
-                float(found.rms[j]),
-                None if unseen is None else float(unseen[j]),
-                float(found.noise_floor[j]),
-            )
-            for j, joint in enumerate(found.joints)
-        ],
+        **dict(zip(("size_head", "size"), sizes(found), strict=True)),
         "head": head,
         "rows": rows,
         "pictures": material.pictures_in("where"),
     }
+
+
+def sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Return the head and the rows of a table with the size of the error of each joint beside that of its torque."""
+    columns = {
+        "torque": found.signal_rms,
+        "error, fitted": found.rms,
+        "error, unseen": (None,) * len(found.joints) if found.verify_rms is None else found.verify_rms,
+        "noise floor": found.noise_floor,
+    }
+    rows = zip(found.joints, *columns.values(), strict=True)
+    head = ["joint", *(f"{word} [{found.unit}]" for word in columns)]
+    return head, [(joint, *(None if x is None else float(x) for x in values)) for joint, *values in rows]
 
 
 def words(variable: str, joints: Sequence[str]) -> str:
