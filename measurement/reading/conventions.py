@@ -2,8 +2,8 @@
 
 exoid's hip angle counts from the downward vertical, its knee angle is relative to the thigh with flexion negative,
 and each torque is what the drive of that joint exerts. A convention is an affine map of the angles and a linear map of
-the torques; a change of sign or of the side of a gear maps both so that power stays the same. The leg's have the words
-of the leg; those of any other machine are made from its joints' names.
+the torques; a change of sign or of the side of a gear maps both so that power stays the same. They are made for any
+machine from its joints' names; the leg's have words of their own.
 """
 
 from __future__ import annotations
@@ -24,11 +24,6 @@ from symbolic.joints import LEG, Joint, ancestors, is_leg, names
 from symbolic.motion import Float
 
 Rows = tuple[tuple[float, ...], ...]
-SAME: Rows = ((1.0, 0.0), (0.0, 1.0))
-OTHER: Rows = ((0.0, 1.0), (1.0, 0.0))
-HIP: Rows = ((-1.0, 0.0), (0.0, 1.0))
-KNEE: Rows = ((1.0, 0.0), (0.0, -1.0))
-BOTH: Rows = ((-1.0, 0.0), (0.0, -1.0))
 DEGREE = math.pi / 180.0
 QUARTER = 0.5 * math.pi
 
@@ -46,129 +41,91 @@ class Convention:
     order: int
     what: str
     explains: str
-    angle: Rows = SAME
-    zero: tuple[float, ...] = (0.0, 0.0)
-    torque: Rows = SAME
+    angle: Rows
+    zero: tuple[float, ...]
+    torque: Rows
     unusual: float = 0.0
 
 
-CONVENTIONS: Mapping[str, Convention] = {
-    one.name: one
-    for one in (
-        Convention("swapped-angles", 0, "hip and knee angle are swapped", "q1 is the knee's, q2 the hip's", OTHER),
-        Convention(
-            "swapped-torques", 0, "hip and knee torque are swapped", "tau1 is the knee's, tau2 the hip's", torque=OTHER
-        ),
-        Convention("swapped-joints", 0, "hip and knee are swapped", "both of these", OTHER, torque=OTHER),
-        Convention(
-            "degrees", 1, "the angles are in degrees", "the same as --units q=deg", ((DEGREE, 0.0), (0.0, DEGREE))
-        ),
-        Convention(
-            "flexion-positive",
-            2,
-            "knee flexion is counted positive (angle and torque)",
-            "knee angle and knee torque have the other sign, usual in biomechanics",
-            KNEE,
-            torque=KNEE,
-        ),
-        Convention(
-            "hip-extension-positive",
-            2,
-            "hip extension is counted positive (angle and torque)",
-            "hip angle and hip torque have the other sign",
-            HIP,
-            torque=HIP,
-            unusual=0.2,
-        ),
-        Convention("hip-angle-negated", 2, "the hip angle has the wrong sign", "only the hip angle has", HIP),
-        Convention("knee-angle-negated", 2, "the knee angle has the wrong sign", "only the knee angle has", KNEE),
-        Convention("hip-torque-negated", 2, "the hip torque has the wrong sign", "only the hip torque has", torque=HIP),
-        Convention(
-            "knee-torque-negated", 2, "the knee torque has the wrong sign", "only the knee torque has", torque=KNEE
-        ),
-        Convention(
-            "load-torque",
-            2,
-            "both torques (or both angles) have the wrong sign",
-            "torques are what the load exerts on the drives",
-            torque=BOTH,
-        ),
-        Convention(
-            "hip-from-upright",
-            3,
-            "the hip angle counts from upright",
-            "q1 = 0 where the thigh points upwards",
-            zero=(math.pi, 0.0),
-        ),
-        Convention(
-            "hip-from-horizontal",
-            3,
-            "the hip angle counts from the horizontal",
-            "q1 = 0 where the thigh points forwards, -90° where it hangs",
-            zero=(QUARTER, 0.0),
-        ),
-        Convention(
-            "hip-from-horizontal-backwards",
-            3,
-            "the hip angle counts from the horizontal behind",
-            "q1 = 0 where the thigh points backwards, +90° where it hangs",
-            zero=(-QUARTER, 0.0),
-            unusual=0.1,
-        ),
-        Convention(
-            "included-knee-angle",
-            3,
-            "the knee angle is the one between thigh and shank",
-            "q2 = 180° where the leg is straight, less where it is flexed",
-            zero=(0.0, -math.pi),
-        ),
-        Convention(
-            "shank-from-horizontal",
-            3,
-            "the shank angle counts from the horizontal",
-            "with absolute-shank: q2 = 0 where the shank points forwards",
-            zero=(0.0, QUARTER),
-        ),
-        Convention(
-            "shank-from-horizontal-backwards",
-            3,
-            "the shank angle counts from the horizontal behind",
-            "with absolute-shank: q2 = 0 where the shank points backwards",
-            zero=(0.0, -QUARTER),
-        ),
-        Convention(
-            "absolute-shank",
-            4,
-            "the second angle is that of the shank against the vertical, not against the thigh",
-            "q2 = q1 + knee angle; the torques are those of the drives at hip and knee",
-            ((1.0, 0.0), (-1.0, 1.0)),
-        ),
-        Convention(
-            "base-driven-shank",
-            5,
-            "the second torque acts between base and shank, not between thigh and shank",
-            "a drive on the base pulls the shank by a belt or rod; with absolute-shank: generalised torques of the "
-            "absolute angles",
-            torque=((1.0, 1.0), (0.0, 1.0)),
-            unusual=0.1,
-        ),
-    )
-}
-"""Every convention of the leg that has a name, in the order in which it is applied."""
+OF_THE_LEG: Mapping[str, tuple[str, str, str]] = {
+    "swapped-angles-hip-knee": (
+        "swapped-angles", "hip and knee angle are swapped", "q1 is the knee's, q2 the hip's"
+    ),
+    "swapped-torques-hip-knee": (
+        "swapped-torques", "hip and knee torque are swapped", "tau1 is the knee's, tau2 the hip's"
+    ),
+    "swapped-joints-hip-knee": ("swapped-joints", "hip and knee are swapped", "both of these"),
+    "degrees": ("degrees", "the angles are in degrees", "the same as --units q=deg"),
+    "knee-negated": (
+        "flexion-positive", "knee flexion is counted positive (angle and torque)",
+        "knee angle and knee torque have the other sign, usual in biomechanics",
+    ),
+    "hip-negated": (
+        "hip-extension-positive", "hip extension is counted positive (angle and torque)",
+        "hip angle and hip torque have the other sign",
+    ),
+    "hip-angle-negated": ("hip-angle-negated", "the hip angle has the wrong sign", "only the hip angle has"),
+    "knee-angle-negated": ("knee-angle-negated", "the knee angle has the wrong sign", "only the knee angle has"),
+    "hip-torque-negated": ("hip-torque-negated", "the hip torque has the wrong sign", "only the hip torque has"),
+    "knee-torque-negated": ("knee-torque-negated", "the knee torque has the wrong sign", "only the knee torque has"),
+    "load-torque": (
+        "load-torque", "both torques (or both angles) have the wrong sign",
+        "torques are what the load exerts on the drives",
+    ),
+    "hip-from-upright": (
+        "hip-from-upright", "the hip angle counts from upright", "q1 = 0 where the thigh points upwards"
+    ),
+    "hip-from-horizontal": (
+        "hip-from-horizontal", "the hip angle counts from the horizontal",
+        "q1 = 0 where the thigh points forwards, -90° where it hangs",
+    ),
+    "hip-from-horizontal-backwards": (
+        "hip-from-horizontal-backwards", "the hip angle counts from the horizontal behind",
+        "q1 = 0 where the thigh points backwards, +90° where it hangs",
+    ),
+    "included-knee-angle": (
+        "included-knee-angle", "the knee angle is the one between thigh and shank",
+        "q2 = 180° where the leg is straight, less where it is flexed",
+    ),
+    "knee-from-square": (
+        "shank-from-horizontal", "the shank angle counts from the horizontal",
+        "with absolute-shank: q2 = 0 where the shank points forwards",
+    ),
+    "knee-from-square-backwards": (
+        "shank-from-horizontal-backwards", "the shank angle counts from the horizontal behind",
+        "with absolute-shank: q2 = 0 where the shank points backwards",
+    ),
+    "absolute-knee": (
+        "absolute-shank", "the second angle is that of the shank against the vertical, not against the thigh",
+        "q2 = q1 + knee angle; the torques are those of the drives at hip and knee",
+    ),
+    "base-driven-knee": (
+        "base-driven-shank", "the second torque acts between base and shank, not between thigh and shank",
+        "a drive on the base pulls the shank by a belt or rod; with absolute-shank: generalised torques of the "
+        "absolute angles",
+    ),
+}  # fmt: skip
+"""What the conventions of any machine are called where it is the leg: name, what, explanation."""
+UNUSUAL = {"hip-extension-positive": 0.2, "shank-from-horizontal-backwards": 0.0}
+"""How unusual some of these are of a leg."""
 
 
 @lru_cache(maxsize=64)
 def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Convention]:
     """Return every convention with a name that recordings of a machine with these `joints` may keep, by name."""
-    if is_leg(joints):
-        return CONVENTIONS
     found = [*_swaps(joints), *_signs(joints), *_zeros(joints), *_absolute(joints)]
     if any(joint.turns for joint in joints):
         degrees = _rows(joints, {(k, k): DEGREE for k, joint in enumerate(joints) if joint.turns})
         found.append(
             _convention(joints, "degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
         )
+    if is_leg(joints):
+        found = [_of_the_leg(one, *OF_THE_LEG[one.name]) for one in found]
     return {one.name: one for one in sorted(found, key=lambda one: one.order)}
+
+
+def _of_the_leg(one: Convention, name: str, what: str, explains: str) -> Convention:
+    return replace(one, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, one.unusual))
 
 
 def _rows(joints: Sequence[Joint], changed: Mapping[tuple[int, int], float]) -> Rows:

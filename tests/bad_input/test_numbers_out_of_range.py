@@ -9,7 +9,7 @@ from measurement.bench.simulation import Bench, BenchError
 from measurement.trajectories.trajectory import TrajectoryError, paper_trajectory
 from optimisation.excitation.criteria import Noise
 from workbench.command import find_verbs, main, verb_parser
-from workbench.command_line.options import between, count_to
+from workbench.command_line.options import between, whole_number
 
 WILD = ("nan", "inf", "-inf", "-1", "1e400", "1e999999", "", " ", "abc", "0x10", "1_000_000_000_000_000", "٣e9", "--")
 NUMERIC = ("HZ", "S", "N", "K", "SHARE", "VALUE", "B", "NM", "W", "RMS")
@@ -68,10 +68,10 @@ def test_the_same_from_python():
 
 
 def test_a_range_says_itself():
-    assert between(0.1, 2.0, "s")("2") == 2.0 and count_to(3)("3") == 3
+    assert between(0.1, 2.0, "s")("2") == 2.0 and between(0, 3, number=whole_number)("3") == 3
     for read, text in (
         (between(0.1, 2.0, "s"), "3"),
-        (count_to(3), "4"),
+        (between(0, 3, number=whole_number), "4"),
         *((between(0.0, 1.0), text) for text in WILD),
     ):
         with pytest.raises(argparse.ArgumentTypeError):
