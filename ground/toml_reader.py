@@ -50,7 +50,9 @@ class Table:
                 raise self.error(key, f"unknown key {key!r}", hint)
 
     def table(self, key: str) -> Table:
-        """Return the table under `key`."""
+        """Return the table under `key`, which must be there."""
+        if key not in self.values:
+            raise self.error(None, f"{key} is missing", f"write [{key}] and its keys below")
         value = self.values[key]
         if not isinstance(value, dict):
             raise self.error(key, f"{key} is {_kind(value)}, not a table", f"write [{key}] and its keys below")
@@ -93,7 +95,9 @@ class Table:
         return self.number(key) if key in self.values else None
 
     def numbers(self, key: str, count: int | None = None, low: float | None = None) -> list[float]:
-        """Return the list of finite numbers under `key`."""
+        """Return the list of finite numbers under `key`, which must be there."""
+        if key not in self.values:
+            raise self.error(None, f"{key} is missing", f"add {key} = [...]")
         value = self.values[key]
         if not isinstance(value, list) or (count is not None and len(value) != count):
             wanted = "numbers" if count is None else f"{count} numbers"

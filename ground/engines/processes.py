@@ -10,7 +10,7 @@ from concurrent.futures import Executor, Future
 from typing import Any
 
 from ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
-from ground.engines.engine import Engine
+from ground.engines.engine import AHEAD, Engine
 
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""
@@ -49,30 +49,26 @@ def processes(jobs: int = 0) -> Engine:
     The matrices are small and the processes share the cores: more threads would be slower.
     """
     from joblib import cpu_count
-    from joblib.externals.loky import ProcessPoolExecutor
 
     count = jobs or cpu_count()
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
-    executor = ProcessPoolExecutor(
-        count, timeout=IDLE, env=BESIDE_OTHERS, initializer=end_with, initargs=(os.getpid(),)
-    )
-
-    def close(wait: bool) -> None:
-        executor.shutdown(wait=wait, kill_workers=not wait)
-
-    return Engine(f"{count} processes on this machine", executor, lambda: count, list, close)
+    return _loky(f"{count} processes on this machine", count, BESIDE_OTHERS)
 
 
 def alone() -> Engine:
     """Return an engine of one process for one job, which `close(False)` ends at any moment."""
+    return _loky("a process of its own", 1, dict.fromkeys(ONE_THREAD, "1"), ahead=1)
+
+
+def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD) -> Engine:
     from joblib.externals.loky import ProcessPoolExecutor
 
     executor = ProcessPoolExecutor(
-        1, timeout=IDLE, env=dict.fromkeys(ONE_THREAD, "1"), initializer=end_with, initargs=(os.getpid(),)
+        count, timeout=IDLE, env=environment, initializer=end_with, initargs=(os.getpid(),)
     )
 
     def close(wait: bool) -> None:
         executor.shutdown(wait=wait, kill_workers=not wait)
 
-    return Engine("a process of its own", executor, lambda: 1, list, close, ahead=1)
+    return Engine(name, executor, lambda: count, list, close, ahead=ahead)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ground.errors import RecordingError
-from measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit, table_from_arrays
+from measurement.reading.raw import RawTable, named_column, table_from_arrays
 
 
 def table_from(source: Any, where: str) -> RawTable:
@@ -101,9 +101,6 @@ def _from_xarray(source: Any) -> RawTable:
 
 
 def _table(columns: list[tuple[str, Any, str]]) -> RawTable:
-    found: list[RawColumn] = []
-    for name, cells, unit in columns:
-        plain, written = split_unit(name)
-        found.append(column_from_cells(plain, cells, unit or written))
+    found = [named_column(*one) for one in columns]
     rows = found[0].values.shape[0] if found else 0
     return RawTable(tuple(found), np.arange(1, rows + 1))

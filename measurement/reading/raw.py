@@ -149,7 +149,7 @@ def table_from_arrays(
         parts = _split(name, array, count)
         if not parts and array.size > 1:
             skipped.append(f"{name} {array.shape}")
-        columns += [_named(part, cells, units.get(name, "")) for part, cells in parts.items()]
+        columns += [named_column(part, cells, units.get(name, "")) for part, cells in parts.items()]
     if skipped:
         text = f"{len(skipped)} entries are not columns of {count} samples: {', '.join(skipped[:8])}"
         notes = (*notes, Finding("format", "info", text, where))
@@ -166,7 +166,8 @@ def split_unit(name: str) -> tuple[str, str]:
     return (found["name"].strip(), found["unit"].strip()) if found and found["name"].strip() else (name, "")
 
 
-def _named(name: str, cells: Any, unit: str) -> RawColumn:
+def named_column(name: str, cells: Any, unit: str) -> RawColumn:
+    """Return a column whose name may say its unit, which counts where `unit` is empty."""
     name, written = split_unit(name)
     return column_from_cells(name, cells, unit or written)
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ground.files import write_whole
-from ground.toml_reader import Table, read_toml
+from ground.toml_reader import read_toml
 from measurement.trajectories.trajectory import Fourier, TrajectoryError
 from symbolic.quantity import JOINTS
 
@@ -55,10 +55,8 @@ def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier
     top.only("period", *joints)
     offset, sine, cosine = [], [], []
     for joint in joints:
-        _needed(top, joint)
         own = top.table(joint)
         own.only("offset", "sine", "cosine")
-        _needed(own, "sine", "cosine")
         count = len(own.values["sine"]) if isinstance(own.values.get("sine"), list) else 1
         if not 1 <= count <= MOST_HARMONICS:
             raise own.error("sine", f"{count} harmonics", f"give 1 to {MOST_HARMONICS} numbers in rad")
@@ -73,12 +71,6 @@ def read_trajectory(path: str | Path, joints: Sequence[str] = JOINTS) -> Fourier
             remedy="fill the shorter lists with zeros",
         )
     return Fourier(np.array(offset), np.array(sine), np.array(cosine), top.number("period", above=0.0))
-
-
-def _needed(table: Table, *keys: str) -> None:
-    for key in keys:
-        if key not in table.values:
-            raise table.error(None, f"{key} is missing", "give the file that exoid design wrote")
 
 
 def samples_per_period(period: float, rate: float) -> int:

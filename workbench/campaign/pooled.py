@@ -100,6 +100,8 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
         return ()
     from scipy.stats import t
 
+    from optimisation.contest.runtime import holm
+
     raw = []
     for device, (value, variance) in devices.items():
         others = [pair for name, pair in devices.items() if name != device]
@@ -109,13 +111,13 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
         # Degrees of freedom by Satterthwaite (1946): what is estimated is τ² among the others, beside what they report.
         estimated = (max(tau2, 0.0) + sum(v for _, v in others) / len(others)) * (1.0 + 1.0 / len(others))
         freedom = (len(others) - 1) * max(total / estimated, 1.0) ** 2
-        raw.append((2.0 * float(t.sf(abs(distance), freedom)), device, value, distance))
-    out, highest = [], 0.0
-    for rank, (p, device, value, distance) in enumerate(sorted(raw)):
-        highest = max(highest, min(1.0, p * (len(raw) - rank)))
-        if highest < LEVEL:
-            out.append(Outlier(device, value, distance, highest))
-    return tuple(out)
+        raw.append((device, value, distance, 2.0 * float(t.sf(abs(distance), freedom))))
+    corrected = holm([p for *_, p in raw])
+    found = (
+        Outlier(device, value, distance, p)
+        for (device, value, distance, _), p in zip(raw, corrected, strict=True)
+    )
+    return tuple(sorted((one for one in found if one.p < LEVEL), key=lambda one: one.p))
 
 
 def _variance(one: Mapping[str, Any]) -> float | None:

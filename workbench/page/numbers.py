@@ -34,8 +34,6 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
 def motion_of(session: Session, index: int) -> bytes:
     """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
     one = _recording(session, index)
-    base = session.fitted()
-    load = _load(session, index, base)
     motion = one.motion
     arrays = {
         "torque": one.tau.T,
@@ -43,7 +41,7 @@ def motion_of(session: Session, index: int) -> bytes:
         "angle": motion.q[one.kept].T,
         "velocity": motion.dq[one.kept].T,
         "acceleration": motion.ddq[one.kept].T,
-        "load": load,
+        "load": _load_on(one, session.fitted()),
     }
     return packed({"recording": index, **_clock(one)}, arrays)
 
@@ -123,10 +121,6 @@ def _variable(session: Session, place: int, fitted: Any, variable: str, joint: i
     if signal is None or of not in names:
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
     return np.asarray(signal[one.kept][:, names.index(of)])
-
-
-def _load(session: Session, index: int, base: Any) -> np.ndarray:
-    return _load_on(session.prepared.all[index], base)
 
 
 def _load_on(one: Any, fitted: Any) -> np.ndarray:

@@ -55,15 +55,11 @@ class _Bar:
                 self._display.stop()
 
 
-def _silence(fraction: float, text: str) -> None:
-    """Show nothing."""
-
-
 @contextmanager
 def progress(text: str, *, quiet: bool = False) -> Iterator[Progress]:
     """Yield a `Progress` to report to; `text` says what is being done until the first report."""
     if quiet or not sys.stderr.isatty():
-        yield _silence
+        yield silent
         return
     shown = _Bar(text)
     try:

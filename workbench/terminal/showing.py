@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.report.material import Steps
 from workbench.report.sections.verdict import WORDS, term
-from workbench.report.sections.where import sizes
+from workbench.report.sections.where import error_sizes
 from workbench.terminal.screen import Screen, bar
 
 MOST_SUSPECTS = 8
@@ -61,7 +61,7 @@ def of_the_set(audit: Iterable[Any]) -> list[Any]:
 
 def show_comparison(screen: Screen, found: Any) -> None:
     """Show how large the error is per joint, and where it sits."""
-    head, rows = sizes(found)
+    head, rows = error_sizes(found)
     shown = [[joint, *("" if x is None else number(x) for x in values)] for joint, *values in rows]
     screen.table("How large the error is (RMS)", head, shown)
     if found.verify_rms is None:
@@ -191,6 +191,6 @@ def truth_sentence(truth: Any) -> str:
         return "nothing was hidden."
     parts = []
     for one in truth.effects:
-        sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
-        parts.append(f"{one.term} ({sizes})" if sizes else one.term)
+        error_sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
+        parts.append(f"{one.term} ({error_sizes})" if error_sizes else one.term)
     return " and ".join(parts) + (" was hidden." if len(parts) == 1 else " were hidden.")

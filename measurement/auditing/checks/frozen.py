@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs
+from measurement.auditing.channels import Channel, channels, place, runs, stretch_finding
 from measurement.finding import Finding
 from measurement.recording import Recording
 
@@ -34,19 +34,12 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
 def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64], *, masked: bool = False) -> Finding:
     """Return what there is to say; `masked` when the rows have been left out of the fit."""
     what = f"the {channel.label} is frozen in {rows.size} rows while the leg moves"
-    return Finding(
-        "frozen",
-        "repaired" if masked else "warning",
-        what + ("; they are masked" if masked else ""),
-        place(recording, channel.name, rows),
-        rows.size / len(recording),
-        0.0,
-        "look at the cable or bus"
-        if masked
-        else "look at the cable or bus; empty these cells in a copy of the file and they are masked",
-        consequence="none: the rows do not enter the fit" if masked else "the rows pull every parameter of this joint",
-        confidence="certain" if masked else "likely",
-    )
+    cable = "look at the cable or bus"
+    return stretch_finding(
+        "frozen", what, place(recording, channel.name, rows), rows.size / len(recording), 0.0,
+        (f"{cable}; empty these cells in a copy of the file and they are masked", cable),
+        ("the rows pull every parameter of this joint", "none: the rows do not enter the fit"), masked, "certain",
+    )  # fmt: skip
 
 
 def _frozen(channel: Channel, recording: Recording) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs, step_of
+from measurement.auditing.channels import Channel, channels, place, runs, step_of, stretch_finding
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.motion import Float
@@ -76,16 +76,12 @@ def saturated_finding(
 ) -> Finding:
     """Return what there is to say; `masked` when the rows have been left out of the fit."""
     what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
-    return Finding(
-        "saturated",
-        "repaired" if masked else "warning",
-        what + ("; they are masked" if masked else ""),
-        place(recording, channel.name, rows),
-        rows.size / len(recording),
-        0.002,
-        "use a wider sensor range or a gentler motion",
-        consequence="what happened at full scale is not known; the rows do not enter the fit"
-        if masked
-        else "the true values are larger: inertias and friction come out too small",
-        confidence="likely",
-    )
+    remedy = "use a wider sensor range or a gentler motion"
+    return stretch_finding(
+        "saturated", what, place(recording, channel.name, rows), rows.size / len(recording), 0.002, (remedy, remedy),
+        (
+            "the true values are larger: inertias and friction come out too small",
+            "what happened at full scale is not known; the rows do not enter the fit",
+        ),
+        masked,
+    )  # fmt: skip

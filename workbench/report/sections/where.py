@@ -32,14 +32,14 @@ def context(material: Material) -> Mapping[str, Any] | None:
         ],
     )
     return {
-        **dict(zip(("size_head", "size"), sizes(found), strict=True)),
+        **dict(zip(("size_head", "size"), error_sizes(found), strict=True)),
         "head": head,
         "rows": rows,
         "pictures": material.pictures_in("where"),
     }
 
 
-def sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
+def error_sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
     """Return the head and the rows of a table with the size of the error of each joint beside that of its torque."""
     columns = {
         "torque": found.signal_rms,
