@@ -191,6 +191,6 @@ def truth_sentence(truth: Any) -> str:
         return "nothing was hidden."
     parts = []
     for one in truth.effects:
-        error_sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
-        parts.append(f"{one.term} ({error_sizes})" if error_sizes else one.term)
+        sizes = ", ".join(f"{name} = {number(value)}" for name, value in one.values.items())
+        parts.append(f"{one.term} ({sizes})" if sizes else one.term)
     return " and ".join(parts) + (" was hidden." if len(parts) == 1 else " were hidden.")
