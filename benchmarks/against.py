@@ -15,6 +15,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from symbolic.catalogue import catalogue
+from symbolic.joints import LEG
+from symbolic.term import places_of
+
 ROOT = Path(__file__).resolve().parents[1]
 
 PREPARE = """
@@ -67,16 +71,10 @@ REFIT = READ + """
 from optimisation import identify
 from optimisation import prepare
 prepared = prepare(Model.standard(), train, verify, cutoff=5.0)
-model = Model.standard().with_effect({effect!r}, "knee")
+model = Model.standard().with_effect({effect!r}, {joint!r})
 began = now()
 identify(model, prepared.train, optimisers=())
 """
-EFFECTS = (
-    "load_friction", "stribeck", "time_delay", "end_stop", "backlash", "hysteresis", "joint_elasticity",
-    "motor_elasticity", "series_backlash",
-)  # fmt: skip
-
-
 def seconds(checkout: Path, code: str, files: str) -> tuple[float, ...]:
     """Return the time in s, by the clock and of the processor, that `code` takes from its own beginning on."""
     # Byte code is kept, as where people use it: otherwise every import compiles its text again.
@@ -99,11 +97,16 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[], help="rows whose names begin so")
     args = parser.parse_args()
     files = json.dumps([[str(Path(f).resolve()) for f in group] for group in (args.train, args.verify)])
-    rows = ROWS | {f"fit with {effect}": REFIT.format(effect=effect) for effect in EFFECTS}
+    refits = [(one.id, places_of(one, LEG)[-1]) for one in catalogue().values()]
+    rows = ROWS | {f"fit with {effect}": REFIT.format(effect=effect, joint=joint) for effect, joint in refits}
     for name, code in rows.items():
         if args.only and not name.startswith(tuple(args.only)):
             continue
-        times = [[seconds(folder, code, files) for folder in (args.other, ROOT)] for _ in range(args.repeats + 1)]
+        try:
+            times = [[seconds(folder, code, files) for folder in (args.other, ROOT)] for _ in range(args.repeats + 1)]
+        except subprocess.CalledProcessError as error:  # an effect that the other does not know
+            sys.stdout.write(f"{name:24} {error.stderr.strip().splitlines()[-1]}\n")
+            continue
         texts = []
         for which, what in enumerate(("clock", "processor")):
             other, own = (min(pair[k][which] for pair in times[1:]) for k in (0, 1))
