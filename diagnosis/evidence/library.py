@@ -154,13 +154,21 @@ def _axis(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Seque
     if shape.turns:  # another one for all recordings is other coefficients
         return (0.0,)
     if shape.spacing == "position" and term.joint is not None:
-        joint = term.first
-        levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
-        places = np.quantile(np.concatenate([p.motion.q[:, joint] for p in paths]), levels)
-        return tuple(np.clip(places, shape.min, shape.max))
+        return tuple(_places(shape, term, paths))
     if shape.spacing == "time":
         begin = min(float(p.motion.t[0]) for p in paths)
         lasts = max(float(p.motion.t[-1]) for p in paths) - begin
         far = [*MOMENTS, *(1.0 - moment for moment in MOMENTS)]
         return tuple(np.clip([begin + u * lasts for u in (*np.linspace(0.0, 1.0, 11), *far)], shape.min, shape.max))
-    return tuple(from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points)))
+    even = [from_unit(shape, u) for u in np.linspace(0.0, 1.0, max(2, shape.points))]
+    middle = shape.spacing == "linear" and shape.min < 0.0 < shape.max and term.joint is not None
+    if middle and shape.unit == term.among[term.first].unit("q"):  # where the joint gets to, it shows most
+        return tuple(sorted({*even, *_places(shape, term, paths)}))
+    return tuple(even)
+
+
+def _places(shape: Shape, term: Term, paths: Sequence[PreparedRecording]) -> Sequence[float]:
+    """Return places on the path of a term's joint, densest near the ends."""
+    levels = sorted({*QUANTILES, *(round(1.0 - u, 6) for u in QUANTILES)})
+    places = np.quantile(np.concatenate([p.motion.q[:, term.first] for p in paths]), levels)
+    return [float(place) for place in np.clip(places, shape.min, shape.max)]

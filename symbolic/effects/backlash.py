@@ -19,7 +19,7 @@ EFFECT = Effect(
             min=0.001,
             max=0.1,
             spacing="log",
-            points=5,
+            points=9,
             typical=0.03,
             explains="half the width of the gap",
         )

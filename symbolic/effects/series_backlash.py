@@ -21,7 +21,7 @@ EFFECT = Effect(
             min=0.2,
             max=10.0,
             spacing="log",
-            points=5,
+            points=9,
             typical=1.0,
             explains="load within which the gap is crossed",
         )

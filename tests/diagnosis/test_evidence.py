@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from synthetic import CUTOFF, recording
+from synthetic import CUTOFF, recording, search
 
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
@@ -193,3 +193,13 @@ def test_a_column_of_rounding_has_no_part_in_an_inverse():
     np.testing.assert_allclose(
         inverse[np.ix_([0, 2], [0, 2])], np.linalg.inv(x[:, [0, 2]].T @ x[:, [0, 2]]), rtol=1e-6, atol=1e-12
     )
+
+
+def test_the_middle_of_a_spring_is_tried_where_the_joint_gets_to_and_beyond():
+    """The grid of a range of 4 rad is too coarse for a joint that moves by a fraction of it."""
+    context = search({}, ["hardening_spring:knee"])
+    nodes = context.library.find("hardening_spring:knee").nodes[0, :, 0]
+    path = np.concatenate([one.motion.q[:, 1] for one in context.prepared.all])
+    for level in np.linspace(0.05, 0.95, 19):
+        assert np.abs(nodes - np.quantile(path, level)).min() < 0.03 * np.ptp(path)
+    assert nodes.min() == -2.0 and nodes.max() == 2.0
