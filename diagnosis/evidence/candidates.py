@@ -19,6 +19,7 @@ import numpy as np
 from diagnosis.evidence.columns import Columns, LateColumns
 from diagnosis.evidence.fitted import FittedModel
 from ground.errors import ExpressionError
+from measurement.signals.butterworth import WaveProducts
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.columns import derived_columns, slopes_of, transformed
 from symbolic.evaluation import carrying, motion_words, torque_values
@@ -106,16 +107,23 @@ def candidate_columns(candidate: Candidate, nodes: Float, one: PreparedRecording
 def late_columns(candidate: Candidate, nodes: Float, one: PreparedRecording, fitted: FittedModel) -> LateColumns:
     """Return the columns of a candidate on one recording, which are computed when they are asked for."""
     shape = candidate.width, len(candidate.joints), len(one.kept)
-    unfiltered: list[Callable[[Float], Float]] = []
+    known: list[Callable[[Float], Float]] = []
 
-    def at(which: slice | np.ndarray) -> Float:
-        if not unfiltered:
-            unfiltered.append(unfiltered_columns(candidate, nodes, one, fitted))
-        values = np.empty((len(nodes[which]), *shape))
-        _filter(unfiltered[0], candidate, nodes[which], one, values)
+    def unfiltered() -> Callable[[Float], Float]:
+        if not known:
+            known.append(unfiltered_columns(candidate, nodes, one, fitted))
+        return known[0]
+
+    def at(some: Float) -> Float:
+        values = np.empty((len(some), *shape))
+        _filter(unfiltered(), candidate, some, one, values)
         return np.moveaxis(values, 1, 3)
 
-    return LateColumns(candidate.joints, len(nodes), at)
+    def sums(weights: Float, signals: Float) -> WaveProducts | None:
+        waves = unfiltered()
+        return one.wave_products(waves, nodes, candidate.joints, weights, signals) if isinstance(waves, Waves) else None
+
+    return LateColumns(candidate.joints, nodes, at, sums)
 
 
 def fill_columns(
@@ -130,8 +138,6 @@ def _filter(
     unfiltered: Callable[[Float], Float], candidate: Candidate, nodes: Float, one: PreparedRecording, into: Float
 ) -> None:
     """Write columns at `nodes` (V, S) into (V, m, A, K), as the evidence reads it, filtered."""
-    if isinstance(unfiltered, Waves) and one.smooth_waves(unfiltered, nodes, candidate.joints, into):
-        return
     parts = -(-len(nodes) * candidate.width * len(candidate.joints) * len(one.motion) // TOGETHER)
     for some in np.array_split(np.arange(len(nodes)), min(len(nodes), parts)):
         raw = np.ascontiguousarray(np.swapaxes(unfiltered(nodes[some]), 1, 2))

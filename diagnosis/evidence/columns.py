@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from measurement.signals.butterworth import WaveProducts
 from symbolic.joints import LEG
 from symbolic.motion import Float
 
@@ -48,10 +49,17 @@ class Columns:
 
     def full(self, node: int, joints: int = len(LEG)) -> Float:
         """Return the columns (J, K, m) of one node, zero at those of the `joints` that it does not act on."""
-        _, _, samples, width = self.values.shape
-        out = np.zeros((joints, samples, width))
-        out[list(self.joints)] = self.values[node]
+        values = self.node(node).values[0]
+        out = np.zeros((joints, *values.shape[1:]))
+        out[list(self.joints)] = values
         return out
+
+    def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
+        """Return the sums over samples of products of columns with `signals` (A, K, Q), (V, m, Q), and with each other,
+        weighted by `weights` (A, K), (V, m, m).
+        """
+        flat = self.flat
+        return flat @ signals.reshape(-1, signals.shape[2]), (flat * weights.ravel()) @ np.swapaxes(flat, 1, 2)
 
     def node(self, index: int) -> Columns:
         """Return the columns of one node alone."""
@@ -63,25 +71,36 @@ class Columns:
 
 
 class LateColumns(Columns):
-    """Columns of so many nodes, `count`, that those of some are computed, `at`, when they are asked for: memory for all
-    takes longer to get than they take to be computed.
+    """Columns at `nodes` (V, S), so many that some of them are computed when they are asked for: memory for all takes
+    longer to get than they take to be computed.
+
+    `at` gives the columns (V, A, K, m) at some nodes, `sums` the products of those at all of them with weights (U, A,
+    K) and weighted signals (S, A, K, Q), where these are to be had without the columns; None elsewhere.
     """
 
-    def __init__(self, joints: tuple[int, ...], count: int, at: Callable[[slice | np.ndarray], Float]) -> None:
-        object.__setattr__(self, "joints", joints)
-        object.__setattr__(self, "_late", (count, at))
+    def __init__(
+        self,
+        joints: tuple[int, ...],
+        nodes: Float,
+        at: Callable[[Float], Float],
+        sums: Callable[[Float, Float], WaveProducts | None],
+    ) -> None:
+        for name, value in (("joints", joints), ("nodes", nodes), ("at", at), ("sums", sums)):
+            object.__setattr__(self, name, value)
 
-    _late: tuple[int, Callable[[slice | np.ndarray], Float]]
+    nodes: Float
+    at: Callable[[Float], Float]
+    sums: Callable[[Float, Float], WaveProducts | None]
 
     @property
     def values(self) -> Float:
         """The columns of all nodes."""
-        return self._late[1](slice(None))
+        return self.at(self.nodes)
 
     @property
     def pieces(self) -> list[slice]:
         """The nodes in pieces that are worth having at once."""
-        return [slice(at, at + AT_ONCE) for at in range(0, self._late[0], AT_ONCE)]
+        return [slice(at, at + AT_ONCE) for at in range(0, len(self.nodes), AT_ONCE)]
 
     @property
     def is_absent(self) -> bool:
@@ -89,8 +108,16 @@ class LateColumns(Columns):
         return False
 
     def some(self, nodes: slice | np.ndarray) -> Columns:
-        """Return the columns of some nodes."""
-        return Columns(self.joints, self._late[1](nodes))
+        """Return the columns of some nodes; of all of them, these."""
+        return self if isinstance(nodes, slice) and nodes == slice(None) else Columns(self.joints, self.at(self.nodes[nodes]))
+
+    def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
+        """Return the products, as for any columns."""
+        if (found := self.sums(weights[None], signals[None])) is not None:
+            return found.both[0], found.square[0]
+        parts = [self.some(piece).products(weights, signals) for piece in self.pieces]
+        both, square = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return both, square
 
 
 def stacked(parts: Sequence[Sequence[Columns]], joints: int) -> list[Columns]:

@@ -182,6 +182,16 @@ class Evidence:
             h.append(square.transpose(1, 2, 0))
         return Gram(np.array(g), np.array(h), np.array(a))
 
+    def signals(self, index: int, joints: tuple[int, ...]) -> tuple[Float, Float]:
+        """Return the weights (S + 2, A, K) at `joints` of a recording's units, of all its samples and of those that a
+        fit looks at, and the weighted columns and residual (S, A, K, P + 1) of the present model for the S units.
+        """
+        block, rows = self.blocks[index], list(joints)
+        weights = np.array([weight[rows] for of, weight in self._units if of == index])
+        both = np.concatenate([block.columns[rows], block.residual[rows, :, None]], axis=2)
+        use = block.use[rows].astype(float)
+        return np.concatenate([weights, np.ones((1, *use.shape)), use[None]]), weights[..., None] * both
+
     def _own(self, unit: int, joints: tuple[int, ...]) -> tuple[slice, Float, Float]:
         """Return the samples that a unit reaches, their weights (A·K,) at `joints`, and the weighted columns and
         residual (A·K, P + 1) of the present model there.

@@ -27,6 +27,14 @@ class Gram:
         return Gram(*(total.reshape(len(units), *each.shape[1:]) for total, each in sums))
 
     @classmethod
+    def summed(cls, both: Float, square: Float) -> Gram:
+        """Return the Gram blocks from sums of products with model and residual, (U, V, m, P + 1), and of columns with
+        each other, (U, V, m, m).
+        """
+        slopes = np.ascontiguousarray(both.transpose(0, 3, 2, 1))
+        return cls(slopes[:, :-1], np.ascontiguousarray(square.transpose(0, 2, 3, 1)), slopes[:, -1])
+
+    @classmethod
     def joined(cls, parts: Sequence[Gram]) -> Gram:
         """Return the Gram blocks of several lots of entries (D,) as one."""
         if len(parts) == 1:

@@ -11,7 +11,7 @@ import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
+from diagnosis.evidence.columns import Columns, LateColumns
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Gain, Gram
 from diagnosis.rules import Rules
@@ -92,9 +92,7 @@ class Score:
 
 def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
     """Return the score of a candidate at its best node, without placebos."""
-    parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
-    each = [(evidence.plain(part), _active(evidence, part)) for part in parts]
-    grams, active = Gram.joined([gram for gram, _ in each]), np.concatenate([share for _, share in each])
+    grams, active = _looked_at(evidence, columns)
     novelty = evidence.novelty(grams)
     rules = evidence.rules
     alive = (novelty > rules.least_novelty) & (active >= rules.least_active)
@@ -140,6 +138,24 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     )
 
 
+def _looked_at(evidence: Evidence, columns: Sequence[Columns]) -> tuple[Gram, Float]:
+    """Return the Gram blocks of a candidate, and the share (V,) of samples on which a node is active."""
+    late = [c for c in columns if isinstance(c, LateColumns)]
+    if late and len(late) == len(columns):
+        each = [c.sums(*evidence.signals(index, c.joints)) for index, c in enumerate(late)]
+        found = [products for products in each if products is not None]
+        if len(found) == len(columns):
+            train = found[: len(evidence.train)]
+            whole, seen = (np.sum([np.trace(p.square[k], axis1=1, axis2=2) for p in train], axis=0) for k in (-2, -1))
+            grams = Gram.summed(
+                np.concatenate([p.both for p in found]), np.concatenate([p.square[: len(p.both)] for p in found])
+            )
+            return grams, _share_active(evidence, [p.largest for p in train], whole, seen)
+    parts = [[c.some(piece) for c in columns] for piece in columns[0].pieces]
+    pieces = [(evidence.plain(part), _active(evidence, part)) for part in parts]
+    return Gram.joined([gram for gram, _ in pieces]), np.concatenate([share for _, share in pieces])
+
+
 def harmless(rules: Rules, gains: Float) -> bool:
     """Whether what held-out recordings lose is small beside what the others gain.
 
@@ -181,8 +197,9 @@ def _active(evidence: Evidence, columns: Sequence[Columns]) -> Float:
 
 
 def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
-    largest = []
-    whole = seen = 0.0
+    largest: list[Float] = []
+    whole: Float = np.zeros(())
+    seen = whole
     for c, block in zip(train, evidence.train, strict=True):
         nodes, count, samples, width = c.values.shape
         if c.is_absent:
@@ -194,6 +211,13 @@ def _active_nodes(evidence: Evidence, train: Sequence[Columns]) -> Float:
         seen = seen + total @ block.use[list(c.joints)].ravel().astype(float)
         parts = [squares[:, m, a * samples : (a + 1) * samples] for m in range(width) for a in range(count)]
         largest.append(functools.reduce(np.maximum, parts))
+    return _share_active(evidence, largest, whole, seen)
+
+
+def _share_active(evidence: Evidence, largest: Sequence[Float], whole: Float, seen: Float) -> Float:
+    """Return the share (V,) of samples at which a node is not zero, from the `largest` squares (V, K) in recordings; 0
+    where too little of the sum of squares, `whole` (V,), is `seen` (V,) by a fit.
+    """
     peak = np.max([size.max(axis=1) for size in largest], axis=0)
     live = [np.count_nonzero(size > 1e-6 * peak[:, None], axis=1) / size.shape[1] for size in largest]
     return np.where((peak > 0.0) & (seen >= evidence.rules.least_seen * whole), np.mean(live, axis=0), 0.0)

@@ -49,10 +49,9 @@ class _Beside:
             some = slice(end - np.count_nonzero(use), end)
             table = np.zeros((*use.shape, self._basis.shape[1] + 1))
             table[use] = np.column_stack([self._basis[some], torque[some]])
-            rows, flat = list(parts[k].joints), parts[k].flat[nodes]  # (V, m, A·K)
-            both = flat @ table[rows].reshape(-1, table.shape[2])
-            onto, slope = onto + both[:, :, :-1], slope + both[:, :, -1]
-            gram = gram + (flat * use[rows].ravel()) @ np.swapaxes(flat, 1, 2)
+            rows = list(parts[k].joints)
+            both, square = parts[k].some(nodes).products(use[rows].astype(float), table[rows])
+            onto, slope, gram = onto + both[:, :, :-1], slope + both[:, :, -1], gram + square
         length = np.sqrt(np.maximum(np.einsum("vmm->vm", gram), 0.0))
         scale = 1.0 / np.where(length > 0.0, length, np.inf)
         size, axes = np.linalg.eigh((gram - onto @ np.swapaxes(onto, 1, 2)) * scale[:, :, None] * scale[:, None, :])

@@ -190,26 +190,48 @@ def _given(
     return [*counts, own], (_parts(poles), _parts(factors))
 
 
-def filtered_waves(
+@dataclass(frozen=True, eq=False)
+class WaveProducts:
+    """Sums over kept samples of products of filtered waves (V, m) with signals, `both` (S, V, m, Q), and with each
+    other, `square` (U, V, m, m), for U weightings; and the `largest` square at each sample (V, K).
+    """
+
+    both: Float
+    square: Float
+    largest: Float
+
+
+def filtered_wave_products(
     one: Filter, waves: Waves, numbers: Float, bridges: Sequence[BridgeInC], first: int, step: int, reach: int,
-    out: Float,
-) -> bool:
-    """Write evenly spaced waves at `numbers` (V,), bridged joint by joint and filtered both ways, into `out` (V, 2m, A,
-    K), as `both_ways_at` does with rows of them; return False, having done nothing, where there is no compiler.
+    weights: Float, signals: Float,
+) -> WaveProducts | None:
+    """Return the products of evenly spaced waves at `numbers` (V,), bridged joint by joint and filtered as rows of them
+    are by `both_ways_at`, for `weights` (U, A, K) and weighted `signals` (S, A, K, Q); None without a compiler.
     """  # fmt: skip
     library = row_library(one.poles.size)
     if library is None:
-        return False
-    pairs, joints, samples = waves.carried.shape
-    given, modes = _given(one, samples, first, step, out.shape[-1], reach)
+        return None
+    (pairs, joints, samples), (told, _, count, width), units = waves.carried.shape, signals.shape, len(weights)
+    wide, many, whole, columns = -(-width // 4) * 4, -(-units // 4) * 4, len(numbers), 2 * pairs
+    padded = np.pad(signals, ((0, 0), (0, 0), (0, 0), (0, wide - width)))
+    weighted = np.ascontiguousarray(np.moveaxis(np.pad(weights, ((0, many - units), (0, 0), (0, 0))), 0, 2))
+    both, square = np.empty((told, whole, columns, wide)), np.empty((many, whole, columns, columns))
+    largest = np.empty((whole, count))
+    given, modes = _given(one, samples, first, step, count, reach)
     turn, carried = waves.turn(spacing(numbers)), np.ascontiguousarray(waves.carried)
-    for at in range(0, len(numbers), RENEWED):
-        some, start = out[at : at + RENEWED], turned(numbers[at] * waves.phase)
-        data = [c_void_p(array.ctypes.data) for array in (*modes, start, turn, carried, some)]
-        data.insert(-1, (BridgeInC * joints)(*bridges))
-        if library.c.exoid_waves_at(*map(c_long, (len(some), pairs, joints)), *given, *data):
+    across = (BridgeInC * joints)(*bridges)
+    for at in range(0, whole, RENEWED):
+        some, start = min(whole - at, RENEWED), turned(numbers[at] * waves.phase)
+        failed = library.c.exoid_wave_products(
+            *map(c_long, (some, pairs, joints)), *given,
+            *(c_void_p(array.ctypes.data) for array in (*modes, start, turn, carried)), across,
+            *map(c_long, (many, told, wide, whole)),
+            *(c_void_p(array.ctypes.data) for array in (weighted, padded)),
+            *(c_void_p(array.ctypes.data) for array in (both[:, at:], square[:, at:], largest[at:])),
+        )  # fmt: skip
+        if failed:
             raise MemoryError("no memory for the waves that are filtered")
-    return True
+    return WaveProducts(both[..., :width], square[:units], largest)
 
 
 def _by_products(one: Filter, rows: Float, first: int, step: int, count: int, reach: int) -> Float:

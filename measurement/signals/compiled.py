@@ -122,19 +122,75 @@ int exoid_both_ways_at(long rows, long samples, long first, long step, long coun
   return 0;
 }
 
+/* Sums over kept samples of products of WIDE waves' columns with each other and with `wide` signals, and what there is
+   at each sample at most; `some` of them count. Signals and sums are as in `exoid_wave_products`. */
+static void multiply(int some, long all, long columns, long joints, long count, long units, long told, long wide,
+                     const double *weights, const double *signals, const V *const *of, double *both, double *square,
+                     double *largest) {
+  for (long c = 0; c < columns; ++c) {
+    for (long q = 0; q < told * wide; q += 4) {
+      V sum[4] = {{0}};
+      for (long a = 0; a < joints; ++a) {
+        const V *x = of[a * columns + c];
+        const double *by = signals + (q / wide * joints + a) * count * wide + q % wide;
+        for (long k = 0; k < count; ++k)
+          for (int i = 0; i < 4; ++i) sum[i] += by[k * wide + i] * x[k * VECTORS];
+      }
+      for (int k = 0; k < some; ++k)
+        for (int i = 0; i < 4; ++i) both[((q / wide * all + k) * columns + c) * wide + q % wide + i] = sum[i][k];
+    }
+    for (long d = 0; d <= c; ++d)
+      for (long u = 0; u < units; u += 4) {
+        V sum[4] = {{0}};
+        for (long a = 0; a < joints; ++a) {
+          const V *x = of[a * columns + c], *y = of[a * columns + d];
+          const double *by = weights + a * count * units + u;
+          for (long k = 0; k < count; ++k) {
+            const V product = x[k * VECTORS] * y[k * VECTORS];
+            for (int i = 0; i < 4; ++i) sum[i] += by[k * units + i] * product;
+          }
+        }
+        for (int k = 0; k < some; ++k)
+          for (int i = 0; i < 4; ++i) {
+            double *to = square + ((u + i) * all + k) * columns * columns;
+            to[c * columns + d] = to[d * columns + c] = sum[i][k];
+          }
+      }
+  }
+  for (long n = 0; n < count; ++n) {
+    V most = {0};
+    for (long c = 0; c < columns * joints; ++c) {
+      const V x = of[c][n * VECTORS] * of[c][n * VECTORS];
+      for (int k = 0; k < WIDE; ++k) most[k] = x[k] > most[k] ? x[k] : most[k];
+    }
+    for (int k = 0; k < some; ++k) largest[k * count + n] = most[k];
+  }
+}
+
 /* Filters carried[pair][joint] * sin and cos of `numbers` angles, each a `turn` beyond the one before, the first at
-   `start`, bridged as is that joint, into out[number][pair][sine, cosine][joint][kept]. 0, or 1 without memory. */
-int exoid_waves_at(long numbers, long pairs, long joints, long samples, long first, long step, long count, long before,
-                   long after, double extra, const double *poles, const double *factors, const double *start,
-                   const double *turn, const double *carried, const struct bridge *bridges, double *out) {
-  const long all = before + samples + after;
+   `start`, bridged as is that joint: columns [number][pair][sine, cosine]. Sums over joints and kept samples of their
+   products with weighted signals[unit][joint][kept][wide] of the `told` units go to both[unit][number][column][wide];
+   with each other, by weights[joint][kept][unit], to square[unit][number][column][column], units lying `all` numbers
+   apart; the largest square at each sample to largest[number][kept]. `wide` and units are multiples of 4.
+   0, or 1 without memory. */
+int exoid_wave_products(long numbers, long pairs, long joints, long samples, long first, long step, long count,
+                        long before, long after, double extra, const double *poles, const double *factors,
+                        const double *start, const double *turn, const double *carried, const struct bridge *bridges,
+                        long units, long told, long wide, long all, const double *weights,
+                        const double *signals, double *both, double *square, double *largest) {
+  const long whole = before + samples + after, rows = pairs * joints, columns = 2 * pairs;
   long means = 0;
   for (long a = 0; a < joints; ++a) means = bridges[a].means > means ? bridges[a].means : means;
-  double *beside = malloc((size_t)((all + count + samples + means) * LANES + 2 * samples) * sizeof(double));
-  if (!beside) return 1;
-  double *begin = beside + before * LANES, *kept = beside + all * LANES, *wave = kept + count * LANES;
-  double *level = wave + samples * LANES, *far = level + means * LANES;
-  V(*const waves)[VECTORS] = (V(*)[VECTORS])wave;
+  double *beside = malloc((size_t)((whole + rows * count + samples + means) * LANES + 2 * samples) * sizeof(double));
+  const V **of = malloc((size_t)(2 * rows) * sizeof(V *));
+  if (!beside || !of) {
+    free(beside);
+    free(of);
+    return 1;
+  }
+  double *begin = beside + before * LANES, *kept = beside + whole * LANES, *level = kept + rows * count * LANES;
+  V(*const x)[VECTORS] = (V(*)[VECTORS])begin, (*const waves)[VECTORS] = (V(*)[VECTORS])(level + means * LANES);
+  double *far = (double *)(waves + samples);
   for (long n = 0; n < samples; ++n) {
     double c[WIDE + 1] = {1.0}, s[WIDE + 1] = {0.0};
     for (int k = 0; k < WIDE; ++k) {
@@ -148,24 +204,17 @@ int exoid_waves_at(long numbers, long pairs, long joints, long samples, long fir
     far[2 * n + 1] = s[WIDE];
   }
   for (long at = 0; at < numbers; at += WIDE) {
-    const int some = (int)(numbers - at < WIDE ? numbers - at : WIDE);
-    for (long p = 0; p < pairs * joints; ++p) {
-      const double *by = carried + p * samples;
-      double *to = out + (at * pairs * 2 + p / joints * 2) * joints * count + p % joints * count;
-      V(*const x)[VECTORS] = (V(*)[VECTORS])begin;
+    for (long p = 0; p < rows; ++p) {
+      V(*const out)[VECTORS] = (V(*)[VECTORS])(kept + p * count * LANES);
       for (long n = 0; n < samples; ++n)
-        for (int way = 0; way < VECTORS; ++way) x[n][way] = by[n] * waves[n][way];
+        for (int way = 0; way < VECTORS; ++way) x[n][way] = carried[p * samples + n] * waves[n][way];
       bridged(LANES, bridges + p % joints, level, begin);
       reflect(samples, before, after, begin);
-      filter(all, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside,
-             (V(*)[VECTORS])kept);
-      for (long j = 0; j < count; j += WIDE)
-        for (int k = 0; k < some; ++k)
-          for (int way = 0; way < VECTORS; ++way) {
-            double *row = to + (k * pairs * 2 + way) * joints * count;
-            for (long i = j; i < j + WIDE && i < count; ++i) row[i] = kept[i * LANES + way * WIDE + k];
-          }
+      filter(whole, before + first, step, count, extra, poles, factors, (const V(*)[VECTORS])beside, out);
+      for (int way = 0; way < VECTORS; ++way) of[p % joints * columns + p / joints * 2 + way] = &out[0][way];
     }
+    multiply((int)(numbers - at < WIDE ? numbers - at : WIDE), all, columns, joints, count, units, told, wide,
+             weights, signals, of, both + at * columns * wide, square + at * columns * columns, largest + at * count);
     for (long n = 0; n < samples; ++n) {
       const V sine = waves[n][0], cosine = waves[n][1];
       waves[n][0] = sine * far[2 * n] + cosine * far[2 * n + 1];
@@ -173,6 +222,7 @@ int exoid_waves_at(long numbers, long pairs, long joints, long samples, long fir
     }
   }
   free(beside);
+  free(of);
   return 0;
 }
 

@@ -17,7 +17,14 @@ from numpy.typing import NDArray
 from ground.errors import NotEnoughDataError
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
-from measurement.signals.butterworth import Filter, both_ways, both_ways_at, filtered_waves, low_pass_filter
+from measurement.signals.butterworth import (
+    Filter,
+    WaveProducts,
+    both_ways,
+    both_ways_at,
+    filtered_wave_products,
+    low_pass_filter,
+)
 from measurement.signals.compiled import FEWEST, POLES, BridgeInC, row_library
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
@@ -145,25 +152,24 @@ def low_pass_at(
     return both_ways_at(_filter(cutoff, rate), rows, int(kept[0]), int(kept[1] - kept[0]), kept.size, reach, out)
 
 
-def waves_at(
+def wave_products(
     waves: Waves,
     shapes: Float,
     bridges: Sequence[Bridge],
     cutoff: float,
     rate: float,
     kept: NDArray[np.int_],
-    out: Float,
-) -> bool:
-    """Write waves at `shapes` (V, S), bridged joint by joint and filtered by `low_pass_at`, into `out` (V, 2m, A, K),
-    contiguous, without ever having all of their samples; return False where that cannot be done.
+    weights: Float,
+    signals: Float,
+) -> WaveProducts | None:
+    """Return the products of waves at `shapes` (V, S), bridged joint by joint and filtered by `low_pass_at`, for
+    `weights` (U, A, K) and weighted `signals` (S, A, K, Q), never having the waves; None where that is impossible.
     """
     numbers, reach = shapes[:, waves.place], _reach(cutoff, rate)
     if kept.size < 2 or reach >= waves.phase.size - 1 or len(numbers) < FEW or not are_even(numbers):
-        return False
-    across = [bridge.in_c for bridge in bridges]
-    return filtered_waves(
-        _filter(cutoff, rate), waves, numbers, across, int(kept[0]), int(kept[1] - kept[0]), reach, out
-    )
+        return None
+    one, across, step = _filter(cutoff, rate), [bridge.in_c for bridge in bridges], int(kept[1] - kept[0])
+    return filtered_wave_products(one, waves, numbers, across, int(kept[0]), step, reach, weights, signals)
 
 
 def _reach(cutoff: float, rate: float) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ground.thresholds import Threshold
 from measurement.auditing.checks.motion import NOTHING
+from measurement.signals.butterworth import WaveProducts
 from measurement.signals.conditioning import (
     Bridge,
     UniformSignals,
@@ -28,7 +29,7 @@ from measurement.signals.conditioning import (
     noise_density,
     quiet_noise,
     velocity_noise,
-    waves_at,
+    wave_products,
     widen,
 )
 from measurement.signals.derivatives import METHODS
@@ -161,10 +162,14 @@ class PreparedRecording:
         low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept, out.reshape(-1, len(self.kept)))
         return out
 
-    def smooth_waves(self, waves: Waves, shapes: Float, joints: Sequence[int], out: Float) -> bool:
-        """Do the same to `waves` at `shapes` (V, S), into `out` (V, 2m, A, K); False where that cannot be done."""
+    def wave_products(
+        self, waves: Waves, shapes: Float, joints: Sequence[int], weights: Float, signals: Float
+    ) -> WaveProducts | None:
+        """Return the products of `waves` at `shapes` (V, S), bridged and filtered so, with `weights` (U, A, K) and
+        weighted `signals` (S, A, K, Q); None where that cannot be done.
+        """
         across = [self._bridges[joint] for joint in joints]
-        return waves_at(waves, shapes, across, self.cutoff, self.rate, self.kept, out)
+        return wave_products(waves, shapes, across, self.cutoff, self.rate, self.kept, weights, signals)
 
     @cached_property
     def _bridges(self) -> list[Bridge]:

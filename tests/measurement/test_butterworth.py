@@ -8,7 +8,7 @@ from scipy import signal
 
 from measurement.signals import butterworth, compiled, conditioning
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
-from measurement.signals.conditioning import bridging, low_pass, low_pass_at, waves_at, welch
+from measurement.signals.conditioning import bridging, low_pass, low_pass_at, wave_products, welch
 from symbolic.waves import Waves
 
 RNG = np.random.default_rng(4)
@@ -69,20 +69,23 @@ def test_c_bridges_as_numpy_does(hidden, shape, monkeypatch):
 
 
 @pytest.mark.parametrize(("pairs", "joints", "count"), [(1, 1, 8), (2, 2, 37), (1, 2, 70)])
-def test_c_filters_waves_as_rows_of_them(pairs, joints, count):
+def test_products_of_waves_are_those_of_filtered_rows(pairs, joints, count):
     samples, kept = 900, np.arange(9, 891, 11)
     phase = RNG.standard_normal(samples).cumsum() * 0.1
     waves, shapes = Waves(RNG.standard_normal((pairs, joints, samples)), phase, 1), np.zeros((count, 2))
     shapes[:, 1] = np.linspace(0.5, 30.0, count)
     bridges = [bridging(RNG.random(samples) < 0.1 * k, 100.0) for k in range(joints)]
-    found = np.full((count, 2 * pairs, joints, kept.size), np.nan)
-    if not waves_at(waves, shapes, bridges, 3.0, 100.0, kept, found):
+    weights, signals = RNG.random((3, joints, kept.size)), RNG.standard_normal((2, joints, kept.size, 5))
+    found = wave_products(waves, shapes, bridges, 3.0, 100.0, kept, weights, signals)
+    if found is None:
         pytest.skip("no compiler here")
     rows = np.ascontiguousarray(np.swapaxes(waves(shapes), 1, 2))
     for joint, bridge in enumerate(bridges):
         bridge.across(rows[:, :, joint])
-    wanted = low_pass_at(rows.reshape(-1, samples), 3.0, 100.0, kept).reshape(found.shape)
-    np.testing.assert_allclose(found, wanted, atol=1e-12)
+    x = low_pass_at(rows.reshape(-1, samples), 3.0, 100.0, kept).reshape(count, 2 * pairs, joints, kept.size)
+    np.testing.assert_allclose(found.both, np.einsum("vmak,uakq->uvmq", x, signals), atol=1e-11)
+    np.testing.assert_allclose(found.square, np.einsum("vmak,vnak,uak->uvmn", x, x, weights), atol=1e-11)
+    np.testing.assert_allclose(found.largest, (x**2).max(axis=(1, 2)), atol=1e-12)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 200])
