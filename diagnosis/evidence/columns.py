@@ -109,7 +109,9 @@ class LateColumns(Columns):
 
     def some(self, nodes: slice | np.ndarray) -> Columns:
         """Return the columns of some nodes; of all of them, these."""
-        return self if isinstance(nodes, slice) and nodes == slice(None) else Columns(self.joints, self.at(self.nodes[nodes]))
+        if isinstance(nodes, slice) and nodes == slice(None):
+            return self
+        return Columns(self.joints, self.at(self.nodes[nodes]))
 
     def products(self, weights: Float, signals: Float) -> tuple[Float, Float]:
         """Return the products, as for any columns."""
