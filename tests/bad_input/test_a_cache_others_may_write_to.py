@@ -134,6 +134,7 @@ def test_an_entry_somebody_could_have_made_is_built_again(folder, change, tmp_pa
         else:
             entry.symlink_to("/")
     elif change == "planted":
+        library.unlink()  # this process still has the old one mapped
         library.write_bytes(b"\x7fELF")
         seal.write_text(json.dumps({LIBRARY: sha256(b"\x7fELF"), RECORD: json.loads(seal.read_text())[RECORD]}))
         library.chmod(0o622)
