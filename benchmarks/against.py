@@ -15,11 +15,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from symbolic.catalogue import catalogue
-from symbolic.joints import LEG
-from symbolic.term import places_of
-
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from symbolic.catalogue import catalogue  # noqa: E402
+from symbolic.joints import LEG  # noqa: E402
+from symbolic.term import places_of  # noqa: E402
 
 PREPARE = """
 import json, os, sys, time

@@ -21,6 +21,10 @@ BESIDE = 0.05
 """Seconds beside samples that are left out, since a joint may stick there, in which slow friction still shows."""
 DELAY = "time_delay"
 """The entry that has torque come at another moment."""
+ELASTICITY = "joint_elasticity"
+"""The entry of a drive that gives way which follows the torque alone."""
+GIVING = ("motor_elasticity", "series_backlash")
+"""Entries of a drive that gives way which put the link where its load lets it be."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,7 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or small_while_far(before, after, floor, rules)
         or beside_standstill(before, after, rules)
         or held_command(after)
+        or gives_way_already(after)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
@@ -209,6 +214,18 @@ def held_command(after: Extension) -> str:
         f"the torque would come {early:.2g} s before its motion, within half a sample: so does a command that is "
         "logged when it is given and holds until the next one"
     )
+
+
+def gives_way_already(after: Extension) -> str:
+    """Return that the drive of the term's joint gives way in the model already: it would do so twice.
+
+    The entries of `GIVING` are of first order, and what they leave follows the load as well.
+    """
+    if after.added is None or after.added.candidate.term.effect.id != ELASTICITY:
+        return ""
+    joint = after.added.candidate.term.joint
+    other = next((t.name for t in after.fitted.model.terms if t.effect.id in GIVING and t.joint == joint), None)
+    return "" if other is None else f"the drive gives way by {other} already, and what that entry leaves looks alike"
 
 
 def torque_before_motion(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:

@@ -14,12 +14,11 @@ import numpy as np
 
 from ground.thresholds import Threshold
 from measurement.auditing.checks.motion import NOTHING
+from measurement.signals.bridging import Bridge, bridging
 from measurement.signals.butterworth import WaveProducts
 from measurement.signals.conditioning import (
-    Bridge,
     UniformSignals,
     acceleration_deviation,
-    bridging,
     derivatives,
     fine_derivatives,
     low_pass,

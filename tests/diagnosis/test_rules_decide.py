@@ -22,6 +22,7 @@ from diagnosis.search.doubt import (
     DELAY,
     Objection,
     beside_standstill,
+    gives_way_already,
     held_command,
     on_bound,
     small_while_far,
@@ -31,6 +32,7 @@ from diagnosis.search.possible import possible_of
 from diagnosis.verdict import _deciding, _nearest, conclude
 from symbolic.catalogue import catalogue
 from symbolic.effect import Coefficient, Shape
+from symbolic.model import Model
 from symbolic.term import Term
 
 
@@ -123,6 +125,20 @@ def test_a_command_that_holds_for_a_sample_is_no_early_torque(delay, doubted):
     )
     added = SimpleNamespace(candidate=SimpleNamespace(term=term), name=term.name)
     assert bool(held_command(SimpleNamespace(fitted=fitted, added=added))) is doubted
+
+
+@pytest.mark.parametrize(
+    ("there", "doubted"),
+    [("motor_elasticity:hip", True), ("series_backlash:hip", True), ("motor_elasticity:knee", False)],
+)
+def test_a_drive_gives_way_once(there, doubted):
+    model = Model.standard().with_effect(there)
+    term = Term(catalogue()["joint_elasticity"], "hip")
+    added = SimpleNamespace(candidate=SimpleNamespace(term=term))
+    reason = gives_way_already(SimpleNamespace(fitted=SimpleNamespace(model=model), added=added))
+    assert (there in reason) is doubted and bool(reason) is doubted
+    added.candidate.term = Term(catalogue()["stribeck"], "hip")
+    assert gives_way_already(SimpleNamespace(fitted=SimpleNamespace(model=model), added=added)) == ""
 
 
 @pytest.mark.shows("beyond_standstill")

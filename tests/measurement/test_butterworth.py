@@ -7,8 +7,9 @@ import pytest
 from scipy import signal
 
 from measurement.signals import butterworth, compiled, conditioning
+from measurement.signals.bridging import bridging
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
-from measurement.signals.conditioning import bridging, low_pass, low_pass_at, wave_products, welch
+from measurement.signals.conditioning import low_pass, low_pass_at, wave_products, welch
 from symbolic.waves import Waves
 
 RNG = np.random.default_rng(4)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from measurement.bench.leg import standard_leg
 from measurement.bench.simulation import simulate_runs
-from measurement.signals.conditioning import BRIDGE_ENDS, bridging
+from measurement.signals.bridging import BRIDGE_ENDS, bridging
 from optimisation.fitting.assemble import assemble
 from optimisation.linear.solve import solve_sse
 from optimisation.preparation.prepare import prepare
