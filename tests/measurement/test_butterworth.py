@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from measurement.signals import butterworth, compiled, conditioning
+from measurement.signals import bridging as bridges_of
+from measurement.signals import butterworth, compiled
 from measurement.signals.bridging import bridging
 from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
 from measurement.signals.conditioning import low_pass, low_pass_at, wave_products, welch
@@ -64,7 +65,7 @@ def test_c_bridges_as_numpy_does(hidden, shape, monkeypatch):
     one, found = bridging(mask, 100.0), RNG.standard_normal((*shape[:-1], 2, shape[-1]))
     wanted = found.copy()
     one.across(found[..., 1, :])
-    monkeypatch.setattr(conditioning, "row_library", lambda poles: None)
+    monkeypatch.setattr(bridges_of, "row_library", lambda poles: None)
     one.across(wanted[..., 1, :])
     np.testing.assert_allclose(found, wanted, atol=1e-13)
 
