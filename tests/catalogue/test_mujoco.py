@@ -9,6 +9,7 @@ from symbolic.motion import Motion
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'exoid[peers]'")
 
+from benchmarks import mujoco_chains
 from benchmarks.mujoco_leg import CASES, simulate
 
 
@@ -31,3 +32,15 @@ def test_the_equation_of_motion_is_mujocos():
 def test_what_is_built_in_shows(name):
     left, tau = left_over(name)
     assert np.median(np.abs(left), axis=0).max() > 0.02 * tau.std()
+
+
+@pytest.mark.parametrize(("effect", "enough"), [("nothing", True), ("joint_spring", False)])
+def test_the_equation_of_motion_of_a_chain_is_mujocos(effect, enough):
+    rng = np.random.default_rng(3)
+    chain = mujoco_chains.Chain.of(f"{effect}:{'hip' if enough else 'ankle'}", rng)
+    seen, motion = mujoco_chains.simulate(chain, rng, "run", seconds=3.0, noise=False)
+    model = Model("chain", limits={}, chain=chain.joints)
+    moving = np.all(np.abs(motion.dq) > 0.05, axis=1)  # where a joint sticks friction is anything up to the dry one
+    columns, torque = model.columns(motion)[:, moving].reshape(-1, len(model.parameters)), seen.tau[moving].T.ravel()
+    left = torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]
+    assert moving.sum() > 50 and bool(np.abs(left).max() < 1e-6 * torque.std()) is enough
