@@ -31,6 +31,10 @@ class Bridge:
     ends: NDArray[np.int_]
     share: Float
 
+    def __reduce__(self) -> tuple[type[Bridge], tuple[object, ...]]:
+        """Go to another process, or into a copy, without what only this one's memory has (`in_c`)."""
+        return Bridge, (self.rows, self.beside, self.begins, self.ends, self.share)
+
     def across(self, x: Float) -> None:
         """Bridge `x` (..., N) in place. Being linear, this may be done to a torque and to the columns of its regressor
         alike, and what holds between them goes on to hold.

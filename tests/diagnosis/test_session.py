@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cloudpickle
 import numpy as np
 import pytest
 
@@ -37,6 +38,12 @@ def ranking(session):
     assert ranking.finished and ranking.weighed == 1.0
     assert any(0 < draws["load_friction:knee"] < session.rules.placebos for draws in seen if draws)
     return ranking
+
+
+def test_a_session_that_has_worked_can_be_sent_to_another_process(session):
+    fitted = session.fitted(["load_friction:knee"])
+    sent = cloudpickle.loads(cloudpickle.dumps(session.light()))
+    assert np.allclose(sent.fitted(["load_friction:knee"]).train_rms, fitted.train_rms, rtol=1e-12)
 
 
 def test_the_missing_effect_comes_first_and_placebos_do_not_match_it(session, ranking):
