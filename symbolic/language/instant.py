@@ -1,7 +1,7 @@
 """Take a torque text apart: what an instant suffices for, and the operators that need the past.
 
 Words for the own joint become the canonical ones, sgn of a joint velocity becomes the motion's sign (which
-is how a joint at rest is told from one that creeps), and each operator with memory becomes the word
+is how a joint at rest is distinguished from one that creeps), and each operator with memory becomes the word
 `memory<k>`.
 """
 

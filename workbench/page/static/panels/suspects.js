@@ -88,7 +88,7 @@ export function unpoint() {
 }
 
 function detailPanel() {
-  if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be told from, what to measure."));
+  if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be distinguished from, what to measure."));
   const { joints } = view.state;
   const falls = shown.rms ? joints.map((joint, j) => `${joint.name} ${rms(joint.error)} → ${rms(shown.rms[j])} ${joint.unit}`).join(", ") : "";
   return h("div", { class: "detail", id: "detail", "data-testid": "detail" },
