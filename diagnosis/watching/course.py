@@ -22,7 +22,7 @@ SLOW = Threshold(
 RAMPS = (30.0, 60.0, 120.0, 240.0, 480.0)
 """Durations of a slow change that are tried, s."""
 VISIBLE = 8
-"""Stretches at least that must lie within a slow change, after it was noticed, for it to be distinguished from a jump."""
+"""Stretches at least that must lie within a slow change, after it was noticed, for it to be no jump."""
 
 
 @dataclass(frozen=True)
