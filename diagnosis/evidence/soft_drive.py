@@ -118,10 +118,14 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
 def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
     """Return the soft drive that leaves next to nothing of what its entry leaves, None where there is none.
 
-    What it explains, no search would: nothing need be looked for.
+    What it explains, no search would: nothing need be looked for. At its own joint it must explain most as well, also
+    where what differs between the recordings counts as noise there (a drift).
     """
     one = soft_drive(base, base, noise, rules)
     if one is None or not one.sure:
+        return None
+    own = base.model.joint_names.index(one.joint)
+    if one.after[own] ** 2 > rules.soft_left * base.evaluation_rms[own] ** 2:
         return None
     model = base.model.with_effect(find_effect(ENTRY), one.joint)
     entry = fitted_model(identify(model, base.prepared.train, optimisers=()), base.prepared).evaluation_rms

@@ -160,3 +160,11 @@ def test_nothing_is_accepted_in_place_of_a_soft_drive():
     assert found.verdict == "unexplained" and not found.accepted
     assert "motor_elasticity:hip" in found.sentence and "hip" in found.next_experiment
     assert all(one.reason for one in found.possible)
+
+
+def test_a_soft_drive_explains_most_at_its_own_joint_too(monkeypatch):
+    """A drift of the hip that differs between the recordings counts as noise: the knee alone makes no soft hip."""
+    found = SimpleNamespace(sure=True, joint="hip", after=np.array([2.05, 0.29]))
+    monkeypatch.setattr(soft_drives, "soft_drive", lambda *given: found)
+    base = SimpleNamespace(model=MODEL, evaluation_rms=np.array([2.18, 0.80]))
+    assert plainly_soft(base, np.array([2.05, 0.16])) is None
