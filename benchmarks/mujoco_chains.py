@@ -11,7 +11,6 @@ what was built in is named, or is a look-alike of what is named, and nothing els
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 import zlib
@@ -25,7 +24,8 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from benchmarks.mujoco_leg import ask  # noqa: E402 - the repository must be on the path first
+from diagnosis.discover import discover  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
 from symbolic.joints import Joint  # noqa: E402
@@ -303,31 +303,5 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     return right, f"{case}/{seed} {numbers}: {'right' if right else 'WRONG'}; {found.verdict} [{text}] {errors}"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    text, _, rest = (__doc__ or "").partition("\n\n")
-    form = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(description=text, epilog=rest, formatter_class=form)
-    parser.add_argument("cases", nargs="*", help=f"of: {', '.join(CASES)}")
-    parser.add_argument("--seeds", type=int, default=1)
-    parser.add_argument("--first", type=int, default=1, help="first seed (1)")
-    given = parser.parse_args(arguments)
-    unknown = [name for name in given.cases if name not in CASES]
-    if unknown:
-        parser.error(f"there is no case {', '.join(unknown)}; use {', '.join(CASES)}")
-    try:
-        import mujoco  # noqa: F401
-    except ImportError:
-        print("MuJoCo is not installed; pip install 'exoid[peers]'")
-        return 2
-    good = []
-    for seed in range(given.first, given.first + given.seeds):
-        for case in given.cases or CASES:
-            right, line = run(case, seed)
-            good.append(right)
-            print(line, flush=True)
-    print(f"{sum(good)} of {len(good)} right")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ask(__doc__, CASES, run, first=1))

@@ -15,7 +15,7 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -150,8 +150,8 @@ def simulate(leg: Leg, seed: int, index: int, duration: float = 25.0, noise: boo
     return seen, (q, dq, ddq, tau)
 
 
-def run(name: str, seed: int) -> str:
-    """Return one line: the case, whether the answer is right, and the answer."""
+def run(name: str, seed: int) -> tuple[bool, str]:
+    """Return whether the answer is right, and one line about it."""
     leg, answers = CASES[name]
     began = time.perf_counter()
     recordings = [simulate(leg, seed, index)[0] for index in range(4)]
@@ -164,33 +164,45 @@ def run(name: str, seed: int) -> str:
     text = ", ".join(f"{a.name} {[round(e.value, 4) for e in a.parameters.values()]}" for a in found.accepted)
     leading = [f"{s.name} {s.explained_share:.0%}" for s in found.suspects[:3]]
     left = found.steps[-1].verify_rms
-    return (
+    return right, (
         f"{name}/{seed}: {'right' if right else 'WRONG'}; {found.verdict} [{text}] suspects {', '.join(leading)}; "
         f"unseen {np.round(left, 3).tolist()} at a floor of {np.round(found.noise_floor, 3).tolist()} N·m; "
         f"{time.perf_counter() - began:.0f} s"
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    text, _, rest = (__doc__ or "").partition("\n\n")
+def ask(
+    doc: str | None,
+    cases: Collection[str],
+    run: Callable[[str, int], tuple[bool, str]],
+    first: int,
+    arguments: Sequence[str] | None = None,
+) -> int:
+    """Run the cases of a script, print a line about each and how many are right; `first` is the usual first seed."""
+    text, _, rest = (doc or "").partition("\n\n")
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=text, epilog=rest, formatter_class=form)
-    parser.add_argument("cases", nargs="*", help=f"of: {', '.join(CASES)}")
+    parser.add_argument("cases", nargs="*", help=f"of: {', '.join(cases)}")
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--first", type=int, default=first, help=f"first seed ({first})")
     given = parser.parse_args(arguments)
-    unknown = [name for name in given.cases if name not in CASES]
+    unknown = [name for name in given.cases if name not in cases]
     if unknown:
-        parser.error(f"there is no case {', '.join(unknown)}; use {', '.join(CASES)}")
+        parser.error(f"there is no case {', '.join(unknown)}; use {', '.join(cases)}")
     try:
         import mujoco  # noqa: F401
     except ImportError:
         print("MuJoCo is not installed; pip install 'exoid[peers]'")
         return 2
-    for seed in range(given.seeds):
-        for name in given.cases or CASES:
-            print(run(name, seed), flush=True)
+    good = []
+    for seed in range(given.first, given.first + given.seeds):
+        for name in given.cases or cases:
+            right, line = run(name, seed)
+            good.append(right)
+            print(line, flush=True)
+    print(f"{sum(good)} of {len(good)} right")
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ask(__doc__, CASES, run, first=0))
