@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import contextvars
+import os
 import secrets
 import socket
 import sys
+import threading
+import time
 import webbrowser
 from typing import TYPE_CHECKING
 
@@ -20,6 +24,8 @@ if TYPE_CHECKING:
     from workbench.page.workspace import Workspace
 
 HOST = "127.0.0.1"
+PATIENCE = 10.0
+"""Seconds that the end of the page waits for what still works."""
 
 
 def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
@@ -43,8 +49,24 @@ def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
         # In a context of its own: what is written while the page is open is there at once, not when the command ends.
         contextvars.Context().run(asyncio.run, server.serve(sockets=[listening]))
     finally:
-        workspace.close()
         listening.close()
+        workspace.close()
+    finish_threads()
+
+
+def finish_threads(patience: float = PATIENCE) -> None:
+    """Wait for what is still being computed or written, a report perhaps. What lasts longer, or what the user does not
+    wait for, ends with the process here: the interpreter's own end aborts under a thread inside compiled code.
+    """
+    until = time.monotonic() + patience
+    working = [thread for thread in threading.enumerate() if thread.daemon]
+    with contextlib.suppress(KeyboardInterrupt):
+        for thread in working:
+            thread.join(max(0.0, until - time.monotonic()))
+    if any(thread.is_alive() for thread in working):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)
 
 
 class _Server(uvicorn.Server):
