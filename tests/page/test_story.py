@@ -86,7 +86,6 @@ def test_from_the_start_screen_to_a_verdict(serve, visit, tmp_path):
     # The whole search comes to the same.
     wait_ready(page)
     page.get_by_test_id("discover").click()
-    page.get_by_test_id("cancel").wait_for()
     expect(page.get_by_test_id("verdict")).to_have_attribute("data-verdict", "missing")
     page.get_by_test_id(f"layer-{MISSING}").wait_for()
     wait_ready(page)
