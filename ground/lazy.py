@@ -4,17 +4,15 @@ until they are used.
 
 from __future__ import annotations
 
-import ast
 import importlib
-import inspect
-import itertools
+import re
 import sys
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from types import ModuleType
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
-Owner = TypeVar("Owner", bound=type)
+Value = TypeVar("Value")
 
 
 class LazyPackage(ModuleType):
@@ -46,6 +44,10 @@ class LazyPackage(ModuleType):
         return sorted({*super().__dir__(), *self._homes})
 
 
+_LENT = re.compile(r"^    from (\S+) import (\w+|\*)", re.MULTILINE)
+"""A line below `if TYPE_CHECKING:`."""
+
+
 def lend(package: str) -> list[str]:
     """Let `package` hand out the short names that its own file imports for type checkers; return all of them.
 
@@ -53,46 +55,47 @@ def lend(package: str) -> list[str]:
     star takes all names of another package that lends.
     """
     module = sys.modules[package]
-    blocks = (block.body for block in ast.parse(inspect.getsource(module)).body if isinstance(block, ast.If))
     homes: dict[str, str] = {}
-    for line in itertools.chain.from_iterable(blocks):
-        if isinstance(line, ast.ImportFrom) and line.module:
-            star = line.names[0].name == "*"
-            lent = importlib.import_module(line.module).__dict__["_homes"] if star else {}
-            homes |= lent or {name.name: line.module for name in line.names}
+    for home, name in _LENT.findall(module.__loader__.get_source(package)):  # type: ignore[union-attr]
+        homes |= importlib.import_module(home).__dict__["_homes"] if name == "*" else {name: home}
     module.__dict__["_homes"] = homes
     module.__class__ = LazyPackage
     return list(homes)
 
 
-_METHODS: dict[str, Mapping[str, Any]] = {}
-"""What a class takes, {name: method or property}, by the full name of the class."""
+class _Lent:
+    """A function of a module above that of a class, "module:function"; it is looked for at its first use."""
+
+    def __init__(self, home: str) -> None:
+        self._home = home
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._owner, self._name = owner, name
+
+    def _found(self) -> Callable[..., Any]:
+        module, _, function = self._home.partition(":")
+        return cast("Callable[..., Any]", getattr(importlib.import_module(module), function))
+
+    def _exchanged(self, member: Any, instance: Any) -> Any:
+        """Put `member` into the place of this one, and return what it is on `instance`."""
+        setattr(self._owner, self._name, member)
+        return getattr(self._owner if instance is None else instance, self._name)
 
 
-def lend_methods(owner: str, homes: Mapping[str, str], properties: Collection[str] = ()) -> None:
-    """Let the class `owner` ("package.module.Class") have functions of modules above its own as methods.
+class LentMethod(_Lent, Generic[Value]):
+    """A method that a module above its class provides; it returns a Value.
 
-    `homes` is {method: "module:function"}; the object is the function's first argument, and the only one of
-    `properties`, which are computed once. Only a package's `__init__` lends, so that the class itself imports nothing
-    of what is computed from it.
+    So the class imports nothing of what is computed from it, and pays for it at its first use alone.
     """
-    made = {name: _method(name, *home.split(":")) for name, home in homes.items()}
-    _METHODS[owner] = {name: cached_property(made[name]) if name in properties else made[name] for name in made}
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Callable[..., Value]:
+        return cast("Callable[..., Value]", self._exchanged(self._found(), instance))
 
 
-def takes_methods(owner: Owner) -> Owner:
-    """Give a class the methods that were lent to it: a decorator."""
-    for name, member in _METHODS.get(f"{owner.__module__}.{owner.__qualname__}", {}).items():
-        setattr(owner, name, member)
-        if isinstance(member, cached_property):
-            member.__set_name__(owner, name)
-    return owner
+class LentProperty(_Lent, Generic[Value]):
+    """The same for a property, which is computed once."""
 
-
-def _method(name: str, module: str, function: str) -> Callable[..., Any]:
-    def method(self: Any, *arguments: Any, **named: Any) -> Any:
-        return getattr(importlib.import_module(module), function)(self, *arguments, **named)
-
-    method.__name__ = name
-    method.__doc__ = f"Return `{module}.{function}` of this object."
-    return method
+    def __get__(self, instance: Any, owner: type | None = None) -> Value:
+        member = cached_property(self._found())
+        member.__set_name__(self._owner, self._name)
+        return cast("Value", self._exchanged(member, instance))

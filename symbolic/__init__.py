@@ -5,7 +5,7 @@ In a notebook: `from symbolic import Model`; `leg = Model.standard().with_effect
 
 from typing import TYPE_CHECKING
 
-from ground.lazy import lend, lend_methods
+from ground.lazy import lend
 
 if TYPE_CHECKING:
     from symbolic.catalogue import catalogue as catalogue
@@ -26,19 +26,3 @@ if TYPE_CHECKING:
     from symbolic.motion import Motion as Motion
 
 __all__ = lend(__name__)
-
-lend_methods(
-    "symbolic.model.Model",
-    {
-        "columns": "symbolic.columns:model_columns",
-        "torque": "symbolic.columns:model_torque",
-        "moving_torque": "symbolic.columns:moving_torque",
-        "needs_reference": "symbolic.columns:needs_reference",
-        "reference_places": "symbolic.columns:reference_places",
-        "following_places": "symbolic.columns:following_places",
-        "held_places": "symbolic.columns:held_places",
-        "following_columns": "symbolic.columns:following_columns",
-        "key": "symbolic.codegen.fingerprint:model_key",
-    },
-    properties=("needs_reference", "reference_places", "following_places", "held_places"),
-)

@@ -4,29 +4,29 @@
 
 with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then the numbers of
 each term. A model is a value: `with_effect` and `without` return another one. What is computed from it lies above:
-`symbolic.columns`, `symbolic.codegen`; `symbolic/__init__.py` lends some of that to notebooks as methods.
+`symbolic.columns`, `symbolic.codegen`; some of that is lent to the model as methods, found at their first use.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ground.errors import EffectError
 from ground.html import lines, table
-from ground.lazy import takes_methods
+from ground.lazy import LentMethod, LentProperty
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
 from symbolic.joints import LEG, Joint, check_joints, units
 from symbolic.language.torque import check_units
 from symbolic.mechanics.friction import friction_parameters
-from symbolic.motion import Float, Motion
+from symbolic.motion import Float
 from symbolic.quantity import JOINTS
 from symbolic.term import Parameter, ShapeParameter, Term, places_of
 
@@ -56,6 +56,8 @@ TABLE_1: Mapping[str, Limits] = MappingProxyType(
     {"hip": Limits((-0.13, 1.26), 1.92, 5.16), "knee": Limits((-1.62, -0.23), 1.64, 5.16)}
 )
 """Table 1 of the paper."""
+MovingTorque = tuple[Float, tuple[int, ...], Callable[[Float], Float]]
+"""What a shape value has no part in, the joints of the rest, and what gives that."""
 UNLIMITED = Limits((-math.inf, math.inf), math.inf, math.inf)
 USUAL: Mapping[bool, Limits] = MappingProxyType(
     {True: Limits((-1.0, 1.0), 2.0, 6.0), False: Limits((-0.15, 0.15), 0.3, 1.0)}
@@ -63,7 +65,6 @@ USUAL: Mapping[bool, Limits] = MappingProxyType(
 """Limits of motions that are drawn for a joint whose model has none: where it turns, and where it slides (m)."""
 
 
-@takes_methods
 @dataclass(frozen=True, eq=False)
 class Model:
     """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
@@ -226,25 +227,15 @@ class Model:
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
         return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
-    if TYPE_CHECKING:
-        # Lent by symbolic/__init__.py, where each function is named; nothing here is computed by the model itself.
-        @property
-        def needs_reference(self) -> bool: ...  # noqa: D102
-        @property
-        def reference_places(self) -> tuple[int, ...]: ...  # noqa: D102
-        @property
-        def following_places(self) -> tuple[int, ...]: ...  # noqa: D102
-        @property
-        def held_places(self) -> tuple[int, ...]: ...  # noqa: D102
-        def following_columns(  # noqa: D102
-            self, motion: Motion, chosen: Sequence[int], nodes: Float, reference: Float | None = None
-        ) -> Float: ...
-        def columns(self, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float: ...  # noqa: D102
-        def torque(self, motion: Motion, linear: Any, shape: Float | None = None) -> Float: ...  # noqa: D102
-        def moving_torque(  # noqa: D102
-            self, motion: Motion, linear: Float, shape: Float, index: int
-        ) -> tuple[Float, tuple[int, ...], Callable[[Float], Float]]: ...
-        def key(self) -> str: ...  # noqa: D102
+    columns = LentMethod[Float]("symbolic.columns:model_columns")
+    torque = LentMethod[Float]("symbolic.columns:model_torque")
+    moving_torque = LentMethod[MovingTorque]("symbolic.columns:moving_torque")
+    following_columns = LentMethod[Float]("symbolic.columns:following_columns")
+    needs_reference = LentProperty[bool]("symbolic.columns:needs_reference")
+    reference_places = LentProperty[tuple[int, ...]]("symbolic.columns:reference_places")
+    following_places = LentProperty[tuple[int, ...]]("symbolic.columns:following_places")
+    held_places = LentProperty[tuple[int, ...]]("symbolic.columns:held_places")
+    key = LentMethod[str]("symbolic.codegen.fingerprint:model_key")
 
     def _repr_html_(self) -> str:
         size = f"gravity {self.gravity:g} m/s²"
