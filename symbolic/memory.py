@@ -25,7 +25,7 @@ def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:
     found: list[tuple[Term, int, Operation]] = []
     for term in model.terms:
         for torque in torques(term):
-            _, operations = split_memory(torque.node, torque.joint, len(found))
+            _, operations = split_memory(torque.node, len(found))
             found += [(term, torque.joint, operation) for operation in operations]
     return found
 

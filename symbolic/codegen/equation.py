@@ -241,7 +241,7 @@ class _Builder:
             **{s.name: self.numbers[s.name] for s in local.values() if s.name in self.numbers},
         }
         shapes = {key: self.numbers[f"{term.name}.{key}"] for key in term.effect.shape}
-        node, operations = split_memory(torque.node, torque.joint, len(self.memories))
+        node, operations = split_memory(torque.node, len(self.memories))
         for operation in operations:
             inside = {**words, **shapes}
             argument = to_casadi(operation.argument, inside)

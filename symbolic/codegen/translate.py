@@ -5,8 +5,12 @@ Shared subexpressions are translated once, and CasADi merges what is equal after
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from typing import Any
+
+from symbolic.language.lower import power
 
 
 def casadi_from_sympy(expressions: Sequence[Any], symbols: Mapping[str, Any]) -> list[Any]:
@@ -14,7 +18,6 @@ def casadi_from_sympy(expressions: Sequence[Any], symbols: Mapping[str, Any]) ->
     missing one.
     """
     import casadi
-    from sympy import Integer
 
     table = _functions(casadi)
     done: dict[Any, Any] = {}
@@ -29,48 +32,27 @@ def casadi_from_sympy(expressions: Sequence[Any], symbols: Mapping[str, Any]) ->
             return symbols[node.name]
         if node.is_number and not node.free_symbols:
             return casadi.SX(float(node))
-        if node.is_Pow and node.exp == Integer(2):
-            return _power(walk(node.base), 2)
         if node.is_Pow and node.exp.is_Integer and 0 < abs(int(node.exp)) <= 8:
-            return _power(walk(node.base), int(node.exp))
+            return power(walk(node.base), int(node.exp), casadi.sqrt)
         return table[type(node).__name__](*(walk(argument) for argument in node.args))
 
     return [casadi.SX(walk(expression)) for expression in expressions]
-
-
-def _power(base: Any, exponent: int) -> Any:
-    """Repeated multiplication: exact for negative bases, and cheaper than pow()."""
-    product = base
-    for _ in range(abs(exponent) - 1):
-        product = product * base
-    return product if exponent > 0 else 1 / product
 
 
 def _functions(casadi: Any) -> Mapping[str, Callable[..., Any]]:
     """Return how each SymPy function is written in CasADi."""
 
     def fold(combine: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-        def apply(first: Any, *rest: Any) -> Any:
-            for other in rest:
-                first = combine(first, other)
-            return first
-
-        return apply
+        return lambda *parts: reduce(combine, parts)
 
     return {
-        "Add": fold(lambda a, b: a + b),
-        "Mul": fold(lambda a, b: a * b),
+        "Add": fold(operator.add),
+        "Mul": fold(operator.mul),
         "Pow": lambda base, exponent: casadi.sqrt(base) if _is_half(exponent) else casadi.power(base, exponent),
-        "sin": casadi.sin,
-        "cos": casadi.cos,
-        "tan": casadi.tan,
-        "exp": casadi.exp,
-        "log": casadi.log,
-        "tanh": casadi.tanh,
         "Abs": casadi.fabs,
-        "sign": casadi.sign,
         "Max": fold(casadi.fmax),
         "Min": fold(casadi.fmin),
+        **{name: getattr(casadi, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sign")},
     }
 
 

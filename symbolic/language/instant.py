@@ -1,8 +1,7 @@
 """Take a torque text apart: what an instant suffices for, and the operators that need the past.
 
-Words for the own joint become the canonical ones, sgn of a joint velocity becomes the motion's sign (which
-is how a joint at rest is distinguished from one that creeps), and each operator with memory becomes the word
-`memory<k>`.
+sgn of a joint velocity becomes the motion's sign (which is how a joint at rest is distinguished from one that creeps),
+and each operator with memory becomes the word `memory<k>`.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from symbolic.language.tree import OPERATORS, Call, Name, rebuilt
-from symbolic.language.words import own_names
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +22,14 @@ class Operation:
     parameter: Any | None
 
 
-def split_memory(node: Any, joint: int, count: int) -> tuple[Any, list[Operation]]:
+def split_memory(node: Any, count: int) -> tuple[Any, list[Operation]]:
     """Return the text without operators, and the operators in the order in which they must be evaluated.
 
     `count` is how many memories there are already.
     """
-    canonical = own_names(joint)
     operations: list[Operation] = []
 
     def walk(tree: Any) -> Any:
-        if isinstance(tree, Name):
-            return Name(canonical.get(tree.name, tree.name))
         tree = rebuilt(tree, walk)
         if not isinstance(tree, Call):
             return tree
@@ -44,7 +39,7 @@ def split_memory(node: Any, joint: int, count: int) -> tuple[Any, list[Operation
             operations.append(Operation(tree.function, name, first, rest[0] if rest else None))
             return Name(name)
         if tree.function == "sgn" and isinstance(first, Name) and first.name.startswith("dtheta"):
-            return Name(f"sign{first.name[-1]}")
+            return Name(f"sign{first.name.removeprefix('dtheta')}")
         return tree
 
     return walk(node), operations

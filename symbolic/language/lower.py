@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ import numpy as np
 
 from ground.errors import ExpressionError
 from symbolic.language.operators import MEMORY
-from symbolic.language.tree import CONSTANTS, OPERATORS, Binary, Call, Name, Node
+from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Binary, Call, Name, Node
 from symbolic.language.walk import NONE, Spelling, lower
 from symbolic.language.writing import to_text
 from symbolic.waves import FEW, are_even, sines
@@ -19,24 +20,15 @@ if TYPE_CHECKING:
     from symbolic.motion import Float
 
 ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-}
-NUMPY: Mapping[str, Callable[..., Any]] = {
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "exp": np.exp,
-    "log": np.log,
-    "sqrt": np.sqrt,
-    "abs": np.abs,
-    "sgn": np.sign,
-    "tanh": np.tanh,
-    "max": np.maximum,
-    "min": np.minimum,
-}
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+}  # fmt: skip
+
+def _functions(library: Any, **called: str) -> Mapping[str, Callable[..., Any]]:
+    """Return how `library` computes the functions of the language; `called` are those it has under other names."""
+    return {word: getattr(library, called.get(word, word)) for word in FUNCTIONS}
+
+
+NUMPY = _functions(np, sgn="sign", max="maximum", min="minimum")
 
 
 def to_numpy(
@@ -76,7 +68,7 @@ def to_numpy(
     table = Spelling(
         number=np.float64,
         name=lambda name: np.asarray(known(name, env), dtype=float),
-        negative=lambda a: -a,
+        negative=operator.neg,
         power=lambda base, exponent: power(base, exponent, np.sqrt),
         binary=ARITHMETIC,
         functions={
@@ -108,21 +100,11 @@ def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = 
     table = Spelling(
         number=lambda value: sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value),
         name=lambda name: sympy.pi if name == "pi" and name not in symbols else known(name, symbols),
-        negative=lambda a: -a,
+        negative=operator.neg,
         power=lambda base, exponent: base ** sympy.Rational(int(2 * exponent), 2),
         binary=ARITHMETIC,
         functions={
-            "sin": sympy.sin,
-            "cos": sympy.cos,
-            "tan": sympy.tan,
-            "exp": sympy.exp,
-            "log": sympy.log,
-            "sqrt": sympy.sqrt,
-            "abs": sympy.Abs,
-            "sgn": sympy.sign,
-            "tanh": sympy.tanh,
-            "max": sympy.Max,
-            "min": sympy.Min,
+            **_functions(sympy, abs="Abs", sgn="sign", max="Max", min="Min"),
             **{word: sympy.Function(word, real=True) for word in OPERATORS},
         },
         signs=signs,
@@ -137,22 +119,10 @@ def to_casadi(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] =
     table = Spelling(
         number=float,
         name=lambda name: known(name, symbols),
-        negative=lambda a: -a,
+        negative=operator.neg,
         power=lambda base, exponent: power(base, exponent, casadi.sqrt),
         binary=ARITHMETIC,
-        functions={
-            "sin": casadi.sin,
-            "cos": casadi.cos,
-            "tan": casadi.tan,
-            "exp": casadi.exp,
-            "log": casadi.log,
-            "sqrt": casadi.sqrt,
-            "abs": casadi.fabs,
-            "sgn": casadi.sign,
-            "tanh": casadi.tanh,
-            "max": casadi.fmax,
-            "min": casadi.fmin,
-        },
+        functions=_functions(casadi, abs="fabs", sgn="sign", max="fmax", min="fmin"),
         signs=signs,
     )
     return lower(node, table)

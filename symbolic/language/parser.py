@@ -13,6 +13,7 @@ time or memory: length, depth, unknown names, constants that are not finite.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
@@ -41,23 +42,10 @@ TALLEST = 120
 LARGEST_EXPONENT = 8.0
 
 _VALUES: dict[str, Callable[..., float]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-    "**": lambda a, b: math.pow(a, b),
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "exp": math.exp,
-    "log": math.log,
-    "sqrt": math.sqrt,
-    "abs": abs,
-    "sgn": lambda a: float((a > 0) - (a < 0)),
-    "tanh": math.tanh,
-    "max": max,
-    "min": min,
-}
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": math.pow,
+    "abs": abs, "sgn": lambda a: float((a > 0) - (a < 0)), "max": max, "min": min,
+    **{word: getattr(math, word) for word in ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh")},
+}  # fmt: skip
 
 
 def parse(text: str, names: Collection[str]) -> Node:

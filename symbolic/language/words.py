@@ -65,11 +65,6 @@ def joint_of(word: str, own: int, names: tuple[str, ...]) -> int | None:
     return index if 0 <= index < len(names) else None
 
 
-def own_names(joint: int) -> dict[str, str]:
-    """Return {word for the own joint: canonical word} at a joint index."""
-    return {stem: f"{stem}{joint + 1}" for stem in OWN}
-
-
 def allowed_words(own: bool, numbers: tuple[str, ...]) -> frozenset[str]:
     """Return the words of a text with coefficients and shapes called `numbers`; `own` if it has a joint of its own."""
     return frozenset((*(OWN if own else ()), *NUMBERED, *SLOPES, "t", *CONSTANTS, *numbers))

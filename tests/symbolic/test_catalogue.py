@@ -16,7 +16,7 @@ from symbolic.language.instant import split_memory
 from symbolic.language.lower import to_casadi, to_numpy, to_sympy
 from symbolic.language.operators import MEMORY
 from symbolic.language.parser import parse
-from symbolic.language.words import MODEL_TORQUE, allowed_words, own_names
+from symbolic.language.words import MODEL_TORQUE, allowed_words
 from symbolic.language.writing import to_text
 from symbolic.term import Term
 
@@ -93,9 +93,8 @@ def test_numpy_sympy_and_casadi_agree(effect, text):
     function = sympy.lambdify(list(symbols.values()), to_sympy(node, symbols), [memory, "numpy"])
     np.testing.assert_allclose(function(*(env[name] for name in names)), values, rtol=1e-9, atol=1e-9)
 
-    env = {own_names(0).get(name, name): value for name, value in env.items()}
-    env |= {f"sign{j}": np.sign(env[f"dtheta{j}"]) for j in (1, 2) if f"dtheta{j}" in env}
-    rest, operations = split_memory(node, 0, 0)
+    env |= {f"sign{word.removeprefix('dtheta')}": np.sign(env[word]) for word in names if word.startswith("dtheta")}
+    rest, operations = split_memory(node, 0)
     for one in operations:
         parameter = [] if one.parameter is None else [to_numpy(one.parameter, env)]
         env[one.name] = operator_over(one.operator, env["t"], to_numpy(one.argument, env), *parameter)

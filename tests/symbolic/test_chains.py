@@ -330,3 +330,13 @@ def test_refusals_name_the_line(tmp_path, old, new, line, message):
     with pytest.raises(ExoidError, match=message) as caught:
         read_model(path)
     assert str(path) in str(caught.value) and f"line {line}" in str(caught.value)
+
+
+def test_friction_of_the_last_of_twelve_joints_has_its_own_sign():
+    """Numbers of joints may have two digits."""
+    model = machine(tuple(Joint(f"j{k + 1}", length=0.3) for k in range(12)))
+    moved = motion(12, 4)
+    columns = compiled(model, "vm").columns(moved)
+    places = [p.name for p in model.parameters]
+    for joint in (9, 10, 11):
+        assert columns[joint, :, places.index(f"coulomb:j{joint + 1}")] == pytest.approx(np.sign(moved.dq[:, joint]))
