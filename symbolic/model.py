@@ -217,10 +217,10 @@ class Model:
     @property
     def mechanism(self) -> Mechanism:
         """The mechanism in symbols, with the changes its derived terms make; lengths are numbers, but for the leg's."""
-        from symbolic.mechanics.mechanism import machine
-        from symbolic.mechanics.rigid import changed, rigid
+        from symbolic.mechanics.mechanism import leg, machine
+        from symbolic.mechanics.rigid import changed
 
-        return changed(machine(self.chain), self.derived)[0] if self.chain else rigid(self.derived).mechanism
+        return changed(machine(self.chain) if self.chain else leg(), self.derived)[0]
 
     @property
     def motion_limits(self) -> Mapping[str, Limits]:

@@ -24,7 +24,7 @@ from symbolic.mechanics.friction import friction
 from symbolic.mechanics.lagrange import christoffel, mechanics
 from symbolic.mechanics.mechanism import machine, real
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
-from symbolic.mechanics.rigid import changed, rigid, symbols_of
+from symbolic.mechanics.rigid import changed, leg_columns, symbols_of
 from symbolic.mechanics.tree import tree_changes
 
 if TYPE_CHECKING:
@@ -145,12 +145,12 @@ class _Builder:
     def _rigid(self, symbols: dict[str, Any]) -> Any:
         if self.model.chain:
             return self._tree(symbols)
-        form = rigid(self.model.derived)
-        for k, name in enumerate(form.names):
-            for joint, value in enumerate(casadi_from_sympy(list(form.matrix[:, k]), symbols)):
-                if form.matrix[joint, k] != 0:
+        names, matrix = leg_columns(self.model.derived)
+        for k, name in enumerate(names):
+            for joint, value in enumerate(casadi_from_sympy(list(matrix[:, k]), symbols)):
+                if matrix[joint, k] != 0:
                     self.columns.append((joint, self.place[name], value))
-        jacobian = mechanics(form.mechanism).J
+        jacobian = mechanics(self.model.mechanism).J
         self.reach = self.ca.SX.sym("reach")
         entries = casadi_from_sympy(list(jacobian), {**symbols, "reach": self.reach})
         self.jacobian = self.ca.reshape(self.ca.vertcat(*entries), 2, 2).T

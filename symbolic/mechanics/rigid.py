@@ -9,7 +9,7 @@ a moving base multiplies masses.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
@@ -19,37 +19,7 @@ from symbolic.mechanics.regressor import regressor
 if TYPE_CHECKING:
     from sympy import Matrix, Symbol
 
-    from symbolic.mechanics.mechanism import Mechanism
-    from symbolic.mechanics.regressor import Regressor
     from symbolic.term import Term
-
-
-@dataclass(frozen=True, eq=False)
-class Rigid:
-    """`matrix` (J, n) times the linear parameters called `names` (n,) is the rigid-body torque.
-
-    Its symbols are the motion, `g` and `a_th`, shapes and linear parameters under their full names.
-    """
-
-    mechanism: Mechanism
-    regressor: Regressor
-    names: tuple[str, ...]
-    matrix: Matrix
-    needs_reference: bool
-
-
-_RECENT: dict[tuple[int, ...], tuple[tuple[Term, ...], Rigid]] = {}
-"""Derivations of this process by identity of their effects (which the value keeps alive)."""
-
-
-def rigid(derived: Sequence[Term]) -> Rigid:
-    """Derive the rigid-body torque of the leg changed by the `derived` terms; EffectError where that fails."""
-    key = tuple(id(term.effect) for term in derived)
-    if key not in _RECENT:
-        while len(_RECENT) >= 64:
-            _RECENT.pop(next(iter(_RECENT)))
-        _RECENT[key] = (tuple(derived), _derive(derived))
-    return _RECENT[key][1]
 
 
 def symbols_of(term: Term) -> dict[str, Symbol]:
@@ -77,24 +47,21 @@ def changed(mechanism: Mechanism, derived: Sequence[Term]) -> tuple[Mechanism, M
     return mechanism, added, coefficients
 
 
-def _derive(derived: Sequence[Term]) -> Rigid:
+def leg_columns(derived: Sequence[Term]) -> tuple[tuple[str, ...], Matrix]:
+    """Return the names (n,) of the linear parameters of the leg changed by the `derived` terms, and the matrix (2, n)
+    that makes its rigid-body torque of them; EffectError where that fails.
+
+    Its symbols are the motion, `g` and `a_th`, shapes and linear parameters under their full names.
+    """
     from sympy import Matrix
 
     mechanism, added, coefficients = changed(leg(), derived)
     form = regressor(mechanism)
     phi = [real(name) for name in form.names]
-    at_rest = dict.fromkeys(coefficients, 0)
-    columns = [(form.matrix[:, k]).subs(at_rest) for k in range(len(phi))]
     torque = form.matrix * Matrix(phi) + form.known + added
+    columns = [form.matrix.subs(dict.fromkeys(coefficients, 0))]
     columns += [_slope(torque, k, coefficients) for k in range(len(coefficients))]
-    matrix = Matrix.hstack(*columns)
-    return Rigid(
-        mechanism=mechanism,
-        regressor=form,
-        names=form.names + tuple(symbol.name for symbol in coefficients),
-        matrix=matrix,
-        needs_reference=bool(matrix.free_symbols & {*phi, *coefficients}),
-    )
+    return form.names + tuple(symbol.name for symbol in coefficients), Matrix.hstack(*columns)
 
 
 def _call(term: Term, mechanism: Mechanism, symbols: Mapping[str, Symbol]) -> Any:
