@@ -118,30 +118,19 @@ class _Tree:
         return torques
 
     def _energies(self, link: int, kind: str) -> tuple[Expr, Expr]:
-        from sympy import Integer, Rational, cos, sin
+        from sympy import Integer, Rational, cos, pi, sin
 
         angle, rate = self.angle, self.rate
         if kind == "J":
             return Rational(1, 2) * rate[link] ** 2, Integer(0)
         moving = self._origin(link)
-        if kind == ACROSS:
-            kinetic = sum(
-                (
-                    -rate[link] * (along * cos(angle[j] - angle[link]) - across * sin(angle[j] - angle[link]))
-                    for j, _, along, across in moving
-                ),
-                Integer(0),
+        if kind in ("X", ACROSS):  # what lies beside the axis lies along one that is turned by a right angle
+            axis = angle[link] + (pi / 2 if kind == ACROSS else 0)
+            parts = (
+                rate[link] * (along * sin(angle[j] - axis) + across * cos(angle[j] - axis))
+                for j, _, along, across in moving
             )
-            return kinetic, self.pull[0] * cos(angle[link]) + self.pull[1] * sin(angle[link])
-        if kind == "X":
-            kinetic = sum(
-                (
-                    rate[link] * (along * sin(angle[j] - angle[link]) + across * cos(angle[j] - angle[link]))
-                    for j, _, along, across in moving
-                ),
-                Integer(0),
-            )
-            return kinetic, self._lifted(angle[link])
+            return sum(parts, Integer(0)), self._lifted(axis)
         kinetic = Integer(0)
         for j, _, along_j, across_j in moving:
             for k, _, along_k, across_k in moving:
