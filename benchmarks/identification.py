@@ -28,7 +28,7 @@ from optimisation.contest.problem import Contest, paper_contest  # noqa: E402
 from optimisation.linear.problem import huber_problem  # noqa: E402
 from optimisation.optimiser import minimise  # noqa: E402
 from optimisation.optimisers.nfo import NFO  # noqa: E402
-from symbolic.codegen.kernel import fitness  # noqa: E402
+from symbolic.codegen.fitness import fitness  # noqa: E402
 
 INDIVIDUALS, GENERATIONS, REPEATS = 40, 400, 5
 BUDGET = INDIVIDUALS * GENERATIONS

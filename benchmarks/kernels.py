@@ -135,7 +135,8 @@ from symbolic.model import Model
 from symbolic.motion import Motion
 model = Model.standard(){effects}
 began = time.perf_counter()
-from symbolic.codegen.kernel import compiled, fitness
+from symbolic.codegen.fitness import fitness
+from symbolic.codegen.kernel import compiled
 made = compiled(model)
 motion = Motion(numpy.arange(9) * 0.01, *(numpy.random.default_rng(k).normal(size=(9, 2)) for k in range(3)))
 loss = fitness(made.columns(motion), numpy.ones((2, 9))).sse(numpy.ones((1, len(model.parameters))))

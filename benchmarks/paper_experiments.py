@@ -27,7 +27,7 @@ from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
-from symbolic.codegen.kernel import fitness
+from symbolic.codegen.fitness import fitness
 from symbolic.model import TABLE_1, Model
 from symbolic.motion import Motion
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
 from ground.errors import EffectError, ExpressionError
+from ground.folder import names_in
 from ground.suggest import nearest
 from symbolic import effects
 from symbolic.effect import Effect
@@ -25,7 +25,7 @@ def catalogue(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Effect]:
 
     EffectError for a file that defines none.
     """
-    found = [_load(info.name) for info in pkgutil.iter_modules(effects.__path__)]
+    found = [_load(name) for name in names_in(effects)]
     ordered = sorted(found, key=lambda effect: (FAMILIES.index(effect.family), effect.id))
     return MappingProxyType({effect.id: effect for effect in ordered if not joints or places_of(effect, joints)})
 

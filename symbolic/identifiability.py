@@ -254,7 +254,7 @@ def _relation(base: Tangents, k: int, own: Tangents | None) -> LookAlike | None:
     if combination is None:
         return None
     precise = base.precise() if own is None else [*base.precise(), *own.precise()]
-    if not _exactly(precise[: len(names)], precise[len(names)]):
+    if not in_span(precise[: len(names)], precise[len(names)], EXACT):
         return None
     used = [(n, c) for n, c in zip(names, combination, strict=True) if c != 0.0]
     return LookAlike((name, *(n for n, _ in used)), f"{name} = {_written(used)}", own is not None)
@@ -267,15 +267,11 @@ def _pair(base: Tangents, first: str, one: Tangents, second: str, other: Tangent
         if any(_combination(known, column) is None for column in small.values.T):
             continue
         precise = [*base.precise(), *big.precise()]
-        if not all(_exactly(precise, column) for column in small.precise()):
+        if not all(in_span(precise, column, EXACT) for column in small.precise()):
             continue
         how = "is the same as" if len(big.names) == len(small.names) else "is contained in"
         return LookAlike((inner, outer), f"{inner} {how} {outer}, up to numbers of the model", False)
     return None
-
-
-def _exactly(known: list[list[Any]], column: list[Any]) -> bool:
-    return in_span(known, column, EXACT)
 
 
 def _combination(known: Float, column: Float) -> Float | None:

@@ -16,7 +16,7 @@ from xml.parsers import expat
 
 import numpy as np
 
-from ground.errors import ExoidError
+from ground.errors import ExoidError, refused
 from ground.inputs import open_input
 from symbolic.motion import Float
 
@@ -62,14 +62,10 @@ def read_robot(path: str | Path) -> RobotFile:
 
 def read_bytes(path: str | Path) -> bytes:
     """Return the bytes of a URDF; RobotFileError where it cannot be read or is too large."""
-    where = str(path)
-    try:
-        with open_input(path) as stream:
-            data = stream.read(LARGEST + 1)
-    except OSError as error:
-        raise RobotFileError(f"cannot be read: {error.strerror}", where=where, remedy="check the path") from error
+    with refused(RobotFileError, "cannot be read: {}", path, "check the path"), open_input(path) as stream:
+        data = stream.read(LARGEST + 1)
     if len(data) > LARGEST:
-        raise RobotFileError("is too large for a URDF", where=where, remedy="give the URDF, not a mesh")
+        raise RobotFileError("is too large for a URDF", where=str(path), remedy="give the URDF, not a mesh")
     return data
 
 
@@ -105,11 +101,9 @@ def _parsed(data: bytes, where: str) -> Element:
     parser = expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
-    try:
+    remedy = "expand it first: xacro robot.xacro > robot.urdf" if b"xacro" in data else "mend that line"
+    with refused(RobotFileError, "is not valid XML: {}", where, remedy, (expat.ExpatError,)):
         parser.Parse(data, True)
-    except expat.ExpatError as error:
-        remedy = "expand it first: xacro robot.xacro > robot.urdf" if b"xacro" in data else "mend that line"
-        raise RobotFileError(f"is not valid XML: {error}", where=where, remedy=remedy) from error
     return builder.close()
 
 

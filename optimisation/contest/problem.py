@@ -29,7 +29,7 @@ from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData, Problem, huber_problem
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimiser import minimise
-from symbolic.codegen.kernel import fitness
+from symbolic.codegen.fitness import fitness
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float

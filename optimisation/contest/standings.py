@@ -12,7 +12,7 @@ import numpy as np
 
 from ground.frames import pandas
 from ground.html import lines, table
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from optimisation.contest.ioh_log import write_logs
 from optimisation.contest.plots import ECDF_TARGETS, Entrant, contest_figure
 from optimisation.contest.problem import Contest, Outcome
@@ -33,8 +33,14 @@ REFERENCE = "nfo_whitened"
 
 
 @dataclass(frozen=True, eq=False)
-class Rivals:
+class Rivals(AsJson):
     """All runs: `outcomes` {name: one Outcome per seed}; `resumed` of them were on disk already."""
+
+    JSON = (
+        "problem=contest.name individuals=contest.individuals generations=contest.generations seeds "
+        "delta=contest.delta optimum=contest.certificate.primal certificate=contest.certificate reference "
+        "optimisers=_optimisers differences resumed seconds"
+    )
 
     contest: Contest
     searches: Mapping[str, Search]
@@ -132,33 +138,20 @@ class Rivals:
         columns = ["optimiser", "target", "ert", "low", "high", "hits", "runs", "success"]
         return pandas().DataFrame(rows, columns=columns)
 
-    def to_json(self) -> dict[str, Any]:
-        """Return what was found in plain types."""
-        contest = self.contest
-        return plain_dict({
-            "problem": contest.name,
-            "individuals": contest.individuals,
-            "generations": contest.generations,
-            "seeds": self.seeds,
-            "delta": contest.delta,
-            "optimum": contest.certificate.primal,
-            "certificate": contest.certificate,
-            "reference": self.reference,
-            "optimisers": {
-                name: {
-                    "settings": repr(self.searches[name].optimiser),
-                    "whitened": self.searches[name].whitened,
-                    "gaps": self.gaps(name),
-                    "median_gap": np.median(self.gaps(name)),
-                    "seconds": np.median([run.seconds for run in runs]),
-                    "runtimes": self.runtimes[name],
-                }
-                for name, runs in self.outcomes.items()
-            },
-            "differences": self.differences,
-            "resumed": self.resumed,
-            "seconds": self.seconds,
-        })
+    @property
+    def _optimisers(self) -> dict[str, Any]:
+        """What JSON tells of each."""
+        return {
+            name: {
+                "settings": repr(self.searches[name].optimiser),
+                "whitened": self.searches[name].whitened,
+                "gaps": self.gaps(name),
+                "median_gap": np.median(self.gaps(name)),
+                "seconds": np.median([run.seconds for run in runs]),
+                "runtimes": self.runtimes[name],
+            }
+            for name, runs in self.outcomes.items()
+        }
 
     def write_logs(self, folder: str | Path) -> Path:
         """Write all runs into `folder` in the format of IOHprofiler; return the folder."""

@@ -36,7 +36,7 @@ from optimisation.optimiser import OptimiserRun, minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import prepare
-from symbolic.codegen.kernel import fitness
+from symbolic.codegen.fitness import fitness
 from symbolic.motion import Float
 
 if TYPE_CHECKING:

@@ -274,10 +274,6 @@ def _refine(
         "maxfev": 120 * len(free),
     }
     box: Any = [(0.0, 1.0)] * len(free)
-
-    def objective(units: Float) -> float:
-        return evaluate(at(units))
-
     start: Float = np.array(middle, dtype=float)
-    refined: Any = minimize(objective, start, method="Nelder-Mead", bounds=box, options=options)
+    refined: Any = minimize(lambda u: evaluate(at(u)), start, method="Nelder-Mead", bounds=box, options=options)
     return at(refined.x), float(refined.fun)

@@ -21,12 +21,6 @@ OUTLIER_SHARE = 0.14
 """The paper's rule: δ leaves this share of the samples of each joint outside."""
 
 
-def sse(residual: Float) -> float:
-    """Return the sum of squared residuals of any shape, (N·m)²."""
-    flat = np.ravel(residual)
-    return float(flat @ flat)
-
-
 def huber(residual: Float, delta: Float) -> float:
     """Return the Huber loss of `residual` (J, N) in N·m with thresholds `delta` (J,); (N·m)²."""
     return float(np.sum(huber_terms(np.abs(residual), np.asarray(delta, dtype=float)[:, None])))

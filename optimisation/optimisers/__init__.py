@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
+import sys
 from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 from typing import Any
 
+from ground.folder import modules_in
+
 
 @cache
 def optimisers() -> Mapping[str, Any]:
     """Return {file name: optimiser class} of this folder, sorted by name."""
-    names = sorted(info.name for info in pkgutil.iter_modules(__path__))
-    return MappingProxyType({n: importlib.import_module(f"{__name__}.{n}").OPTIMISER for n in names})
+    found = modules_in(sys.modules[__name__])
+    return MappingProxyType({name: module.OPTIMISER for name, module in found.items()})

@@ -14,9 +14,8 @@ import numpy as np
 
 from ground.errors import ExpressionError
 from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import EXACT, NoCompilerWarning
+from symbolic.codegen.compiler import EXACT
 from symbolic.codegen.fingerprint import equations, equations_key
-from symbolic.codegen.fitness import Fitness, fitness
 from symbolic.codegen.layout import widths
 from symbolic.evaluation import apply_transforms, vector
 from symbolic.memory import memory_operations, memory_signals
@@ -24,9 +23,6 @@ from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
     from symbolic.model import Model
-
-__all__ = ["Compiled", "Fitness", "NoCompilerWarning", "compiled", "fitness"]
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +44,7 @@ class Compiled:
         """Return the regressor (J, N, P); arguments and refusals (ExpressionError) as of Model.columns."""
         shapes = vector(shape, self.model.typical_shape, "shape")
         linear = vector(reference, np.zeros(len(self.model.parameters)), "reference")
-        out = self._pointwise(motion, linear, shapes, self._memory(motion, linear, shapes))
+        out = self.pointwise(motion, linear, shapes, self._memory(motion, linear, shapes))
         apply_transforms(self.model, out, shapes, motion)
         self._refuse_what_is_not_finite(out)
         return out
@@ -101,14 +97,18 @@ class Compiled:
         """Return J (N, 2, J) of the point `reach` m down the last link (rows: forward, upward)."""
         return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
 
-    def pointwise(self, motion: Motion, linear: Float, shape: Float, first: int = 0) -> Float:
-        """Return the columns (J, N, P - first) from parameter `first` on, with operators with memory at zero and
-        without transforms.
-        """
-        return self._pointwise(motion, linear, shape, None, first)
+    def pointwise(self, motion: Motion, linear: Float, shape: Float, memory: Float | None = None) -> Float:
+        """Return the columns (J, N, P) without transforms, the operators with memory at `memory` (N, K) or zero."""
+        values = self._run("columns", self._state(motion), linear, shape, memory, None)
+        out = np.zeros((len(self.model.joints), len(motion), len(self.model.parameters)))
+        for k, (joint, parameter) in enumerate(self.entries):
+            out[joint, :, parameter] += values[:, k]
+        return out
 
-    def columns_at(self, motion: Motion, linear: Float, shapes: Float, first: int = 0) -> Float:
-        """Return what `pointwise` does at each of `shapes` (V, S), with time last: (V, J, P - first, N)."""
+    def columns_at(self, motion: Motion, linear: Float, shapes: Float, first: int) -> Float:
+        """Return what `pointwise` does at each of `shapes` (V, S), time last and from parameter `first` on: (V, J,
+        P - first, N).
+        """
         state, memory = self._state(motion), np.zeros((len(motion), len(memory_operations(self.model))))
         out = np.zeros((len(shapes), len(self.model.joints), len(self.model.parameters) - first, len(motion)))
         for columns, shape in zip(out, shapes, strict=True):
@@ -136,18 +136,7 @@ class Compiled:
         return vector(linear, default, "linear"), vector(shape, self.model.typical_shape, "shape")
 
     def _memory(self, motion: Motion, linear: Float, shapes: Float) -> Float | None:
-        def base_columns() -> Float:
-            return self._pointwise(motion, linear, shapes, None)
-
-        return memory_signals(self.model, motion, shapes, linear, base_columns)
-
-    def _pointwise(self, motion: Motion, linear: Float, shapes: Float, memory: Float | None, first: int = 0) -> Float:
-        values = self._run("columns", self._state(motion), linear, shapes, memory, None)
-        out = np.zeros((len(self.model.joints), len(motion), len(self.model.parameters) - first))
-        for k, (joint, parameter) in enumerate(self.entries):
-            if parameter >= first:
-                out[joint, :, parameter - first] += values[:, k]
-        return out
+        return memory_signals(self.model, motion, shapes, linear, lambda: self.pointwise(motion, linear, shapes))
 
     def _run(
         self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None

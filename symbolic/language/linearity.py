@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from ground.errors import ExpressionError
 from symbolic.language.tokens import refusal
 from symbolic.language.tree import Binary, Call, Name, Unary
 
@@ -19,7 +18,7 @@ LINEAR_OPERATORS = frozenset(("delay", "slow", "ddt"))
 def check_proportional(node: Any, text: str, unknowns: Collection[str], what: str) -> None:
     """Refuse a text that is not linear and homogeneous in `unknowns`; `what` says what these are."""
     if _degree(node, text, frozenset(unknowns), what) != 1:
-        raise _refusal(node, text, f"this has no {what} in front", f"multiply every part by a {what}")
+        raise refusal(f"this has no {what} in front", text, node.span, f"multiply every part by a {what}")
 
 
 def _degree(node: Any, text: str, unknowns: frozenset[str], what: str) -> int:
@@ -35,7 +34,7 @@ def _degree(node: Any, text: str, unknowns: frozenset[str], what: str) -> int:
     if isinstance(node, Call):
         degrees = [of(argument) for argument in node.arguments]
         if any(degrees[1:]) or (degrees[0] and node.function not in LINEAR_OPERATORS):
-            raise _refusal(node, text, f"{node.function}() of a {what} is not linear in it", _remedy(what))
+            raise refusal(f"{node.function}() of a {what} is not linear in it", text, node.span, _remedy(what))
         return degrees[0]
     return 0
 
@@ -45,7 +44,8 @@ def _binary(node: Binary, text: str, of: Any, what: str) -> int:
     if node.operator in "+-":
         if left != right:
             lacking = node.left if right else node.right
-            raise _refusal(lacking, text, f"this part has no {what} in front", f"multiply every part by a {what}")
+            remedy = f"multiply every part by a {what}"
+            raise refusal(f"this part has no {what} in front", text, lacking.span, remedy)
         return int(left)
     if node.operator == "*" and left + right <= 1:
         return int(left + right)
@@ -53,7 +53,7 @@ def _binary(node: Binary, text: str, of: Any, what: str) -> int:
         return int(left)
     if node.operator == "**" and not left and not right:
         return 0
-    raise _refusal(node, text, f"this is not linear in a {what}", _remedy(what))
+    raise refusal(f"this is not linear in a {what}", text, node.span, _remedy(what))
 
 
 def _remedy(what: str) -> str:
@@ -62,7 +62,3 @@ def _remedy(what: str) -> str:
         if what == "coefficient"
         else "only delay(), slow() and ddt() may act on it"
     )
-
-
-def _refusal(node: Any, text: str, what: str, remedy: str) -> ExpressionError:
-    return refusal(what, text, node.span, remedy)

@@ -33,8 +33,6 @@ from symbolic.language.tree import (
     Unary,
 )
 
-__all__ = ["Binary", "Call", "ExpressionError", "Name", "Node", "Number", "Unary", "parse"]
-
 DEEPEST = 40
 """Brackets and signs inside each other."""
 TALLEST = 120

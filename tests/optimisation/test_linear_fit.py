@@ -12,14 +12,18 @@ from paper_leg import PAPER, Leg, record
 from ground.errors import NotEnoughDataError, RecordingError
 from optimisation.fitting.assemble import assemble
 from optimisation.linear.certificate import certify
-from optimisation.linear.loss import huber, sse
+from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from optimisation.linear.reference import solve_reference
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from symbolic.codegen.kernel import fitness
+from symbolic.codegen.fitness import fitness
 from symbolic.joints import LEG
 
 INFINITE = np.full(2, np.inf)
+
+
+def sse(residual):
+    return float(np.sum(residual**2))
 
 
 def make(seed=0, samples=120, width=4, spread=1.0, use=None):

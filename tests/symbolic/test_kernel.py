@@ -16,8 +16,9 @@ from symbolic import Coefficient, Effect, Model, Motion, Shape
 from symbolic.codegen import cache as library
 from symbolic.codegen import compiler
 from symbolic.codegen import fitness as fitness_module
-from symbolic.codegen.fitness import CHUNK, STRETCH
-from symbolic.codegen.kernel import NoCompilerWarning, compiled, fitness
+from symbolic.codegen.compiler import NoCompilerWarning
+from symbolic.codegen.fitness import CHUNK, STRETCH, fitness
+from symbolic.codegen.kernel import compiled
 from symbolic.columns import derived_columns, model_columns
 
 ROOT = Path(__file__).parents[2]
