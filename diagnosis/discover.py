@@ -26,6 +26,7 @@ from diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, Discove
 from diagnosis.splits import from_scratch
 from diagnosis.verdict import behind, conclude, doubted, swayed
 from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from ground.engines.workers import once, with_copies
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from measurement.recording import Recording
@@ -56,6 +57,7 @@ def discover(
     return answer_of(question, recordings, verify, progress or silent)
 
 
+@with_copies()
 def answer_of(
     question: Question,
     recordings: Sequence[Recording],
@@ -68,6 +70,7 @@ def answer_of(
     with the steps so far whenever the search has another one.
     """
     began = time.perf_counter()
+    tick, found = once(tick), found and once(found)
     rules, splits = question.rules, question.asked.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
     done = question.search(recordings, verify, whole, prepared, found)

@@ -65,25 +65,40 @@ class Library:
         """
         if candidate.name in (beside := self._beside.get(fitted, {})):
             return beside[candidate.name]
-        room = self.room(candidate, fitted)
+        room = self._room(candidate, fitted, np.zeros(self._size(candidate, fitted)))
         self.fill(candidate, fitted, room)
         return self.keep(candidate, fitted, room)
 
-    def room(self, candidate: Candidate, fitted: FittedModel) -> tuple[Columns, ...]:
-        """Return the columns that are kept of `candidate`, or room for them which copies of this process see; those of
-        many nodes are computed when they are asked for.
+    def rooms(self, candidates: Sequence[Candidate], fitted: FittedModel) -> list[tuple[Columns, ...]]:
+        """Return the columns that are kept of each candidate, or room for them which copies of this process see; those
+        of many nodes are computed when they are asked for.
         """
+        sizes = [self._size(one, fitted) for one in candidates]
+        lasting = [_lasting(one) for one in candidates]  # apart: memory goes as a whole
+        memory, used = [np.frombuffer(shared(sum(sizes)), dtype=float) for _ in range(2)], [0, 0]
+        out = []
+        for one, size, place in zip(candidates, sizes, lasting, strict=True):
+            out.append(self._room(one, fitted, memory[place][used[place] : used[place] + size]))
+            used[place] += size
+        return out
+
+    def _size(self, candidate: Candidate, fitted: FittedModel) -> int:
+        """Return how many numbers the columns are that must be written."""
+        columns = candidate.nodes.shape[1] * candidate.width * len(candidate.joints)
+        if candidate.name in self._kept or columns > MANY:
+            return 0
+        return columns * sum(len(one.kept) for one in fitted.prepared.all)
+
+    def _room(self, candidate: Candidate, fitted: FittedModel, values: Float) -> tuple[Columns, ...]:
         prepared = fitted.prepared
         if candidate.name in self._kept:
             return self._kept[candidate.name]
-        if candidate.nodes.shape[1] * candidate.width * len(candidate.joints) > MANY:
+        if not len(values):
             each = zip(candidate.nodes, prepared.all, strict=True)
             return tuple(late_columns(candidate, nodes, one, fitted) for nodes, one in each)
         own = candidate.nodes.shape[1], candidate.width, len(candidate.joints)
         shapes = [(*own, len(one.kept)) for one in prepared.all]
-        sizes = [int(np.prod(shape)) for shape in shapes]
-        values = np.frombuffer(shared(sum(sizes)), dtype=float)
-        parts = np.split(values[: sum(sizes)], np.cumsum(sizes)[:-1])
+        parts = np.split(values, np.cumsum([int(np.prod(shape)) for shape in shapes])[:-1])
         return tuple(
             Columns(candidate.joints, np.moveaxis(part.reshape(shape), 1, 3))
             for part, shape in zip(parts, shapes, strict=True)
@@ -100,14 +115,19 @@ class Library:
         """Keep the columns of `candidate` beside `fitted`, beside any model if no parameter can change them; and return
         them.
         """
-        fine = candidate.nodes.shape[1] > FINE
-        if not candidate.tangent and (fine or not feeds_back(candidate.term)):
+        if _lasting(candidate):
             self._kept[candidate.name] = columns
             return columns
         if fitted not in self._beside:
             self._beside.clear()
         self._beside.setdefault(fitted, {})[candidate.name] = columns
         return columns
+
+
+def _lasting(candidate: Candidate) -> bool:
+    """Whether columns are kept beside other models too: no parameter changes them, or they are many."""
+    fine = candidate.nodes.shape[1] > FINE
+    return not candidate.tangent and (fine or not feeds_back(candidate.term))
 
 
 def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: Iterable[Effect] = ()) -> Library:

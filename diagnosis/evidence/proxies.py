@@ -18,7 +18,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.look_alikes import block_losses
 from diagnosis.evidence.remainder import CurveData, curve_data_per_recording
 from diagnosis.evidence.score import weigh
-from ground.engines.workers import allowed_processes, first_passing
+from ground.engines.workers import first_passing
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.joints import UNITS
 from symbolic.motion import Float
@@ -101,7 +101,7 @@ def beaten(
         return bump if score.share >= rules.as_good * alone and bump.supersedes(term) else None
 
     contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
-    won = first_passing(lambda k: contests[k]() is not None, len(contests), allowed_processes())
+    won = first_passing(lambda k: contests[k]() is not None, len(contests))
     return None if won is None else contests[won]()
 
 

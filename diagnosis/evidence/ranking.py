@@ -22,7 +22,7 @@ from diagnosis.evidence.look_alikes import placed, refine
 from diagnosis.evidence.placebo import as_good, p_value, searches
 from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
-from ground.engines.workers import allowed_processes, share_out, shared
+from ground.engines.workers import share_out, shared
 from ground.progress import Progress, silent
 
 
@@ -51,8 +51,7 @@ def weigh_all(
     tick: Progress = silent,
 ) -> tuple[list[Score], dict[str, tuple[Columns, ...]]]:
     """Return the candidates `todo` weighed, without placebos, and their columns; shared with copies of this process."""
-    many = allowed_processes()
-    rooms = [library.room(c, fitted) for c in todo]
+    rooms = library.rooms(todo, fitted)
     found: dict[int, Score] = {}
 
     def weighed(k: int) -> dict[str, Any]:
@@ -63,7 +62,8 @@ def weigh_all(
         found[k] = Score.of(todo[k], answer)
         tick(len(found) / len(todo), todo[k].name)
 
-    share_out(weighed, sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width), heard, many)
+    order = sorted(range(len(todo)), key=lambda k: -todo[k].nodes.shape[1] * todo[k].width)
+    share_out(weighed, order, heard, fitted.linear.tobytes() + fitted.shapes.tobytes())
     columns = {c.name: library.keep(c, fitted, room) for c, room in zip(todo, rooms, strict=True)}
     return [found[k] for k in range(len(todo))], columns
 
@@ -75,7 +75,6 @@ def with_chance(
     tick: Progress = silent,
 ) -> list[Score]:
     """Return `scores` with their p-values; shared with copies of this process."""
-    many = allowed_processes()
     parts = [(k, part) for k, score in enumerate(scores) for part in searches(evidence, score)]
     good = np.frombuffer(shared(evidence.draws * len(parts)), dtype=bool)
     good = good[: evidence.draws * len(parts)].reshape(-1, evidence.draws)
@@ -87,7 +86,7 @@ def with_chance(
     def settled(i: int, answer: None) -> None:
         tick((i + 1) / len(parts), scores[parts[i][0]].name)
 
-    share_out(chance, range(len(parts)), settled, many)
+    share_out(chance, range(len(parts)), settled, np.array([score.share for score in scores]).tobytes())
     own = [[good[i] for i, (whose, _) in enumerate(parts) if whose == k] for k in range(len(scores))]
     return [replace(s, p_value=p_value(evidence, found)) for s, found in zip(scores, own, strict=True)]
 

@@ -20,7 +20,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Gain
 from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
-from ground.engines.workers import allowed_processes, share_out
+from ground.engines.workers import share_out
 from ground.html import bullets, lines
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
@@ -145,8 +145,7 @@ def remainders(
         modes = _modes(variable, factor, common, owns) if splines is not None else ()
         return [_weigh(parts, splines, place, own) for own, parts in modes if splines is not None]
 
-    many = allowed_processes()
-    share_out(weighed, range(len(asked)), answers.__setitem__, many)
+    share_out(weighed, range(len(asked)), answers.__setitem__)
     found = []
     for k, (place, variable, factor) in enumerate(asked):
         for answer in answers[k]:
@@ -166,7 +165,7 @@ def remainders(
     def settled(k: int, p_value: float) -> None:
         found[k] = replace(found[k], p_value=p_value)
 
-    share_out(chance, telling, settled, many)
+    share_out(chance, telling, settled)
     return found
 
 

@@ -26,7 +26,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
-from ground.engines.workers import allowed_processes, share_out
+from ground.engines.workers import share_out
 from ground.minimum import minimum
 from measurement.signals.compiled import solved_banded
 from measurement.signals.conditioning import derivatives
@@ -146,7 +146,7 @@ def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
     if fitted not in _BEST:
         found: dict[int, dict[str, Any] | None] = {}
         joints = range(len(fitted.model.joints))
-        share_out(lambda k: _sought(fitted, k), joints, found.__setitem__, allowed_processes())
+        share_out(lambda k: _sought(fitted, k), joints, found.__setitem__)
         _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in found.items()}
     return _BEST[fitted][joint]
 

@@ -12,7 +12,7 @@ import numpy as np
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
-from ground.engines.workers import allowed_processes, share_out
+from ground.engines.workers import share_out
 from measurement.signals.conditioning import median_outliers
 from optimisation.linear.factor import factorise
 from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
@@ -180,7 +180,7 @@ class _Readings:
         def work(k: int) -> list[float]:
             return [float(one) for one in self.left(*tried[k][1:], None, 1)]
 
-        share_out(work, range(len(tried)), heard, allowed_processes())
+        share_out(work, range(len(tried)), heard)
         return {kind: dict(sorted(found.items())) for kind, found in out.items()}
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:

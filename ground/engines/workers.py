@@ -1,9 +1,11 @@
-"""One question's work shared with copies of this process (fork), which know all that it knows.
+"""One question answered together with copies of this process (fork), which go through the same steps as it does.
 
-A copy takes the next piece of work from a pipe, as this process does, and answers in a line of JSON; arrays go through
-memory that both see (`shared`). Which process does a piece changes nothing of what comes out. What a copy does not
-answer, because it failed or was ended, this process does itself. `EXOID_PROCESSES` says how many processes there may
-be: by default as many as cores, four at most; 1 in workers that share a machine.
+A copy begins where work is first shared out, knows all that this process knows, and goes on as it does: between two
+pieces of shared work every process computes for itself what all need. Pieces are taken from one pipe, answers are told
+to all, and arrays go through memory that all see (`shared`). Which process does a piece changes nothing of what comes
+out. What a copy does not answer, because it failed, was ended or has come to other numbers, this process does itself.
+`EXOID_PROCESSES` says how many processes there may be: by default as many as cores, four at most; 1 in workers that
+share a machine.
 """
 
 from __future__ import annotations
@@ -15,12 +17,14 @@ import mmap
 import os
 import select
 import signal
+import socket
 import sys
 import threading
 import time
 import warnings
-from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, ParamSpec
 
 from ground.errors import ExoidError
 
@@ -28,9 +32,13 @@ PROCESSES = "EXOID_PROCESSES"
 MOST = 4
 """Processes by default, however many cores there are."""
 PATIENCE = 30.0
-"""Seconds, and as many times the time so far, after which a copy that does not answer is given up."""
+"""Seconds, and as many times the time so far, after which copies that do not answer are given up."""
 _WIDTH, _MOST_PIECES = 2, 2000
 """Bytes of a piece's number, and how many numbers fit into the smallest pipe."""
+_END = b"\xff" * _WIDTH
+"""Stands in the pipe behind the pieces, once for each process."""
+
+P = ParamSpec("P")
 
 
 def allowed_processes() -> int:
@@ -45,120 +53,267 @@ def allowed_processes() -> int:
     return int(given) if given else min(MOST, len(os.sched_getaffinity(0)))
 
 
-def shared(count: int) -> Any:
-    """Return a buffer of `count` doubles, all zero, that copies of this process see too; memory comes as it fills."""
-    return mmap.mmap(-1, 8 * max(count, 1))
+@contextlib.contextmanager
+def with_copies() -> Iterator[None]:
+    """Keep the copies that begin inside until its end; there, or with what is raised here, they end.
 
-
-def share_out(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], None], many: int) -> None:
-    """Do `work(k)` for every k of `order`, begun in this order, in `many` processes; `heard(k, answer)` is called here
-    as soon as one is done, answers being what JSON can write.
-
-    Whatever `work` or `heard` raises here ends all copies.
+    Everything inside must come to the same in every process, and say what it has to say through `once`.
     """
-    if many < 2 or not 1 < len(order) <= _MOST_PIECES:
+    if _TEAM or allowed_processes() < 2:
+        yield
+        return
+    team = _Team(allowed_processes())
+    _TEAM.append(team)
+    try:
+        yield
+    finally:
+        if team.leader is not None:
+            os._exit(0)
+        _TEAM.clear()
+        team.dissolve()
+
+
+def once(callback: Callable[P, object]) -> Callable[P, None]:
+    """Return a function that calls `callback` in this process, and does nothing in its copies."""
+
+    def call(*args: P.args, **kwargs: P.kwargs) -> None:
+        if not _TEAM or _TEAM[0].leader is None:
+            callback(*args, **kwargs)
+
+    return call
+
+
+def shared(count: int) -> Any:
+    """Return a buffer of `count` doubles, all zero, that all processes see; memory comes as it fills.
+
+    What a piece of work asks for is its own.
+    """
+    size = 8 * max(count, 1)
+    team = _TEAM[0] if _TEAM and _here() else None
+    return mmap.mmap(-1, size) if team is None or team.working else team.memory(size)
+
+
+def share_out(
+    work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object], state: bytes = b""
+) -> None:
+    """Do `work(k)` for every k of `order`, begun in this order, in all processes; `heard(k, answer)` is called in each,
+    here as soon as one is done. Answers are what JSON can write.
+
+    `state` is what must be the same everywhere for the answers to mean the same. Whatever `work` or `heard` raises here
+    ends all copies.
+    """
+    if not 1 < len(order) <= _MOST_PIECES or not _here() or allowed_processes() < 2 or (_TEAM and _TEAM[0].working):
         for k in order:
             heard(k, work(k))
         return
-    todo, give = os.pipe()
-    os.write(give, b"".join(place.to_bytes(_WIDTH, "big") for place in range(len(order))))
-    os.close(give)
-    copies: list[_Copy] = []
-    began = time.monotonic()
-    try:
-        with contextlib.suppress(OSError):  # no memory, or no more processes allowed: fewer do
-            for _ in range(min(many, len(order)) - 1):
-                copies.append(_copy(work, order, todo))
-        missing = set(order)
-
-        def listen(seconds: float) -> None:
-            for one in _ready(copies, seconds):
-                for k, answer in one.answers():
-                    missing.discard(k)
-                    heard(k, answer)
-
-        while place := os.read(todo, _WIDTH):
-            k = order[int.from_bytes(place, "big")]
-            answer = work(k)
-            missing.discard(k)
-            heard(k, answer)
-            listen(0.0)
-        limit = time.monotonic() + PATIENCE + (time.monotonic() - began)
-        while any(one.open for one in copies) and time.monotonic() < limit:
-            listen(limit - time.monotonic())
-        for k in [k for k in order if k in missing]:
-            heard(k, work(k))
-    finally:
-        os.close(todo)
-        for one in copies:
-            one.end()
+    with with_copies():
+        team = _TEAM[0]
+        team.begin(zlib.crc32(repr(tuple(order)).encode() + state))
+        (team.follow if team.leader is not None else team.lead)(team.piece(work), order, heard)
 
 
-def first_passing(test: Callable[[int], bool], count: int, many: int) -> int | None:
+def first_passing(test: Callable[[int], bool], count: int) -> int | None:
     """Return the first of the numbers below `count` that passes the `test`, None where none does."""
-    if many < 2:
+    if allowed_processes() < 2:
         return next((k for k in range(count) if test(k)), None)
     passed: list[int] = []
-    share_out(lambda k: bool(test(k)), range(count), lambda k, good: passed.append(k) if good else None, many)
+    share_out(lambda k: bool(test(k)), range(count), lambda k, good: passed.append(k) if good else None)
     return min(passed, default=None)
 
 
+def _here() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
 class _Copy:
-    """A copy of this process, and the pipe of its answers."""
+    """A copy of this process, and the line to it."""
 
-    def __init__(self, process: int, pipe: int) -> None:
-        self.process, self.pipe, self.open = process, pipe, True
-        self._rest = b""
-
-    def answers(self) -> list[tuple[int, Any]]:
-        """Return what it has answered since."""
-        read = os.read(self.pipe, 1 << 20)
-        self.open = bool(read)
-        *lines, self._rest = (self._rest + read).split(b"\n")
-        return [tuple(json.loads(line)) for line in lines]
+    def __init__(self, process: int, line: socket.socket) -> None:
+        self.process, self.line = process, _Line(line)
 
     def end(self) -> None:
         """End it; nothing of it stays."""
-        os.close(self.pipe)
+        self.line.socket.close()
         os.kill(self.process, signal.SIGKILL)
         os.waitpid(self.process, 0)
 
 
-def _ready(copies: Sequence[_Copy], seconds: float) -> list[_Copy]:
-    waiting = {one.pipe: one for one in copies if one.open}
-    if not waiting:
-        return []
-    return [waiting[pipe] for pipe in select.select(list(waiting), [], [], max(0.0, seconds))[0]]
+class _Line:
+    """What is told through a socket, one thing after the other."""
+
+    def __init__(self, line: socket.socket) -> None:
+        self.socket = line
+
+    def tell(self, *what: Any) -> None:
+        """Send what JSON can write."""
+        content = json.dumps(what).encode()
+        self.socket.sendall(len(content).to_bytes(8, "big") + content)
+
+    def hear(self) -> Any:
+        """Return what was sent next; ConnectionError where there is nobody any more."""
+        return json.loads(self._exactly(int.from_bytes(self._exactly(8), "big")))
+
+    def _exactly(self, count: int) -> bytes:
+        read = self.socket.recv(count, socket.MSG_WAITALL)
+        if len(read) < count:
+            raise ConnectionError
+        return read
 
 
-def _copy(work: Callable[[int], Any], order: Sequence[int], todo: int) -> _Copy:
-    pipe, answer = os.pipe()
-    try:
-        with warnings.catch_warnings():
-            # Other threads (a progress bar's) hold nothing that the copy takes: it computes, answers and ends.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            process = os.fork()
-    except OSError:
-        os.close(pipe)
-        os.close(answer)
-        raise
-    if process == 0:
-        os.close(pipe)
-        _serve(work, order, todo, answer)
-    os.close(answer)
-    return _Copy(process, pipe)
+class _Team:
+    """This process and its copies: seen from here, or from a copy (`leader` is then its line to this process)."""
 
+    def __init__(self, many: int) -> None:
+        self.many = many
+        self.copies: list[_Copy] = []
+        self.leader: _Line | None = None
+        self.working = False
+        self.stamp = [0, 0]
+        self._begun = False
+        self._todo = self._give = -1
 
-def _serve(work: Callable[[int], Any], order: Sequence[int], todo: int, answer: int) -> NoReturn:
-    """Work and answer until nothing is left to do; an exception ends the copy, and its piece is done elsewhere."""
-    try:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever waits for the answers is interrupted, and ends this
-        gc.freeze()  # looked through, all memory would be touched, and so copied
-        os.environ[PROCESSES] = "1"
-        while place := os.read(todo, _WIDTH):
+    def begin(self, state: int) -> None:
+        """Begin the next work to be shared out, the first time with copies; they return from here too."""
+        self.stamp = [self.stamp[0] + 1, state]
+        if self._begun:
+            return
+        self._begun = True
+        self._todo, self._give = os.pipe()
+        with contextlib.suppress(OSError):  # no memory, or no more processes allowed: fewer work
+            while self.leader is None and len(self.copies) < self.many - 1:
+                self._copy()
+
+    def piece(self, work: Callable[[int], Any]) -> Callable[[int], Any]:
+        """Return `work` within which nothing is shared out further."""
+
+        def done(k: int) -> Any:
+            self.working = True
+            try:
+                return work(k)
+            finally:
+                self.working = False
+
+        return done
+
+    def lead(self, work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object]) -> None:
+        """Share out, work, and tell everybody all answers."""
+        answers: dict[int, Any] = {}
+
+        def take(k: int, answer: Any) -> None:
+            answers[k] = answer
+            heard(k, answer)
+
+        try:
+            if self.copies:
+                self._gather(work, order, take)
+            for one in self.copies:
+                one.line.tell(self.stamp, list(answers.items()))
+        except ConnectionError:
+            self.dissolve()
+        for k in [k for k in order if k not in answers]:
+            take(k, work(k))
+
+    def _gather(self, work: Callable[[int], Any], order: Sequence[int], take: Callable[[int, Any], object]) -> None:
+        """Work with all copies until nothing is left to do; ConnectionError where one is lost."""
+        began = time.monotonic()
+        waiting = {one.line.socket: one.line for one in self.copies}
+
+        def listen(seconds: float) -> None:
+            for ready in select.select(list(waiting), [], [], max(0.0, seconds))[0] if waiting else ():
+                stamp, k, answer = waiting[ready].hear()
+                if stamp != self.stamp:
+                    raise ConnectionError  # it has come to something else
+                if k is None:
+                    del waiting[ready]
+                else:
+                    take(k, answer)
+
+        places = b"".join(place.to_bytes(_WIDTH, "big") for place in range(len(order)))
+        os.write(self._give, places + _END * (1 + len(self.copies)))
+        while (place := os.read(self._todo, _WIDTH)) != _END:
             k = order[int.from_bytes(place, "big")]
-            line = json.dumps([k, work(k)]).encode() + b"\n"
-            while line:
-                line = line[os.write(answer, line) :]
-    finally:
-        os._exit(0)
+            take(k, work(k))
+            listen(0.0)
+        limit = time.monotonic() + PATIENCE + (time.monotonic() - began)
+        while waiting and time.monotonic() < limit:
+            listen(limit - time.monotonic())
+        if waiting:
+            raise ConnectionError
+
+    def follow(self, work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object]) -> None:
+        """Work in a copy, and take in all answers; whatever goes wrong ends it, and its piece is done elsewhere."""
+        try:
+            assert self.leader is not None
+            while (place := os.read(self._todo, _WIDTH)) != _END:
+                if not place:  # the pipe's other end is gone
+                    os._exit(0)
+                k = order[int.from_bytes(place, "big")]
+                self.leader.tell(self.stamp, k, work(k))
+            self.leader.tell(self.stamp, None, None)
+            stamp, told = self.leader.hear()
+            if stamp != self.stamp:
+                os._exit(0)
+        except BaseException:  # noqa: BLE001 - no copy may go on by itself
+            os._exit(0)
+        for k, answer in told:
+            heard(k, answer)
+
+    def memory(self, size: int) -> mmap.mmap:
+        """Return zeros that all copies see; they ask for the same."""
+        try:
+            if self.leader is not None:
+                _, handles, _, _ = socket.recv_fds(self.leader.socket, 1, 1)
+                file = handles[0]
+            else:
+                file = os.memfd_create("exoid")
+                os.ftruncate(file, size)
+                for one in self.copies:
+                    socket.send_fds(one.line.socket, [b"m"], [file])
+            found = mmap.mmap(file, size)
+            os.close(file)
+            return found
+        except (OSError, IndexError):
+            if self.leader is not None:
+                os._exit(0)
+            self.dissolve()
+            return mmap.mmap(-1, size)
+
+    def dissolve(self) -> None:
+        """End all copies; this process goes on alone."""
+        for one in self.copies:
+            one.end()
+        for handle in (self._todo, self._give):
+            if handle >= 0:
+                os.close(handle)
+        self.copies, self._todo, self._give = [], -1, -1
+
+    def _copy(self) -> None:
+        ours, theirs = socket.socketpair()
+        try:
+            with warnings.catch_warnings():
+                # Other threads (a progress bar's) hold nothing that the copy takes.
+                warnings.simplefilter("ignore", DeprecationWarning)
+                process = os.fork()
+        except OSError:
+            ours.close()
+            theirs.close()
+            raise
+        if process:
+            theirs.close()
+            self.copies.append(_Copy(process, ours))
+            return
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever waits for the answers is interrupted, and ends this
+        ours.close()
+        for one in self.copies:
+            one.line.socket.close()
+        os.close(self._give)
+        self.copies, self.leader = [], _Line(theirs)
+        gc.freeze()  # looked through, all memory would be touched, and so copied
+        # What is said, is said by the process that was asked.
+        sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as it lives
+        for stream in (1, 2):
+            os.dup2(sys.stdout.fileno(), stream)
+
+
+_TEAM: list[_Team] = []
+"""The team at work, if there is one."""

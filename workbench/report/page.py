@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.workers import allowed_processes, share_out
+from ground.engines.workers import share_out
 from ground.folder import modules_in
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.report import sections
@@ -86,7 +86,6 @@ def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
     found: dict[int, tuple[str, str]] = {}
     share_out(
         lambda k: to_uris(pictures[k].figure), range(len(pictures)), lambda k, uris: found.update({k: tuple(uris)}),
-        allowed_processes(),
     )  # fmt: skip
     return {picture: found[k] for k, picture in enumerate(pictures)}
 
