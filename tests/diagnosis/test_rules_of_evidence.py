@@ -183,8 +183,9 @@ def test_a_placebo_tries_a_hundred_nodes_at_most(nodes, tried):
 def test_the_best_dozen_gets_placebos(monkeypatch):
     several = [candidate(name=str(k), width=1) for k in range(20)]
     library = SimpleNamespace(
-        candidates=several, room=lambda *asked: [], fill=lambda *asked: None, keep=lambda *asked: []
-    )
+        candidates=several, rooms=lambda todo, fitted: [[] for _ in todo],
+        fill=lambda *asked: None, keep=lambda *asked: [],
+    )  # fmt: skip
 
     def weighs(evidence, one, columns):
         return Score(one, np.zeros(1, int), 0.9 - 0.01 * int(one.name), np.zeros(1), None, np.zeros(1), 1.0, True)
@@ -193,7 +194,8 @@ def test_the_best_dozen_gets_placebos(monkeypatch):
     monkeypatch.setattr(ranking, "agreed", lambda evidence, scores, *asked: scores)
     monkeypatch.setattr(ranking, "searches", lambda evidence, score: [None])
     monkeypatch.setattr(ranking, "as_good", lambda *asked: np.zeros(99, bool))
-    fitted = SimpleNamespace(model=SimpleNamespace(terms=[]), prepared=None)
+    numbers = {"linear": np.zeros(2), "shapes": np.zeros((1, 0))}
+    fitted = SimpleNamespace(model=SimpleNamespace(terms=[]), prepared=None, **numbers)
     scores = ranking.rank(SimpleNamespace(rules=RULES, draws=99), library, fitted)
     assert [score.name for score in scores if score.p_value is not None] == [str(k) for k in range(12)]
 
