@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
+from dataclasses import replace
 
 import pytest
 
 from ground.errors import ExoidError, RecordingError
 from measurement.reading.mapping import StatedMapping
+from measurement.reading.told import Told
 from symbolic.mechanics.payload import Payload
 from workbench.command import verb_parser
 from workbench.commands.demo import DATA
@@ -28,11 +30,11 @@ OWN = {"id": "rub", "joint": "knee", "torque": "c * abs(tau_rigid) * sgn(dtheta)
 def full(tmp_path):
     """Return a workspace to which everything was said that can be; nothing is computed in it."""
     workspace = Workspace(tmp_path / "mappings", seed=3, cutoff=4.5, derivative="savgol")
-    told = StatedMapping({"q1": "A", "q2": "B"}, {"q": "deg"})
+    told = Told(StatedMapping({"q1": "A", "q2": "B"}, {"q": "deg"}), "flexion-positive", payloads=(Payload(2.0, 0.35),))
     files = [shutil.copy(DATA / f"{name}.csv", tmp_path / f"{name}.csv") for name in ("train_1", "train_2", "verify")]
     first, second, third = map(type(tmp_path), files)
-    workspace.add_file(first, first.name, told=told, convention="flexion-positive", payloads=(Payload(2.0, 0.35),))
-    workspace.add_file(second, second.name, options={"join": [(str(third), 0.25)]}, passive=("knee",))
+    workspace.add_file(first, first.name, told=told)
+    workspace.add_file(second, second.name, told=Told(join=((str(third), 0.25),), passive=("knee",)))
     workspace.add_file(third, third.name, VERIFY)
     workspace.add_effect(OWN)
     workspace.change_history(lambda history: history.add("rub:knee", "stribeck:hip").undo())
@@ -48,10 +50,9 @@ def test_a_saved_session_holds_everything_that_was_said(full, tmp_path):
     assert again.verdict == VERDICT and again.history == full.history and again.own_texts == full.own_texts
     assert (again.seed, again.cutoff, again.derivative) == (3, 4.5, "savgol")
     for old, new in zip(full.given, again.given, strict=True):
-        assert (new.name, new.role, new.told, new.convention) == (old.name, old.role, old.told, old.convention)
-        assert (new.passive, new.payloads) == (old.passive, old.payloads)
+        assert (new.name, new.role, replace(new.told, join=old.told.join)) == (old.name, old.role, old.told)
         assert new.path.read_bytes() == old.path.read_bytes() and new.path.is_relative_to(folder)
-    ((joined, lag),) = again.given[1].options["join"]
+    ((joined, lag),) = again.given[1].told.join
     assert joined.startswith(str(folder)) and lag == 0.25
     again.use_as(3, "fit")
     assert again.verdict is None  # other recordings: it does not hold any more

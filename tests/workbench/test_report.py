@@ -14,12 +14,15 @@ import threading
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, figure, material, recording
 
+from diagnosis.extend import Waterfall
+from diagnosis.results import Step
 from ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
 from measurement.finding import Finding
-from workbench.report.material import Material, Steps, command_of
+from workbench.report.material import Material, command_of
 from workbench.report.page import figure_file_name, find_sections, render_report, write_report
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -121,8 +124,8 @@ def test_every_verdict_renders(verdict):
 
 
 def test_without_unseen_recordings_no_unseen_error_is_claimed():
-    steps = Steps(({"model": "base", "train_rms": [1.0, float("inf")], "verify_rms": None, "sentence": ""},))
-    text = render_report(Material(title="t", steps=steps, comparison=FakeComparison(unseen=False)))
+    fall = Waterfall((Step("base", np.array([1.0, np.inf]), None),), np.array([0.5, np.nan]), "")
+    text = render_report(Material(title="t", fall=fall, comparison=FakeComparison(unseen=False)))
     assert "has not seen" not in text
     assert not re.search(r">\s*(nan|inf)\b", text)
 

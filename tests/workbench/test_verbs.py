@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from workbench_fakes import STEPS, FakeComparison, FakeDiagnosis, FakeFit, FakeModel
+from workbench_fakes import FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
 from diagnosis.extend import Waterfall
 from workbench import commands
@@ -54,8 +54,7 @@ def addition(stand_in, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "symbolic.model_file", SimpleNamespace(write_model=write_model))
 
     def put(helped):
-        steps = tuple(SimpleNamespace(label=s["model"], sentence="", **{k: s[k] for k in ("train_rms", "verify_rms")})
-                      for s in STEPS[:2])  # fmt: skip
+        steps = FakeDiagnosis().steps[:2]
         found = SimpleNamespace(
             model=FakeModel(), before=FakeFit(estimates=()), after=FakeFit(), helped=helped,
             waterfall=Waterfall(steps, np.array([0.5, 0.5]), "it was asked for one."),

@@ -179,12 +179,12 @@ class FakeDiagnosis:
 
 
 def material() -> Any:
-    from workbench.report.material import Material, Steps, pictures_of
+    from workbench.report.material import Material, pictures_of
 
     found, comparison = FakeDiagnosis(), FakeComparison()
     return Material(
         title="What the model was missing", recordings=(recording("run_0", FINDINGS), recording("run_1")),
         verify=(recording("run_2"),), model=found.model, fit=found.fit, comparison=comparison, diagnosis=found,
-        steps=Steps.of(found), pictures=pictures_of(found, comparison), truth="stribeck:knee was hidden.",
+        fall=found, pictures=pictures_of(found, comparison), truth="stribeck:knee was hidden.",
         command="exoid discover run_0.csv run_1.csv --verify run_2.csv", settings={"seed": "0"}, seconds=1.9,
     )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.command_line.deliver import check_places, deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material, Steps, before_and_after, pictures_of
+from workbench.report.material import Material, before_and_after, pictures_of
 from workbench.terminal.progress import part, progress
 from workbench.terminal.screen import Screen
 from workbench.terminal.showing import show_diagnosis, show_steps
@@ -31,7 +31,7 @@ def answer_question(
     found, comparison = answer(args, question, given, **more)
     screen = Screen.of(args)
     show_diagnosis(screen, found)
-    show_steps(screen, Steps.of(found))
+    show_steps(screen, found)
     if write:
         from symbolic.model_file import write_model
 
@@ -69,7 +69,7 @@ def material_of(title: str, given: Inputs, found: Any, comparison: Any, truth: s
         fit=found.fit,
         comparison=comparison,
         diagnosis=found,
-        steps=Steps.of(found),
+        fall=found,
         pictures=falls + pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
         truth=truth,
         settings={"filter": found.cutoff} if found.cutoff else {},

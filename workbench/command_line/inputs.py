@@ -6,7 +6,7 @@ import argparse
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,9 @@ from workbench.terminal.progress import progress
 from workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
+    from measurement.reading.told import Told
     from measurement.recording import Recording
+    from symbolic.joints import Joint
     from symbolic.mechanics.payload import Payload
     from symbolic.model import Model
 
@@ -65,28 +67,19 @@ def load(args: argparse.Namespace) -> Inputs:
     *groups, told = told_recordings(args, model.joint_names)
     joints = model.joints if getattr(args, "model", None) else None
     recordings, verify = (
-        tuple(one for path in paths for one in _read_as(path, joints=joints, quiet=args.quiet, **told[path]))
+        tuple(one for path in paths for one in read(path, told[path], joints=joints, quiet=args.quiet))
         for paths in groups
     )
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
 
 
-def _read_as(
-    path: str, *, options: Mapping[str, Any], passive: Sequence[str], payloads: Sequence[Payload], **more: Any
-) -> Iterator[Recording]:
-    for one in read(path, **options, **more):
-        for load in payloads:
-            one = one.with_payload(load.mass, load.along, load.link)
-        yield one.with_passive(*passive)
-
-
 def told_recordings(
     args: argparse.Namespace, joints: Sequence[str]
-) -> tuple[list[str], list[str], dict[str, dict[str, Any]]]:
-    """Return the files that `args` mean to be fitted and to be held out, and of each: `options`, what `read_recordings`
-    takes, `passive`, its joints without a drive, and `payloads`, known masses.
-    """
+) -> tuple[list[str], list[str], dict[str, Told]]:
+    """Return the files that `args` mean to be fitted and to be held out, and what they tell of each."""
+    from measurement.reading.mapping import StatedMapping
     from measurement.reading.sources import expand
+    from measurement.reading.told import Told
 
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
@@ -95,27 +88,28 @@ def told_recordings(
     refuse_repeats(given, unseen)
     every = [*given, *unseen]
     loads = payloads(getattr(args, "payload", []), every)
-    all_of = {"columns": merged(args.map, "--map"), "units": merged(args.units, "--units"), "leg": args.leg}
+    columns = StatedMapping(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
     kept, others = conventions_of(args.convention, every), joins_of(args.join, every)
     idle = passive_joints(args.passive, every, joints)
-    told = {}
-    for path in every:
-        options = {**all_of, "convention": kept[path], "join": others[path]}
-        said = {name: value for name, value in options.items() if value}
-        told[path] = {"options": said, "passive": tuple(idle[path]), "payloads": tuple(loads.get(path, ()))}
+    told = {
+        path: Told(columns, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())))
+        for path in every
+    }
     return given, unseen, told
 
 
-def read(path: str, *, quiet: bool = False, **told: Any) -> tuple[Recording, ...]:
+def read(
+    path: str, told: Told | None = None, *, joints: Sequence[Joint] | None = None, quiet: bool = False
+) -> tuple[Recording, ...]:
     """Read one file, which holds a recording or one of each leg; say on stderr what its audit warns of or has repaired.
 
-    `told` is what `read_recordings` takes. A mapping that was remembered is said too, every time.
+    A mapping that was remembered is said too, every time.
     """
-    from measurement.reading.read import read_recordings
+    from measurement.reading.told import Told
 
     # Only a file that takes more than a glance is worth a bar.
     with progress(f"reading {Path(path).name}", quiet=quiet) as report:
-        recordings = read_recordings([path], **told, progress=report)
+        recordings = (told or Told()).read(path, joints, report)
     for recording in recordings:
         for finding in recording.findings:
             if finding.severity != "info" or finding.check == "mapping":

@@ -58,22 +58,21 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _show(screen: Screen, found: Any, target: str) -> None:
-    from workbench.report.material import Steps
     from workbench.terminal.showing import number, show_steps
 
     new = [e for e in found.after.estimates if e.name not in {b.name for b in found.before.estimates}]
     rows = [(e.name, number(e.value), e.unit, number(e.low), number(e.high)) for e in new]
     screen.table("What was added", ("parameter", "value", "unit", "95 % from", "to"), rows)
-    show_steps(screen, Steps.of(found.waterfall))
+    show_steps(screen, found.waterfall)
     screen.say(str(found.sentence), "good" if found.helped else "bad")
     screen.say(f"model: {target}")
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from workbench.report.material import Material, Steps, pictures_of
+    from workbench.report.material import Material, pictures_of
 
     return Material(
         title=f"Adding {args.effect}", answer=str(found.sentence), recordings=given.recordings,
-        verify=given.verify, model=found.model, fit=found.after, steps=Steps.of(found.waterfall),
+        verify=given.verify, model=found.model, fit=found.after, fall=found.waterfall,
         pictures=pictures_of(found),
     )  # fmt: skip

@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.asking import answer, material_of
     from workbench.command_line.deliver import deliver_results
     from workbench.command_line.inputs import Inputs, load_model, read
-    from workbench.report.material import Material, Steps, pictures_of
+    from workbench.report.material import Material, pictures_of
     from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     found, comparison = answer(args, discover, given)
     show_comparison(screen, comparison)
     show_diagnosis(screen, found)
-    show_steps(screen, Steps.of(found))
+    show_steps(screen, found)
     truth = _truth()
     screen.say(truth)
     control = _control(given.model, comparison.fit, found, args.seed)

@@ -64,4 +64,4 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
         workspace.use_model(Path(args.model), args.model)
     _, unseen, told = told_recordings(args, workspace.model.joint_names)
     for path, one in told.items():
-        workspace.add_file(Path(path), Path(path).name, VERIFY if path in unseen else FIT, **one)
+        workspace.add_file(Path(path), Path(path).name, VERIFY if path in unseen else FIT, told=one)

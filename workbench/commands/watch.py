@@ -147,11 +147,13 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
     import numpy as np
 
     from measurement.reading.live import Lines, check_text, grown, piped
+    from measurement.reading.mapping import StatedMapping
+    from measurement.reading.told import Told
     from workbench.command_line.inputs import read
     from workbench.command_line.options import merged
     from workbench.command_line.parser import UsageError
 
-    told = merged(args.map, "--map"), merged(args.units, "--units")
+    told = merged(args.map, "--map") or {}, merged(args.units, "--units") or {}
     if args.source == "-":
         if sys.stdin is None:
             raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
@@ -166,7 +168,7 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
         lines = Lines(model.joints, *told, where=args.source)
         yield from _lines(lines, grown(args.source, True if args.follow else None))
         return
-    for one in read(args.source, columns=told[0], units=told[1], quiet=args.quiet):
+    for one in read(args.source, Told(StatedMapping(*told)), quiet=args.quiet):
         rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], []

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError, RecordingError
 from ground.text import printable
+from measurement.reading.told import Told
 
 if TYPE_CHECKING:
     from measurement.reading.mapping import StatedMapping
     from measurement.reading.raw import RawTable
     from measurement.recording import Recording
     from symbolic.joints import Joint
-    from symbolic.mechanics.payload import Payload
 
 FIT, VERIFY = "fit", "verify"
 SHOWN = 8
@@ -25,34 +25,18 @@ SHOWN = 8
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A file: its `name` as the user knows it, where it lies, whether it is fitted or held out, and what is in it.
-
-    `told` is what was said of its columns, `options` what else `read_recordings` takes, `passive` the joints without a
-    drive, `payloads` the known masses on it, `error` why it cannot be used as it is.
+    """A file: its `name` as the user knows it, where it lies, whether it is fitted or held out, what was `told` of it,
+    what is in it, and `error`, why it cannot be used as it is.
     """
 
     id: int
     name: str
     path: Path
     role: str = FIT
-    told: StatedMapping | None = None
-    convention: str = ""
-    options: Mapping[str, Any] = field(default_factory=dict)
-    passive: tuple[str, ...] = ()
-    payloads: tuple[Payload, ...] = ()
+    told: Told = field(default_factory=Told)
     recordings: tuple[Recording, ...] = ()
     error: ExoidError | None = None
     read: bool = False
-
-    @property
-    def columns(self) -> dict[str, Any]:
-        """What `read_recordings` takes beside the path."""
-        from measurement.reading.mapping import StatedMapping
-
-        told = self.told or StatedMapping()
-        said = {"columns": told.columns, "units": told.units, "leg": told.leg or None}
-        kept = {name: value for name, value in said.items() if value}
-        return {**self.options, **kept, **({"convention": self.convention} if self.convention else {})}
 
 
 def safe_name(name: str) -> str:
@@ -74,18 +58,15 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
     are those of the machine; without them the columns say which there are.
     """
     from measurement.reading.mapping import remembered as mapping_for
-    from measurement.reading.read import open_table, read_recordings
+    from measurement.reading.read import open_table
 
+    told = given.told
     try:
-        if given.told is None and not given.options.get("columns"):
-            told = mapping_for(remembered, open_table(given.path).names)
-            given = replace(given, told=told) if told else given
-        recordings = read_recordings([given.path], joints=joints, **given.columns)
+        if not told.columns.columns and (kept := mapping_for(remembered, open_table(given.path).names)):
+            given = replace(given, told=replace(told, columns=told.columns.over(kept)))
+        recordings = given.told.read(given.path, joints)
     except ExoidError as error:
         return replace(given, recordings=(), error=without_path(error, given.path, given.name), read=True)
-    recordings = tuple(one.with_passive(*given.passive) for one in recordings)
-    for load in given.payloads:
-        recordings = tuple(one.with_payload(load.mass, load.along, load.link) for one in recordings)
     stem = Path(given.name).stem or given.name
     if len(recordings) == 1:
         recordings = (replace(recordings[0], name=stem),)
@@ -100,12 +81,11 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     from measurement.reading.read import open_table
 
     table = open_table(given.path)
-    told = given.told
-    columns = {} if told is None else dict(told.columns)
-    units = {} if told is None else dict(told.units)
-    leg = "" if told is None else told.leg
+    told = given.told.columns
     try:
-        found = assign(table, columns, units, where=given.name, leg=leg or None, joints=joints, partial=True)
+        found = assign(
+            table, told.columns, told.units, where=given.name, leg=told.leg or None, joints=joints, partial=True
+        )
         guess = {name: {"column": one.column.name, "unit": one.unit} for name, one in found.items()}
     except ExoidError:
         guess = {}
@@ -119,9 +99,9 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             for name in canonical_columns(joints)
         ],
         "guess": guess,
-        "told": {"columns": columns, "units": units, "leg": leg},
+        "told": {"columns": dict(told.columns), "units": dict(told.units), "leg": told.leg},
         "legs": list(legs(table, joints)),
-        "convention": given.convention,
+        "convention": given.told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
         "findings": [f.to_json() for one in given.recordings for f in one.findings],

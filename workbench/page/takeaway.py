@@ -63,7 +63,7 @@ def report(workspace: Workspace) -> str:
     where nothing is open.
     """
     from diagnosis.extend import Waterfall
-    from workbench.report.material import Material, Steps, before_and_after, pictures_of, without_folders
+    from workbench.report.material import Material, before_and_after, pictures_of, without_folders
     from workbench.report.page import render_report
     from workbench.report.sections.verdict import WORDS
 
@@ -97,7 +97,7 @@ def report(workspace: Workspace) -> str:
             fit=now.fit,
             comparison=comparison,
             diagnosis=diagnosis,
-            steps=Steps.of(shown),
+            fall=shown,
             pictures=falls + pictures_of(shown, section="suspects") + pictures_of(comparison, section="where"),
             command=without_folders(_cli(workspace).splitlines()[-1]),
             settings={"filter": session.prepared.choice.reason},
@@ -147,16 +147,14 @@ def save(workspace: Workspace, folder: Path) -> Path:
         entries = []
         for one in workspace.given:
             kept = _copied(one.path, runs / f"{one.id:02d}-{safe_name(one.name)}")
-            said = one.columns
             joined = [
                 (f"recordings/{_copied(Path(file), runs / f'{one.id:02d}-joined-{safe_name(file)}').name}", lag)
-                for file, lag in said.get("join", ())
+                for file, lag in one.told.join
             ]
             entries.append({
                 "file": f"recordings/{kept.name}", "name": one.name, "role": one.role, "join": joined,
-                "columns": said.get("columns", {}), "units": said.get("units", {}), "leg": said.get("leg", ""),
-                "convention": _conventions(one), "passive": list(one.passive),
-                "payloads": [astuple(load) for load in one.payloads],
+                **vars(one.told.columns), "convention": list(filter(None, one.told.convention.split(","))),
+                "passive": one.told.passive, "payloads": [astuple(load) for load in one.told.payloads],
             })  # fmt: skip
         write_whole(target / MODEL, model_toml(workspace))
         if workspace.model_path is not None:
@@ -225,19 +223,18 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
 def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
     """Return a recording of a saved session as the workspace takes it."""
     from measurement.reading.mapping import StatedMapping
+    from measurement.reading.told import Told
     from symbolic.mechanics.payload import Payload
 
-    joined = [(str(_inside(folder, file)), lag) for file, lag in entry["join"]]
-    return {
-        "path": _inside(folder, entry["file"]),
-        "name": str(entry["name"]),
-        "role": VERIFY if entry["role"] == VERIFY else FIT,
-        "told": StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"])) or None,
-        "convention": ",".join(entry["convention"]),
-        "options": {"join": joined} if joined else {},
-        "passive": tuple(entry["passive"]),
-        "payloads": tuple(Payload(*one) for one in entry["payloads"]),
-    }
+    told = Told(
+        StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"])),
+        ",".join(entry["convention"]),
+        tuple((str(_inside(folder, file)), lag) for file, lag in entry["join"]),
+        tuple(entry["passive"]),
+        tuple(Payload(*one) for one in entry["payloads"]),
+    )
+    role = VERIFY if entry["role"] == VERIFY else FIT
+    return {"path": _inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}
 
 
 def _verdict(found: dict[str, Any]) -> dict[str, Any]:
@@ -275,11 +272,6 @@ def _copied(source: Path, target: Path) -> Path:
     return target
 
 
-def _conventions(one: Given) -> list[str]:
-    said = one.columns.get("convention", ())
-    return [said] if isinstance(said, str) else list(said)
-
-
 def _shown(workspace: Workspace, path: Path, name: str) -> str:
     """Return the path of a file as a command takes it: of one that was dropped, its name."""
     return name if path.is_relative_to(workspace.place) else str(path)
@@ -291,19 +283,19 @@ def _recordings(workspace: Workspace) -> list[str]:
     out = [name for one, name in named if one.role == FIT]
     verify = [name for one, name in named if one.role == VERIFY]
     out += ["--verify", *verify] if verify else []
-    said = next((one.columns for one in workspace.given if one.columns), {})
-    for option, key in (("--map", "columns"), ("--units", "units")):
-        if said.get(key):
-            out += [option, ",".join(f"{name}={value}" for name, value in said[key].items())]
-    out += ["--leg", said["leg"]] if said.get("leg") else []
+    said = next((one.told.columns for one in workspace.given if one.told.columns), None)
+    if said is not None:
+        for option, known in (("--map", said.columns), ("--units", said.units)):
+            out += [option, ",".join(f"{name}={value}" for name, value in known.items())] if known else []
+        out += ["--leg", said.leg] if said.leg else []
     for one, name in named:
-        for convention in _conventions(one):
-            out += ["--convention", f"{name}={convention}"]
-        for file, lag in one.columns.get("join", ()):
+        told = one.told
+        out += ["--convention", f"{name}={told.convention}"] if told.convention else []
+        for file, lag in told.join:
             out += ["--join", f"{name}={file}" + ("" if lag is None else f"@{lag:g}")]
-        for joint in one.passive:
+        for joint in told.passive:
             out += ["--passive", f"{name}={joint}"]
-        for load in one.payloads:
+        for load in told.payloads:
             out += ["--payload", f"{name}={load.link}:{load.mass:g}@{load.along:g}"]
     out += [] if workspace.cutoff is None else ["--cutoff", f"{workspace.cutoff:g}"]
     out += [] if workspace.derivative == BUTTERWORTH else ["--derivative", workspace.derivative]
@@ -357,9 +349,8 @@ def _python(workspace: Workspace) -> str:
 
 def _read(workspace: Workspace, one: Given) -> str:
     """Return the call that reads a recording as it is read here."""
-    told = {**one.columns, "convention": _conventions(one)}
-    more = [f", {key}={value!r}" for key, value in told.items() if value]
+    more = [f", {key}={value!r}" for key, value in one.told.options.items()]
     more += [", joints=model.joints"] if workspace.joints is not None else []
     text = f"exoid.read_recording({_shown(workspace, one.path, one.name)!r}{''.join(more)})"
-    text += f".with_passive({', '.join(map(repr, one.passive))})" if one.passive else ""
-    return text + "".join(f".with_payload({p.mass!r}, {p.along!r}, {p.link!r})" for p in one.payloads)
+    text += f".with_passive({', '.join(map(repr, one.told.passive))})" if one.told.passive else ""
+    return text + "".join(f".with_payload({p.mass!r}, {p.along!r}, {p.link!r})" for p in one.told.payloads)

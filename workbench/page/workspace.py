@@ -164,7 +164,9 @@ class Workspace:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
         from measurement.reading.read import open_table
 
-        one = files.read_given(replace(self.find(id), told=told, convention=convention), self.remembered, self.joints)
+        old = self.find(id)
+        said = replace(old, told=replace(old.told, columns=told, convention=convention))
+        one = files.read_given(said, self.remembered, self.joints)
         if one.error is not None:
             raise one.error
         files.remember_mapping(self.remembered, open_table(one.path), told)

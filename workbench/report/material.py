@@ -10,9 +10,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ground.plain import picked
-from symbolic.quantity import JOINTS
-
 if TYPE_CHECKING:
     from measurement.recording import Recording
 
@@ -21,7 +18,6 @@ FALLING = "The error falling"
 NOTHING: Mapping[str, str] = MappingProxyType({})
 FOLDERS = re.compile(r"""(?<![\w.~/\\])(?:/|[A-Za-z]:[/\\]+)(?:[^\s/\\:"'<>]+[/\\]+)+""")
 """The folders of an absolute path, up to the name of the file."""
-RMS = "train_rms verify_rms"
 WIDE = 6.5
 """Inches from which on a figure does not share its row with another."""
 
@@ -45,31 +41,10 @@ class Picture:
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
-    """The falling error: `rows` of {"model", "train_rms", "verify_rms", "sentence"}, RMS (J,) N·m or None; `joints` are
-    their names.
-    """
-
-    rows: tuple[Mapping[str, Any], ...]
-    noise_floor: tuple[float, ...] | None = None
-    ending: str = ""
-    joints: tuple[str, ...] = JOINTS
-    unit: str = "N·m"
-
-    @classmethod
-    def of(cls, result: Any) -> Steps:
-        """Return the steps of a Diagnosis or a Waterfall."""
-        rows = tuple(
-            picked(step, "model=label sentence")
-            | {kind: None if rms is None else [float(x) for x in rms] for kind, rms in picked(step, RMS).items()}
-            for step in result.steps
-        )
-        return cls(rows, tuple(map(float, result.noise_floor)), result.stopped_because, result.joints, result.unit)
-
-
-@dataclass(frozen=True, eq=False)
 class Material:
-    """The results of one command. `answer` stands at the top where there is no diagnosis, `payload` is the JSON."""
+    """The results of one command. `answer` stands at the top where there is no diagnosis, `fall` is the Diagnosis or
+    the Waterfall whose steps are shown, `payload` the JSON.
+    """
 
     title: str
     answer: str = ""
@@ -80,7 +55,7 @@ class Material:
     by_recording: Any = None
     comparison: Any = None
     diagnosis: Any = None
-    steps: Steps | None = None
+    fall: Any = None
     pictures: tuple[Picture, ...] = ()
     truth: str = ""
     command: str = ""

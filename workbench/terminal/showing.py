@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from workbench.report.material import Steps
 from workbench.report.sections.verdict import WORDS, term
 from workbench.report.sections.where import error_sizes
 from workbench.terminal.screen import Screen, bar
@@ -139,19 +138,18 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
         screen.say(f"measure next: {found.next_experiment}")
 
 
-def show_steps(screen: Screen, steps: Steps) -> None:
-    """Show the falling error: one bar per step, of the unseen motion where there is some."""
-    for j, joint in enumerate(steps.joints):
-        shown = [(row["model"], (row["verify_rms"] or row["train_rms"])[j]) for row in steps.rows]
+def show_steps(screen: Screen, fall: Any) -> None:
+    """Show the falling error of a Diagnosis or a Waterfall: one bar per step, of the unseen motion where there is some.
+    """
+    for j, joint in enumerate(fall.joints):
+        shown = [(step.label, float(step.evaluation_rms[j])) for step in fall.steps]
         longest = max((x for _, x in shown if math.isfinite(x)), default=0.0) or 1.0
         width = max(len(name) for name, _ in shown)
-        unseen = "unseen motion" if steps.rows[0]["verify_rms"] is not None else "fitted motion"
-        screen.say(f"error of the {joint}, {unseen} [{steps.unit}]", "head")
+        screen.say(f"error of the {joint}, {fall.steps[0].judged} motion [{fall.unit}]", "head")
         for name, x in shown:
             screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
-        if steps.noise_floor is not None:
-            floor = steps.noise_floor[j]
-            screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
+        floor = float(fall.noise_floor[j])
+        screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
 
 
 def values(parameters: Mapping[str, Mapping[str, Any]]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from workbench.report.material import Material
@@ -14,46 +14,36 @@ ORDER = 20
 
 def context(material: Material) -> Mapping[str, Any] | None:
     """Return the bars of each joint and the same numbers as a table."""
-    if material.steps is None or not material.steps.rows:
+    fall, kinds = material.fall, ("fitted", "unseen")
+    if fall is None:
         return None
-    steps, kinds = material.steps, ("fitted", "unseen")
+    sizes = [[_of_joint(step, j) for j in range(len(fall.joints))] for step in fall.steps]
     return {
-        "joints": [_bars(steps, index) for index in range(len(steps.joints))],
-        "head": ("model", *(f"{joint}, {kind} [{steps.unit}]" for joint in steps.joints for kind in kinds)),
-        "rows": [
-            (
-                row["model"],
-                *(x for j in range(len(steps.joints)) for x in (row["train_rms"][j], _at(row["verify_rms"], j))),
-            )
-            for row in steps.rows
-        ],
-        "unseen": any(row["verify_rms"] is not None for row in steps.rows),
-        "floor": steps.noise_floor is not None,
-        "sentences": [(row["model"], row["sentence"]) for row in steps.rows if row.get("sentence")],
-        "ending": steps.ending,
+        "joints": [_bars(fall, j, [own[j] for own in sizes]) for j in range(len(fall.joints))],
+        "head": ("model", *(f"{joint}, {kind} [{fall.unit}]" for joint in fall.joints for kind in kinds)),
+        "rows": [(step.label, *(x for pair in own for x in pair)) for step, own in zip(fall.steps, sizes, strict=True)],
+        "unseen": any(step.verify_rms is not None for step in fall.steps),
+        "sentences": [(step.label, step.sentence) for step in fall.steps if step.sentence],
+        "ending": fall.stopped_because,
     }
 
 
-def _bars(steps: Any, index: int) -> Mapping[str, Any]:
-    """Return the bars of joint `index`, their lengths as per cent of the longest."""
-    values = [x for row in steps.rows for x in (row["train_rms"][index], _at(row["verify_rms"], index))]
-    longest = max((x for x in values if x is not None and math.isfinite(x)), default=0.0) or 1.0
-    floor = _at(steps.noise_floor, index)
+def _of_joint(step: Any, j: int) -> tuple[float, float | None]:
+    """Return the error of a joint on fitted and on unseen motion."""
+    return float(step.train_rms[j]), None if step.verify_rms is None else float(step.verify_rms[j])
+
+
+def _bars(fall: Any, j: int, sizes: Sequence[tuple[float, float | None]]) -> Mapping[str, Any]:
+    """Return the bars of joint `j`, whose errors are `sizes`, their lengths as per cent of the longest."""
+    longest = max((x for pair in sizes for x in pair if x is not None and math.isfinite(x)), default=0.0) or 1.0
     rows = [
         {
-            "model": row["model"],
-            "train": row["train_rms"][index],
-            "verify": _at(row["verify_rms"], index),
-            "train_width": _width(row["train_rms"][index], longest),
-            "verify_width": _width(_at(row["verify_rms"], index), longest),
+            "model": step.label, "train": train, "train_width": _width(train, longest),
+            "verify": verify, "verify_width": _width(verify, longest),
         }
-        for row in steps.rows
-    ]
-    return {"joint": steps.joints[index], "rows": rows, "floor": floor, "floor_width": _width(floor, longest)}
-
-
-def _at(values: Any, index: int) -> float | None:
-    return None if values is None else values[index]
+        for step, (train, verify) in zip(fall.steps, sizes, strict=True)
+    ]  # fmt: skip
+    return {"joint": fall.joints[j], "rows": rows, "floor_width": _width(float(fall.noise_floor[j]), longest)}
 
 
 def _width(value: float | None, longest: float) -> float:

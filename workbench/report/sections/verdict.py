@@ -47,19 +47,19 @@ def context(material: Material) -> Mapping[str, Any] | None:
 
 def tiles(material: Material) -> list[Mapping[str, Any]]:
     """Return per joint the error before and after the steps (unseen motion where there is some), and the floor, N·m."""
-    if material.steps is None or not material.steps.rows:
+    if material.fall is None:
         return []
-    steps = material.steps
-    kind = "verify_rms" if steps.rows[0]["verify_rms"] is not None else "train_rms"
+    fall = material.fall
+    first, last = fall.steps[0], fall.steps[-1]
     return [
         {
             "joint": joint,
-            "before": steps.rows[0][kind][j],
-            "after": steps.rows[-1][kind][j] if len(steps.rows) > 1 else None,
-            "floor": None if steps.noise_floor is None else steps.noise_floor[j],
-            "kind": "on unseen motion" if kind == "verify_rms" else "on the fitted motion",
+            "before": float(first.evaluation_rms[j]),
+            "after": None if last is first else float(last.evaluation_rms[j]),
+            "floor": float(fall.noise_floor[j]),
+            "kind": f"on {'the ' * (first.judged == 'fitted')}{first.judged} motion",
         }
-        for j, joint in enumerate(steps.joints)
+        for j, joint in enumerate(fall.joints)
     ]
 
 

@@ -59,7 +59,8 @@ export async function openMapping(id) {
   if (waiting && waiting.id === id) waiting.dialog = dialog;
 }
 
-function choice(id, options, value) {
+function choice(id, known, value) {
+  const options = known.some(([key]) => key === value) ? known : [...known, [value, value]];
   const select = h("select", { id, "data-testid": id }, options.map(([key, words]) => h("option", { value: key }, words)));
   select.value = value;
   return select;
