@@ -12,13 +12,14 @@ Whoever reads says so every time. What is given by hand comes before it; the fil
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from ground.errors import RecordingError, refused
 from ground.files import write_whole
 from ground.toml_reader import Table, read_toml
+from symbolic.mechanics.payload import Payload
 
 FILE = "exoid.toml"
 MOST_BYTES = 1_000_000
@@ -27,15 +28,30 @@ FIRST_LINE = "# Which column is what. Made by exoid map.\n"
 
 @dataclass(frozen=True)
 class StatedMapping:
-    """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid)."""
+    """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid).
+
+    And of this one recording, never kept: its `convention` ("a,b"), files to `join` to it with the lag in s of their
+    clocks (None: physics says), its `passive` joints, which have no drive, and `payloads`, known masses on it.
+    """
 
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     leg: str = ""
+    convention: str = ""
+    join: tuple[tuple[str, float | None], ...] = ()
+    passive: tuple[str, ...] = ()
+    payloads: tuple[Payload, ...] = ()
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What `read_recordings` takes of it, as far as it is said."""
+        every = {name: getattr(self, name) for name in ("columns", "units", "leg", "convention", "join")}
+        return {name: value for name, value in every.items() if value}
 
     def over(self, other: StatedMapping) -> StatedMapping:
-        """Return both, what `self` says coming first."""
-        return StatedMapping({**other.columns, **self.columns}, {**other.units, **self.units}, self.leg or other.leg)
+        """Return what both say of the columns, what `self` says coming first."""
+        columns, units = {**other.columns, **self.columns}, {**other.units, **self.units}
+        return replace(self, columns=columns, units=units, leg=self.leg or other.leg)
 
     def __str__(self) -> str:
         parts = [f"{name}={value}" for name, value in (*self.columns.items(), *self.units.items())]
@@ -92,6 +108,7 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
     import tomli_w
 
     path = folder / FILE
+    mapping = StatedMapping(mapping.columns, mapping.units, mapping.leg)
     known = entries(path)
     old = [one for header, one in known if header == list(names)]
     if old and old[-1] == mapping:
@@ -102,13 +119,9 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
             where=str(path),
             remedy="--replace puts the new one in its place",
         )
-    content: dict[str, Any] = {"header": list(names)}
-    content |= {"columns": dict(mapping.columns)} if mapping.columns else {}
-    content |= {"units": dict(mapping.units)} if mapping.units else {}
-    content |= {"leg": mapping.leg} if mapping.leg else {}
     elsewhere = "--out DIR keeps it elsewhere, beside a copy of the recordings"
     with refused(RecordingError, "the mapping cannot be written ({})", path, elsewhere):
         before = path.read_text(encoding="utf-8-sig") if path.exists() else FIRST_LINE
-        added = tomli_w.dumps({"recordings": [content]})
+        added = tomli_w.dumps({"recordings": [{"header": list(names), **mapping.options}]})
         # The last entry for a header counts, so nothing that stands there is touched.
         return write_whole(path, before.rstrip("\n") + "\n\n" + added)

@@ -31,8 +31,6 @@ from measurement.reading.unusable import mask_unusable
 from measurement.recording import Recording, Source
 from symbolic.joints import LEG, Joint
 
-__all__ = ["find_formats", "open_table", "read_recording", "read_recordings", "read_table"]
-
 Joined = str | Path | tuple[str | Path, float | None]
 Machine = tuple[Joint, ...] | None
 LARGE, PIECES, SMALL = 400_000_000, 16, 1_000_000
@@ -65,16 +63,16 @@ def read_recording(
     means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that
     cannot be used, with the place and the remedy.
     """
-    told = StatedMapping(dict(columns or {}), dict(units or {}), leg or "")
+    told = _told(columns, units, leg, convention, join)
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
     machine = None if joints is None else tuple(joints)
-    table, origin, name, told = _whole(source, told, name, join, machine)
+    table, origin, name, told = _whole(source, told, name, machine)
     if told.leg == "both":
         raise RecordingError(
             "both legs are two recordings", where=origin.path or name, remedy="read_recordings([...], leg='both')"
         )
-    return _finished(table, origin, name, told, convention, machine)
+    return _finished(table, origin, name, told, machine)
 
 
 def read_recordings(
@@ -95,39 +93,58 @@ def read_recordings(
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
     (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`.
     """
-    told = StatedMapping(dict(columns or {}), dict(units or {}), leg or "")
+    told = _told(columns, units, leg, convention, join)
+    return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
+
+
+def _told(
+    columns: Mapping[str, str] | None,
+    units: Mapping[str, str] | None,
+    leg: str | None,
+    convention: str | Iterable[str],
+    join: Sequence[Joined],
+) -> StatedMapping:
+    called = convention if isinstance(convention, str) else ",".join(convention)
+    pairs = (other if isinstance(other, tuple) else (other, None) for other in join)
+    others = tuple((str(file), lag) for file, lag in pairs)
+    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others)
+
+
+def read_as_told(
+    path: str | Path,
+    told: StatedMapping,
+    joints: Sequence[Joint] | None = None,
+    progress: Progress | None = None,
+    most_bytes: int = LARGE,
+) -> tuple[Recording, ...]:
+    """Return the recordings in one file as `read_recordings` does, with the drives and masses that are `told` of."""
     machine = None if joints is None else tuple(joints)
-    out: list[Recording] = []
-    for path in expand(sources):
-        if not join and (parts := _in_pieces(Path(path), told, convention, most_bytes, progress, machine)):
-            out += parts
-            continue
-        table, origin, name, here = _whole(path, told, "", join, machine)
-        if here.leg != "both":
-            out.append(_finished(table, origin, name, here, convention, machine))
-            continue
-        if set(here.columns) - {"t"}:
-            raise RecordingError(
-                "--map names the columns of one leg", where=path, remedy="read --leg left and --leg right one by one"
-            )
-        sides = legs(table, machine or LEG)
-        if not sides:
-            raise RecordingError(
-                "no leg has all its angles and torques in this file", where=path, remedy="read one leg, with --map"
-            )
-        out += [
-            _finished(table, origin, f"{name} ({side})", replace(here, leg=side), convention, machine) for side in sides
-        ]
-    return tuple(out)
+    found = () if told.join else _in_pieces(Path(path), told, machine, progress, most_bytes)
+    found = found or _of_every_leg(path, told, machine)
+    for load in told.payloads:
+        found = tuple(one.with_payload(load.mass, load.along, load.link) for one in found)
+    return tuple(one.with_passive(*told.passive) for one in found)
+
+
+def _of_every_leg(path: str | Path, told: StatedMapping, machine: Machine) -> tuple[Recording, ...]:
+    """Return the recording in a file, or those of both legs where that is told."""
+    table, origin, name, told = _whole(path, told, "", machine)
+    if told.leg != "both":
+        return (_finished(table, origin, name, told, machine),)
+    if set(told.columns) - {"t"}:
+        raise RecordingError(
+            "--map names the columns of one leg", where=str(path), remedy="read --leg left and --leg right one by one"
+        )
+    sides = legs(table, machine or LEG)
+    if not sides:
+        raise RecordingError(
+            "no leg has all its angles and torques in this file", where=str(path), remedy="read one leg, with --map"
+        )
+    return tuple(_finished(table, origin, f"{name} ({side})", replace(told, leg=side), machine) for side in sides)
 
 
 def _in_pieces(
-    path: Path,
-    told: StatedMapping,
-    convention: str | Iterable[str],
-    most: int,
-    progress: Progress | None,
-    machine: Machine,
+    path: Path, told: StatedMapping, machine: Machine, progress: Progress | None, most: int
 ) -> tuple[Recording, ...]:
     """Return the stretches of a file that is too long for memory; nothing where it is not, or cannot be cut."""
     with opened(path) as real:
@@ -150,7 +167,7 @@ def _in_pieces(
                 kept = told.over(found) if found else told
                 if found:
                     said.append(_note(home, found, path))
-            return _finished(table, origin, path.stem, kept, convention, machine)
+            return _finished(table, origin, path.stem, kept, machine)
 
         size = max(SMALL, most // PIECES)
         out = in_stretches(chosen.pieces(real, size), finish, name=path.stem, where=str(path), progress=progress)
@@ -165,26 +182,25 @@ def _note(home: Path, kept: StatedMapping, path: Path) -> Finding:
 
 
 def _whole(
-    source: Any, told: StatedMapping, name: str, others: Sequence[Joined], machine: Machine
+    source: Any, told: StatedMapping, name: str, machine: Machine
 ) -> tuple[RawTable, Source, str, StatedMapping]:
     """Return what `_loaded` does, with the files that are joined to it."""
-    table, origin, name, here = _loaded(source, told, name)
-    if not others:
-        return table, origin, name, here
-    if here.leg == "both":
+    table, origin, name, told = _loaded(source, told, name)
+    if not told.join:
+        return table, origin, name, told
+    if told.leg == "both":
         raise RecordingError(
             "files are joined for one leg at a time", where=origin.path or name, remedy="--leg left or --leg right"
         )
-    pieces: list[tuple[RawTable, str, float | None, StatedMapping]] = [(table, origin.path or name, None, here)]
+    pieces: list[tuple[RawTable, str, float | None, StatedMapping]] = [(table, origin.path or name, None, told)]
     sums = [origin.sha256]
-    for other in others:
-        file, lag = other if isinstance(other, tuple) else (other, None)
+    for file, lag in told.join:
         more, place, label, kept = _loaded(file, told, "")
         pieces.append((more, place.path or label, lag, kept))
         sums.append(place.sha256)
     one = joined_pieces(pieces, machine or LEG)
     # Two recordings of the same files share their samples; with other files joined, they are another recording.
-    return one, Source(origin.path, sha256("".join(sums))), name, StatedMapping()
+    return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="")
 
 
 def _loaded(source: Any, told: StatedMapping, name: str) -> tuple[RawTable, Source, str, StatedMapping]:
@@ -202,15 +218,13 @@ def _loaded(source: Any, told: StatedMapping, name: str) -> tuple[RawTable, Sour
     return table, origin, name or path.stem, told.over(kept) if kept else told
 
 
-def _finished(
-    table: RawTable, origin: Source, name: str, told: StatedMapping, convention: str | Iterable[str], machine: Machine
-) -> Recording:
+def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, machine: Machine) -> Recording:
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
     assigned = assign(table, told.columns, told.units, where=where, leg=told.leg or None, joints=joints)
     recording = repaired(table, assigned, name=name, source=origin, joints=joints)
-    recording = read_as(mask_unusable(recording), convention)
+    recording = read_as(mask_unusable(recording), told.convention)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)
     return recording

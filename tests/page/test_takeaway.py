@@ -11,7 +11,6 @@ import pytest
 
 from ground.errors import ExoidError, RecordingError
 from measurement.reading.mapping import StatedMapping
-from measurement.reading.told import Told
 from symbolic.mechanics.payload import Payload
 from workbench.command import verb_parser
 from workbench.commands.demo import DATA
@@ -30,11 +29,13 @@ OWN = {"id": "rub", "joint": "knee", "torque": "c * abs(tau_rigid) * sgn(dtheta)
 def full(tmp_path):
     """Return a workspace to which everything was said that can be; nothing is computed in it."""
     workspace = Workspace(tmp_path / "mappings", seed=3, cutoff=4.5, derivative="savgol")
-    told = Told(StatedMapping({"q1": "A", "q2": "B"}, {"q": "deg"}), "flexion-positive", payloads=(Payload(2.0, 0.35),))
+    told = StatedMapping(
+        {"q1": "A", "q2": "B"}, {"q": "deg"}, convention="flexion-positive", payloads=(Payload(2.0, 0.35),)
+    )
     files = [shutil.copy(DATA / f"{name}.csv", tmp_path / f"{name}.csv") for name in ("train_1", "train_2", "verify")]
     first, second, third = map(type(tmp_path), files)
     workspace.add_file(first, first.name, told=told)
-    workspace.add_file(second, second.name, told=Told(join=((str(third), 0.25),), passive=("knee",)))
+    workspace.add_file(second, second.name, told=StatedMapping(join=((str(third), 0.25),), passive=("knee",)))
     workspace.add_file(third, third.name, VERIFY)
     workspace.add_effect(OWN)
     workspace.change_history(lambda history: history.add("rub:knee", "stribeck:hip").undo())

@@ -20,7 +20,7 @@ from workbench.terminal.progress import progress
 from workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
-    from measurement.reading.told import Told
+    from measurement.reading.mapping import StatedMapping
     from measurement.recording import Recording
     from symbolic.joints import Joint
     from symbolic.mechanics.payload import Payload
@@ -75,11 +75,10 @@ def load(args: argparse.Namespace) -> Inputs:
 
 def told_recordings(
     args: argparse.Namespace, joints: Sequence[str]
-) -> tuple[list[str], list[str], dict[str, Told]]:
+) -> tuple[list[str], list[str], dict[str, StatedMapping]]:
     """Return the files that `args` mean to be fitted and to be held out, and what they tell of each."""
     from measurement.reading.mapping import StatedMapping
     from measurement.reading.sources import expand
-    from measurement.reading.told import Told
 
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
@@ -88,28 +87,31 @@ def told_recordings(
     refuse_repeats(given, unseen)
     every = [*given, *unseen]
     loads = payloads(getattr(args, "payload", []), every)
-    columns = StatedMapping(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
+    of_all = merged(args.map, "--map"), merged(args.units, "--units"), args.leg or ""
     kept, others = conventions_of(args.convention, every), joins_of(args.join, every)
     idle = passive_joints(args.passive, every, joints)
     told = {
-        path: Told(columns, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())))
+        path: StatedMapping(
+            *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ()))
+        )
         for path in every
     }
     return given, unseen, told
 
 
 def read(
-    path: str, told: Told | None = None, *, joints: Sequence[Joint] | None = None, quiet: bool = False
+    path: str, told: StatedMapping | None = None, *, joints: Sequence[Joint] | None = None, quiet: bool = False
 ) -> tuple[Recording, ...]:
     """Read one file, which holds a recording or one of each leg; say on stderr what its audit warns of or has repaired.
 
     A mapping that was remembered is said too, every time.
     """
-    from measurement.reading.told import Told
+    from measurement.reading.mapping import StatedMapping
+    from measurement.reading.read import read_as_told
 
     # Only a file that takes more than a glance is worth a bar.
     with progress(f"reading {Path(path).name}", quiet=quiet) as report:
-        recordings = (told or Told()).read(path, joints, report)
+        recordings = read_as_told(path, StatedMapping() if told is None else told, joints, report)
     for recording in recordings:
         for finding in recording.findings:
             if finding.severity != "info" or finding.check == "mapping":

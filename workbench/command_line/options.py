@@ -68,6 +68,13 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="FILE", help="model file (TOML); without it, the standard leg")
 
 
+def add_question(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
+    """Add what a question about recordings starts from: REC..., --verify, how they are read, and --model."""
+    add_recordings(parser, required=required)
+    add_derivative(parser)
+    add_model(parser)
+
+
 def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:
     """Add REC..., --verify and what is needed to read them."""
     count = "+" if required else "*"
@@ -215,7 +222,7 @@ def pairs(text: str) -> dict[str, str]:
     return found
 
 
-def merged(given: Sequence[dict[str, str]], option: str) -> dict[str, str] | None:
+def merged(given: Sequence[dict[str, str]], option: str) -> dict[str, str]:
     """Return one mapping from a repeated option; raises UsageError when two of them disagree."""
     total: dict[str, str] = {}
     for one in given:
@@ -223,4 +230,4 @@ def merged(given: Sequence[dict[str, str]], option: str) -> dict[str, str] | Non
             if total.get(name, value) != value:
                 raise UsageError(f"{name} is given as {total[name]!r} and as {value!r}", where=option)
             total[name] = value
-    return total or None
+    return total

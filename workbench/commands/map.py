@@ -33,12 +33,10 @@ def run(args: argparse.Namespace) -> int:
     from measurement.reading.mapping import FILE, StatedMapping, entries, remember
     from measurement.reading.read import open_table
     from measurement.reading.sources import folder_of
-    from workbench.command_line.files import check_json, make_folder
+    from workbench.command_line.files import make_folder
 
-    if args.json and args.json != "-":
-        check_json(args.json)
     screen = Screen.of(args)
-    told = StatedMapping(merged(args.map, "--map") or {}, merged(args.units, "--units") or {}, args.leg or "")
+    told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"), args.leg or "")
     table = open_table(args.file)
     folder = Path(args.out) if args.out else folder_of(Path(args.file))
     kept = [mapping for header, mapping in entries(folder / FILE) if header == table.names]

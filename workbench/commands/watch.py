@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.options import add_columns, add_common, positive_number, whole_number
 from workbench.terminal.screen import Screen, warn
 
@@ -54,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Watch until the source ends; 1 when something changed."""
-    check_places(args)
     from diagnosis.watching.front import CUTOFF
     from diagnosis.watching.watcher import Settings, Watcher
     from workbench.command_line.inputs import load_model
@@ -148,12 +146,11 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
 
     from measurement.reading.live import Lines, check_text, grown, piped
     from measurement.reading.mapping import StatedMapping
-    from measurement.reading.told import Told
     from workbench.command_line.inputs import read
     from workbench.command_line.options import merged
     from workbench.command_line.parser import UsageError
 
-    told = merged(args.map, "--map") or {}, merged(args.units, "--units") or {}
+    told = merged(args.map, "--map"), merged(args.units, "--units")
     if args.source == "-":
         if sys.stdin is None:
             raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
@@ -168,7 +165,7 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
         lines = Lines(model.joints, *told, where=args.source)
         yield from _lines(lines, grown(args.source, True if args.follow else None))
         return
-    for one in read(args.source, Told(StatedMapping(*told)), quiet=args.quiet):
+    for one in read(args.source, StatedMapping(*told), quiet=args.quiet):
         rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import traceback
 from collections.abc import AsyncIterator, Callable
 from functools import partial
 from pathlib import Path
@@ -16,9 +15,8 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
-from ground.text import printable
 from workbench.page import numbers, takeaway, views
-from workbench.page.given import FIT, error_json, mapping_preview
+from workbench.page.given import FIT, error_json, internal, mapping_preview
 from workbench.page.guard import Guard
 
 if TYPE_CHECKING:
@@ -41,13 +39,14 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
         Route("/", lambda request: FileResponse(STATIC / "index.html")),
         Route("/report.css", lambda request: FileResponse(REPORT_STYLE)),
         Route("/api/events", partial(_events, workspace)),
-        *(Route(f"/api/{name}", _asked(workspace, ask)) for name, ask in ANSWERS.items()),
+        *(Route(f"/api/{name}", partial(ask, workspace)) for name, ask in ANSWERS.items()),
         Route("/api/file", partial(_upload, workspace), methods=["PUT"]),
         Route("/api/session", partial(_upload_session, workspace), methods=["PUT"]),
         *(Route(f"/api/{name}", _told(workspace, do), methods=["POST"]) for name, do in ACTIONS.items()),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
-    return Guard(Starlette(routes=routes), token, port)
+    handlers: dict[Any, Any] = {ExoidError: _refused, OSError: _refused, Exception: _broken}
+    return Guard(Starlette(routes=routes, exception_handlers=handlers), token, port)
 
 
 # -- what is asked -------------------------------------------------------------------------------------------------
@@ -103,8 +102,8 @@ def _map(workspace: Workspace, told: dict[str, Any]) -> None:
     from measurement.reading.mapping import StatedMapping
 
     columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
-    said = StatedMapping(columns, units, str(told.get("leg", "")))
-    workspace.map_file(int(told["file"]), said, str(told.get("convention", "")))
+    said = StatedMapping(columns, units, str(told.get("leg", "")), str(told.get("convention", "")))
+    workspace.map_file(int(told["file"]), said)
 
 
 def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
@@ -157,23 +156,17 @@ async def _upload(workspace: Workspace, request: Request) -> Response:
     """Take in a file that was dropped: a recording, or a model file."""
     name = request.query_params.get("name", "")
     target = workspace.drop_place(name)
-    try:
-        await _written(request, target)
-        take = workspace.use_model if target.suffix == ".toml" else workspace.add_file
-        role = () if target.suffix == ".toml" else (request.query_params.get("role", FIT),)
-        await anyio.to_thread.run_sync(lambda: take(target, name, *role))
-    except (ExoidError, OSError) as error:
-        return _problem(error)
+    await _written(request, target)
+    take = workspace.use_model if target.suffix == ".toml" else workspace.add_file
+    role = () if target.suffix == ".toml" else (request.query_params.get("role", FIT),)
+    await anyio.to_thread.run_sync(lambda: take(target, name, *role))
     return JSONResponse({})
 
 
 async def _upload_session(workspace: Workspace, request: Request) -> Response:
     """Take in one file of the folder of a session that was dropped; `reopen` opens it when all are here."""
-    try:
-        drop = _number(request, "drop")
-        await _written(request, workspace.session_place(drop, request.query_params.get("name", "")))
-    except (ExoidError, OSError) as error:
-        return _problem(error)
+    drop = _number(request, "drop")
+    await _written(request, workspace.session_place(drop, request.query_params.get("name", "")))
     return JSONResponse({})
 
 
@@ -201,49 +194,36 @@ async def _events(workspace: Workspace, request: Request) -> Response:
 # -- how it is answered --------------------------------------------------------------------------------------------
 
 
-def _asked(workspace: Workspace, ask: Callable[[Workspace, Request], Response]) -> Callable[[Request], Response]:
-    def endpoint(request: Request) -> Response:
-        try:
-            return ask(workspace, request)
-        except Exception as error:  # noqa: BLE001 - every answer is one that the page can show
-            return _problem(error)
-
-    return endpoint
-
-
 def _told(workspace: Workspace, do: Callable[[Workspace, dict[str, Any]], Any]) -> Callable[[Request], Any]:
     async def endpoint(request: Request) -> Response:
         body = b""
         async for part in request.stream():
             body += part
             if len(body) > MOST_MESSAGE:
-                return _problem(RecordingError("the message is too long", remedy="reload the page"))
+                raise RecordingError("the message is too long", remedy="reload the page")
         try:
             told = json.loads(body or b"{}")
             if not isinstance(told, dict):
                 raise TypeError("not an object")
             found = await anyio.to_thread.run_sync(do, workspace, told)
-            return JSONResponse(found if isinstance(found, dict) else {})
+        except ExoidError:
+            raise
         except (KeyError, TypeError, ValueError) as error:
-            if isinstance(error, ExoidError):
-                return _problem(error)
-            return _problem(RecordingError(f"the message cannot be understood ({error})", remedy="reload the page"))
-        except Exception as error:  # noqa: BLE001 - every answer is one that the page can show
-            return _problem(error)
+            what = f"the message cannot be understood ({error})"
+            raise RecordingError(what, remedy="reload the page") from error
+        return JSONResponse(found if isinstance(found, dict) else {})
 
     return endpoint
 
 
-def _problem(error: Exception) -> Response:
+def _refused(request: Request, error: Exception) -> Response:
     # A refusal is an answer like another: as a status of HTTP it would be an error in the browser's console.
-    if isinstance(error, ExoidError):
-        return JSONResponse({"refused": error_json(error)})
-    if isinstance(error, OSError):
-        return JSONResponse({"refused": {"what": printable(str(error.strerror or error)), "where": "", "remedy": ""}})
-    traceback.print_exception(error)
-    said = {"what": f"internal error in exoid ({type(error).__name__})", "where": "",
-            "remedy": "please report what the terminal says"}  # fmt: skip
-    return JSONResponse(said, status_code=500)
+    said = error if isinstance(error, ExoidError) else ExoidError(str(getattr(error, "strerror", None) or error))
+    return JSONResponse({"refused": error_json(said)})
+
+
+def _broken(request: Request, error: Exception) -> Response:
+    return JSONResponse(error_json(internal(error)), status_code=500)
 
 
 def _number(request: Request, name: str) -> int:

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError, RecordingError
 from ground.text import printable
-from measurement.reading.told import Told
+from measurement.reading.mapping import StatedMapping
 
 if TYPE_CHECKING:
-    from measurement.reading.mapping import StatedMapping
     from measurement.reading.raw import RawTable
     from measurement.recording import Recording
     from symbolic.joints import Joint
@@ -33,7 +32,7 @@ class Given:
     name: str
     path: Path
     role: str = FIT
-    told: Told = field(default_factory=Told)
+    told: StatedMapping = field(default_factory=StatedMapping)
     recordings: tuple[Recording, ...] = ()
     error: ExoidError | None = None
     read: bool = False
@@ -58,13 +57,12 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
     are those of the machine; without them the columns say which there are.
     """
     from measurement.reading.mapping import remembered as mapping_for
-    from measurement.reading.read import open_table
+    from measurement.reading.read import open_table, read_as_told
 
-    told = given.told
     try:
-        if not told.columns.columns and (kept := mapping_for(remembered, open_table(given.path).names)):
-            given = replace(given, told=replace(told, columns=told.columns.over(kept)))
-        recordings = given.told.read(given.path, joints)
+        if not given.told.columns and (kept := mapping_for(remembered, open_table(given.path).names)):
+            given = replace(given, told=given.told.over(kept))
+        recordings = read_as_told(given.path, given.told, joints)
     except ExoidError as error:
         return replace(given, recordings=(), error=without_path(error, given.path, given.name), read=True)
     stem = Path(given.name).stem or given.name
@@ -81,7 +79,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     from measurement.reading.read import open_table
 
     table = open_table(given.path)
-    told = given.told.columns
+    told = given.told
     try:
         found = assign(
             table, told.columns, told.units, where=given.name, leg=told.leg or None, joints=joints, partial=True
@@ -101,7 +99,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "guess": guess,
         "told": {"columns": dict(told.columns), "units": dict(told.units), "leg": told.leg},
         "legs": list(legs(table, joints)),
-        "convention": given.told.convention,
+        "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
         "findings": [f.to_json() for one in given.recordings for f in one.findings],
@@ -119,6 +117,12 @@ def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None
 def error_json(error: ExoidError) -> dict[str, str]:
     """Return an error as what, where and what to do."""
     return {"what": printable(error.what), "where": printable(error.where), "remedy": printable(error.remedy)}
+
+
+def internal(error: Exception) -> ExoidError:
+    """Return what the page says of a mistake of exoid's own; whoever started it sees the traceback in the terminal."""
+    what = f"internal error in exoid ({type(error).__name__})"
+    return ExoidError(what, remedy="please report what the terminal says")
 
 
 def _column(column: Any) -> dict[str, Any]:

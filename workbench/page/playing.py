@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
-from workbench.page.given import error_json
+from workbench.page.given import error_json, internal
 
 if TYPE_CHECKING:
     from diagnosis.watching.replay import Replay
@@ -59,11 +59,9 @@ class BackgroundWatch:
             pass
         except ExoidError as error:
             self.error = error_json(error)
-        except Exception as error:  # noqa: BLE001 - the page must go on; whoever started it sees the traceback
+        except Exception as error:  # noqa: BLE001 - the page must go on
             traceback.print_exc()
-            self.error = error_json(ExoidError(
-                f"internal error in exoid ({type(error).__name__})", remedy="please report what the terminal says"
-            ))  # fmt: skip
+            self.error = error_json(internal(error))
         self.running = False
         self._touch()
 

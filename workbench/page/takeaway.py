@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError, RecordingError, refused
 from ground.files import write_whole
-from ground.plain import plain
+from ground.plain import picked, plain
 from measurement.signals.methods import BUTTERWORTH
 from workbench.page.given import FIT, VERIFY, safe_name, without_path
 
@@ -153,8 +153,9 @@ def save(workspace: Workspace, folder: Path) -> Path:
             ]
             entries.append({
                 "file": f"recordings/{kept.name}", "name": one.name, "role": one.role, "join": joined,
-                **vars(one.told.columns), "convention": list(filter(None, one.told.convention.split(","))),
-                "passive": one.told.passive, "payloads": [astuple(load) for load in one.told.payloads],
+                **picked(one.told, "columns units leg passive"),
+                "convention": list(filter(None, one.told.convention.split(","))),
+                "payloads": [astuple(load) for load in one.told.payloads],
             })  # fmt: skip
         write_whole(target / MODEL, model_toml(workspace))
         if workspace.model_path is not None:
@@ -223,16 +224,14 @@ def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
 def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
     """Return a recording of a saved session as the workspace takes it."""
     from measurement.reading.mapping import StatedMapping
-    from measurement.reading.told import Told
     from symbolic.mechanics.payload import Payload
 
-    told = Told(
-        StatedMapping(dict(entry["columns"]), dict(entry["units"]), str(entry["leg"])),
-        ",".join(entry["convention"]),
+    told = StatedMapping(
+        dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]), ",".join(entry["convention"]),
         tuple((str(_inside(folder, file)), lag) for file, lag in entry["join"]),
         tuple(entry["passive"]),
         tuple(Payload(*one) for one in entry["payloads"]),
-    )
+    )  # fmt: skip
     role = VERIFY if entry["role"] == VERIFY else FIT
     return {"path": _inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}
 
@@ -283,8 +282,7 @@ def _recordings(workspace: Workspace) -> list[str]:
     out = [name for one, name in named if one.role == FIT]
     verify = [name for one, name in named if one.role == VERIFY]
     out += ["--verify", *verify] if verify else []
-    said = next((one.told.columns for one in workspace.given if one.told.columns), None)
-    if said is not None:
+    for said in [one.told for one in workspace.given if one.told][:1]:
         for option, known in (("--map", said.columns), ("--units", said.units)):
             out += [option, ",".join(f"{name}={value}" for name, value in known.items())] if known else []
         out += ["--leg", said.leg] if said.leg else []

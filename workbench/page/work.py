@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
-from workbench.page.given import FIT, VERIFY, Given, read_given
+from workbench.page.given import FIT, VERIFY, Given, internal, read_given
 from workbench.page.workspace import TOLD_EVERY, Names, Workspace
 
 if TYPE_CHECKING:
@@ -43,12 +43,9 @@ def _work(space: Workspace) -> None:
             task()
         except ExoidError as error:
             space.problem = error
-        except Exception as error:  # noqa: BLE001 - the page must go on; whoever started it sees the traceback
+        except Exception as error:  # noqa: BLE001 - the page must go on
             traceback.print_exc()
-            space.problem = ExoidError(
-                f"internal error in exoid ({type(error).__name__}: {error})",
-                remedy="please report what the terminal says",
-            )
+            space.problem = internal(error)
         if space.busy != before or time.monotonic() - told > TOLD_EVERY:
             told = time.monotonic()
             space.touch()

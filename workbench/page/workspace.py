@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
     from diagnosis.session.ranking import Ranking, Trial
     from diagnosis.session.session import Session
+    from measurement.reading.mapping import StatedMapping
     from symbolic.effect import Effect
     from symbolic.joints import Joint
     from symbolic.model import Model
@@ -160,13 +161,13 @@ class Workspace:
             self._begin_anew()
         self.touch(changed=True)
 
-    def map_file(self, id: int, told: Any, convention: str) -> Given:
+    def map_file(self, id: int, told: StatedMapping) -> Given:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
         from measurement.reading.read import open_table
 
         old = self.find(id)
-        said = replace(old, told=replace(old.told, columns=told, convention=convention))
-        one = files.read_given(said, self.remembered, self.joints)
+        said = replace(told, join=old.told.join, passive=old.told.passive, payloads=old.told.payloads)
+        one = files.read_given(replace(old, told=said), self.remembered, self.joints)
         if one.error is not None:
             raise one.error
         files.remember_mapping(self.remembered, open_table(one.path), told)

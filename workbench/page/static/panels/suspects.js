@@ -81,12 +81,6 @@ export async function point(name) {
   }
 }
 
-export function unpoint() {
-  if (asked) asked.abort();
-  shown = null;
-  look({ pointed: null, preview: null });
-}
-
 function detailPanel() {
   if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be distinguished from, what to measure."));
   const { joints } = view.state;
