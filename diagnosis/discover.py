@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
@@ -16,7 +16,7 @@ from diagnosis.evidence.own_sway import own_sway
 from diagnosis.evidence.soft_drive import soft_drive
 from diagnosis.evidence.timing import FilterOnTorque, filtered
 from diagnosis.question import Question
-from diagnosis.results import Diagnosis, Step
+from diagnosis.results import Accepted, Diagnosis, Possible, Step
 from diagnosis.rules import Rules
 from diagnosis.search.context import SearchContext
 from diagnosis.search.doubt import DELAY
@@ -24,7 +24,7 @@ from diagnosis.search.possible import agreements_of, possible_of
 from diagnosis.search.state import Extension, State
 from diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
 from diagnosis.splits import from_scratch
-from diagnosis.verdict import behind, conclude, doubted, swayed
+from diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
 from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
 from ground.engines.workers import once, with_copies
 from ground.progress import Progress, silent
@@ -75,8 +75,12 @@ def answer_of(
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
     done = question.search(recordings, verify, whole, prepared, found)
     prepared, state = done.prepared, done.found.state
+
+    def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:
+        return write_up(done, (Extension(done.base),), (), None, possible, answer, began)
+
     if done.answer is not None:
-        return write_up(done, (Extension(done.base),), (), None, (), done.answer, began)
+        return as_given(done.answer)
     extensions = state.extensions
     if done.context.prepared is not prepared:
         whole(0.95, "fitting what was found to the whole of the recordings")
@@ -84,7 +88,7 @@ def answer_of(
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)
     if doubt is not None:
-        return write_up(done, (Extension(done.base),), (), None, (), doubted(doubt), began)
+        return as_given(doubted(doubt))
     several = len(recordings) + len(verify) > 1
     agreements = agreements_of(done.context, state) if several else {}
     possible = possible_of(done.context, state, several)
@@ -93,24 +97,15 @@ def answer_of(
     tick(0.97, "writing it down")
     # At the limit there may be more that the catalogue explains; nothing is called unexplained yet.
     left = None if len(extensions) > rules.most_terms else state.left
-    names = [one.name for one in done.context.prepared.all]
-    accepted = tuple(
-        replace(one, agreement=found, against=tuple(names[k] for k in found.against))
-        for one in accepted_of(extensions)
-        for found in (agreements.get(one.name, Agreement()),)
+    accepted = _agreed(accepted_of(extensions), agreements, done.context.prepared)
+    soft = done.soft or soft_drive(
+        state.extensions[0].fitted, state.last.fitted, done.context.noise(state.last), rules
     )
-    soft = done.soft
-    if soft is None:
-        begun = done.found.state.extensions[0].fitted
-        soft = soft_drive(begun, state.last.fitted, done.context.noise(state.last), rules)
     if soft is not None:
-        answer = behind(soft, last.model.joints)
-        return write_up(
-            done, (Extension(done.base),), (), None, possible_beside(soft, accepted, possible, rules), answer, began
-        )
+        return as_given(behind(soft, last.model.joints), possible_beside(soft, accepted, possible, rules))
     behind_filter = _filtered(done.context, state, rules)
     if behind_filter is not None and behind_filter.doubt is not None:
-        return write_up(done, (Extension(done.base),), (), None, (), doubted(behind_filter.doubt), began)
+        return as_given(doubted(behind_filter.doubt))
     if behind_filter is not None:
         also = (behind_filter.name,)
         accepted = tuple(
@@ -123,6 +118,15 @@ def answer_of(
     if sway is not None and not accepted:
         answer = swayed(sway, answer, last.model.joints)
     return write_up(done, extensions, accepted, left, possible, answer, began)
+
+
+def _agreed(
+    accepted: Sequence[Accepted], agreements: Mapping[str, Agreement], searched: Prepared
+) -> tuple[Accepted, ...]:
+    """Return what was accepted, with what splits of the recordings say of it."""
+    names = [one.name for one in searched.all]
+    pairs = [(one, agreements.get(one.name, Agreement())) for one in accepted]
+    return tuple(replace(one, agreement=own, against=tuple(names[k] for k in own.against)) for one, own in pairs)
 
 
 def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTorque | None:

@@ -104,18 +104,7 @@ def refitted(
     the angles, or something speaks against each (`doubt`).
     """
     rules, scale = context.rules, extension.fitted.scale
-    tried = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
-    # What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. And
-    # what the interval of every number says may be absent explains nothing in its place.
-    shaped = [(score, found) for score, found in tried if not score.candidate.tangent]
-    elsewhere = {score.name for score, found in shaped if on_bound(found.fitted, score.name, rules)}
-    elsewhere |= {score.name for score, found in tried if undetermined(found.fitted, score.name)}
-    tried = [
-        (score, found)
-        for score, found in tried
-        if (context.unseen_gain(extension, found) > 0.0 or extension.outvotes(found, rules))
-        and not context.doubt(extension, found)
-    ]
+    tried, elsewhere = _refits(context, extension, rivals)
     if not tried:
         return None
     losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
@@ -159,6 +148,31 @@ def refitted(
             never.append(twin.name)
     alike = dict.fromkeys([*(s.name for s in others), *never])
     return replace(found, alike=tuple(alike), never=tuple(never))
+
+
+def _refits(
+    context: SearchContext, extension: Extension, rivals: Sequence[Score]
+) -> tuple[list[tuple[Score, Extension]], set[str]]:
+    """Return the rivals that help after a refit and are not in doubt, and the names of those that are no look-alikes.
+
+    What fits only with its shape on a bound is something else; a number that is a size alone may be merely large. And
+    what the interval of every number says may be absent explains nothing in its place.
+    """
+    rules = context.rules
+    refits = [(score, context.with_term(extension, score)) for score in rivals[: rules.refitted]]
+    elsewhere = {
+        score.name
+        for score, found in refits
+        if (not score.candidate.tangent and on_bound(found.fitted, score.name, rules))
+        or undetermined(found.fitted, score.name)
+    }
+    helping = [
+        (score, found)
+        for score, found in refits
+        if (context.unseen_gain(extension, found) > 0.0 or extension.outvotes(found, rules))
+        and not context.doubt(extension, found)
+    ]
+    return helping, elsewhere
 
 
 def _twins(
