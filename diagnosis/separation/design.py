@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
 
-from diagnosis.separation.distance import Rival, Sketch, distance, planned, residual_noise
+from diagnosis.separation.distance import Distances, Rival, planned, residual_noise
 from diagnosis.separation.indistinguishable import Same, same_torques
 from diagnosis.separation.result import Separation
 from diagnosis.separation.settings import SeparationOptions, SeparationSettings
@@ -35,9 +35,7 @@ from optimisation.fitting.nominal import nominal
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import minimise
 from optimisation.optimisers.nfo import NFO
-from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.joints import Joint
 from symbolic.model import Model, require_still_base
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
@@ -94,11 +92,10 @@ def separate(
     pairs = _pairs(truths, same)
     if prepared is not None:
         filter_ = prepared.choice.cutoff
-    measure = _Evaluator(truths, pairs, noise, asked.duration, filter_, model.joints)
+    measure = Distances(truths, pairs, noise, asked.duration, filter_)
     motion: Fourier | None = None
     if pairs:
-        sketch = Sketch(truths, pairs, noise, asked.duration, filter_)
-        found = _search(space, sketch, asked.generations, asked.seed, say)
+        found = _search(space, measure, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
         motion = max(found, key=lambda one: min(measure.motion(one).values()))
     usual = [measure.motion(one) for one in drawn] if pairs else []
@@ -213,7 +210,7 @@ def _pairs(truths: Sequence[Rival], same: Sequence[Same]) -> tuple[tuple[int, in
     return tuple((a, b) for a in range(count) for b in range(count) if a != b and (a, b) not in lost)
 
 
-def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say: Progress) -> list[Fourier]:
+def _search(space: MotionSpace, measure: Distances, generations: int, seed: int, say: Progress) -> list[Fourier]:
     """Return the motions with the largest smallest distances that NFO finds, best first."""
 
     def stretched(y: Float) -> list[Fourier]:
@@ -221,7 +218,7 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
         return [space.inside(swing, offset) for swing, offset in zip(swings, offsets, strict=True)]
 
     def fitness(y: Float) -> Float:
-        return np.array([-sketch.smallest(one) for one in stretched(y)])
+        return np.array([-measure.smallest(one) for one in stretched(y)])
 
     edge = np.ones(space.size)
     run = minimise(
@@ -236,32 +233,3 @@ def _search(space: MotionSpace, sketch: Sketch, generations: int, seed: int, say
     )
     last = run.state
     return stretched(np.concatenate([run.x[None], last.x[np.argsort(last.f)[1:FINALISTS]]]))
-
-
-@dataclass(frozen=True, eq=False)
-class _Evaluator:
-    """Full refits on motions and on recordings, in the same units."""
-
-    truths: tuple[Rival, ...]
-    pairs: tuple[tuple[int, int], ...]
-    noise: Noise
-    duration: float
-    cutoff: float
-    joints: tuple[Joint, ...]
-
-    @property
-    def names(self) -> tuple[tuple[str, str], ...]:
-        """The pairs by name."""
-        return tuple((self.truths[a].name, self.truths[b].name) for a, b in self.pairs)
-
-    def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
-        """Return D of every pair on a motion of `duration` s."""
-        return self.recordings([planned(trajectory, self.duration, self.cutoff, joints=self.joints)])
-
-    def recordings(self, prepared: Sequence[PreparedRecording]) -> dict[tuple[str, str], float]:
-        """Return D of every pair on prepared recordings together."""
-        out = {}
-        for (a, b), names in zip(self.pairs, self.names, strict=True):
-            rival = self.truths[b]
-            out[names] = distance(self.truths[a], rival.model, prepared, self.noise, rival.shape)
-        return out

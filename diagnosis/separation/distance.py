@@ -64,18 +64,24 @@ class Rival(AsJson):
         values = (*self.linear, *self.shape)
         return {n: float(v) for n, v in zip(named, values, strict=True) if n.startswith(f"{self.name}.")}
 
+    @property
+    def sentence(self) -> str:
+        """The rival and its own numbers in words."""
+        numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in self.own.items())
+        return f"assumed: {self.name} with {numbers} ({self.source})"
+
 
 def planned(
-    trajectory: Fourier, duration: float, cutoff: float, rate: float = RATE, joints: Sequence[Joint] = LEG
+    trajectory: Fourier, duration: float, cutoff: float, joints: Sequence[Joint] = LEG
 ) -> PreparedRecording:
     """Return a motion as if it had been recorded for `duration` s and prepared with `cutoff` Hz; its torque is zero."""
-    t = np.arange(round(duration * rate)) / rate
+    t = np.arange(round(duration * RATE)) / RATE
     motion = trajectory.at(t)
-    edge = int(np.ceil(EDGE * rate))
-    kept = np.arange(edge, len(t) - edge, max(1, int(rate // (6.0 * cutoff))))
+    edge = int(np.ceil(EDGE * RATE))
+    kept = np.arange(edge, len(t) - edge, max(1, int(RATE // (6.0 * cutoff))))
     if len(kept) < 2:
         raise NotEnoughDataError(f"{duration:g} s of motion is too short", remedy="take at least 5 s of motion")
-    stuck = _stuck(motion, joints, int(np.ceil(STICK_REACH * rate / (INNER * cutoff)))).T
+    stuck = _stuck(motion, joints, int(np.ceil(STICK_REACH * RATE / (INNER * cutoff)))).T
     none = np.zeros(len(joints))
     return PreparedRecording(
         name="designed",
@@ -84,7 +90,7 @@ def planned(
         use=~stuck[kept],
         kept=kept,
         cutoff=cutoff,
-        rate=rate,
+        rate=RATE,
         outliers=none,
         wide_tau=np.zeros(motion.q.shape),
         angle_noise=none,
@@ -92,7 +98,7 @@ def planned(
         stuck=stuck,
         standing=none > 0.0,
         driven=none == 0.0,
-        full_rate=rate,
+        full_rate=RATE,
         reach=reaches(joints),
     )
 
@@ -187,8 +193,11 @@ def _range(model: Model, place: int) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Sketch:
-    """The same distance, cheap and rough, for a search: one period, few samples, shapes on a coarse grid."""
+class Distances:
+    """How far apart `truths` are on motions of `duration` s, for each (truth, rival) of `pairs`, in units of the noise.
+
+    By full refits, or cheap and rough for a search: on one period, few samples, shapes on a coarse grid.
+    """
 
     truths: tuple[Rival, ...]
     pairs: tuple[tuple[int, int], ...]
@@ -196,11 +205,31 @@ class Sketch:
     duration: float
     cutoff: float
 
+    @property
+    def names(self) -> tuple[tuple[str, str], ...]:
+        """The pairs by name."""
+        return tuple((self.truths[a].name, self.truths[b].name) for a, b in self.pairs)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Those of the machine."""
+        return self.truths[0].model.joints
+
+    def motion(self, trajectory: Fourier) -> dict[tuple[str, str], float]:
+        """Return D of every pair on a motion."""
+        return self.recordings([planned(trajectory, self.duration, self.cutoff, joints=self.joints)])
+
+    def recordings(self, prepared: Sequence[PreparedRecording]) -> dict[tuple[str, str], float]:
+        """Return D of every pair on prepared recordings together."""
+        rivals = zip(self.names, self.pairs, strict=True)
+        ends = ((names, self.truths[a], self.truths[b]) for names, (a, b) in rivals)
+        return {names: distance(a, b.model, prepared, self.noise, b.shape) for names, a, b in ends}
+
     def smallest(self, trajectory: Fourier) -> float:
-        """Return the smallest D² over the pairs (truth, rival), in `duration` s."""
+        """Return roughly the smallest D² over the pairs."""
         step = trajectory.period / SKETCH_SAMPLES
         motion = trajectory.at(np.arange(SKETCH_SAMPLES) * step)
-        stuck = _stuck(motion, self.truths[0].model.joints, int(np.ceil(STICK_REACH / (self.cutoff * step))))
+        stuck = _stuck(motion, self.joints, int(np.ceil(STICK_REACH / (self.cutoff * step))))
         weight = np.sqrt(self.noise.weight[:, None] * (self.duration / SKETCH_SAMPLES)) * ~stuck
         # What a Butterworth filter run forwards and backwards leaves of a periodic signal, frequency by frequency.
         gain = 1.0 / (1.0 + (np.fft.rfftfreq(SKETCH_SAMPLES, step) / self.cutoff) ** (2 * ORDER))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +13,8 @@ from diagnosis.separation.distance import Rival
 from diagnosis.separation.indistinguishable import Same
 from diagnosis.separation.plots import separation_figure
 from ground.frames import pandas
-from ground.plain import plain_dict
+from ground.html import code
+from ground.plain import AsJson
 from ground.thresholds import Threshold
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 ENOUGH = Threshold(3.0, "σ between rivals on the designed motion: one run would choose by chance")
 
-Distances = Mapping[tuple[str, str], float]
+Apart = Mapping[tuple[str, str], float]
 """(truth, rival) -> σ apart after the rival and everything else have been refitted."""
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(AsJson):
     """The motion that distinguishes rivals, or why there is none.
 
     `apart` are the distances on `trajectory` (None where no pair can be distinguished) in `duration` s, `present` those
@@ -41,14 +41,19 @@ class Separation:
     as the design. `same` are rivals that no motion can distinguish, with what else would.
     """
 
+    JSON = (
+        "separable smallest sentence rivals present_seconds never=same limits=uses noise duration needed cutoff seed "
+        "seconds"
+    )
+
     model: Model
     rivals: tuple[Rival, ...]
     same: tuple[Same, ...]
     trajectory: Fourier | None
-    apart: Distances
-    present: Distances | None
+    apart: Apart
+    present: Apart | None
     present_seconds: float
-    usual: Distances
+    usual: Apart
     noise: Noise
     duration: float
     cutoff: float
@@ -94,15 +99,13 @@ class Separation:
         for pair, far in self.apart.items():
             now = "" if self.present is None else f", present recordings {self.present[pair]:.1f} σ"
             lines.append(f"  {pair[0]} true, {pair[1]} fitted: {far:.1f} σ; at random {self.usual[pair]:.1f} σ{now}")
-        for one in self.rivals:
-            numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in one.own.items())
-            lines.append(f"  assumed: {one.name} with {numbers} ({one.source})")
+        lines += [f"  {one.sentence}" for one in self.rivals]
         lines.append(f"  noise: {self.noise}")
         lines += [f"  instead: {way}" for one in self.same for way in one.ways]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(repr(self))}</pre>"
+        return code(repr(self))
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per (truth, rival): σ apart by design, at random, in the present recordings."""
@@ -114,27 +117,12 @@ class Separation:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result in plain types."""
-        return plain_dict(
-            {
-                "separable": self.separable,
-                "smallest": self.smallest,
-                "sentence": self.sentence,
-                "rivals": self.rivals,
-                "apart": _rows(self.apart),
-                "present": None if self.present is None else _rows(self.present),
-                "present_seconds": self.present_seconds,
-                "at_random": _rows(self.usual),
-                "never": self.same,
-                "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
-                "limits": self.uses,
-                "noise": self.noise,
-                "duration": self.duration,
-                "needed": self.needed,
-                "cutoff": self.cutoff,
-                "seed": self.seed,
-                "seconds": self.seconds,
-            }
-        )
+        return super().to_json() | {
+            "apart": _rows(self.apart),
+            "present": None if self.present is None else _rows(self.present),
+            "at_random": _rows(self.usual),
+            "trajectory": self.trajectory and trajectory_content(self.trajectory, self.model.joint_names),
+        }
 
     def plot(self) -> Figure:
         """Draw the distances, and the motion."""
@@ -153,5 +141,5 @@ class Separation:
         )
 
 
-def _rows(distances: Distances) -> list[dict[str, Any]]:
+def _rows(distances: Apart) -> list[dict[str, Any]]:
     return [{"truth": a, "rival": b, "sigma": value} for (a, b), value in distances.items()]

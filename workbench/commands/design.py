@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver_results
+from workbench.command_line.deliver import deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import (
     add_common,
@@ -75,7 +75,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Design or evaluate a motion; 1 when limits, a target or the wish to distinguish effects cannot be met."""
-    check_places(args)
     exclusive(args, "free", "middle")
     exclusive(args, "separate", "check")
     if args.out and not args.check:
@@ -273,6 +272,5 @@ def _show_separation(screen: Screen, found: Any) -> None:
         for way in one.ways:
             screen.say(f"instead: {way}")
     for one in found.rivals:
-        numbers = ", ".join(f"{name.rpartition('.')[2]} = {value:.3g}" for name, value in one.own.items())
-        screen.say(f"assumed: {one.name} with {numbers} ({one.source})", "faint")
+        screen.say(one.sentence, "faint")
     screen.say(f"noise: {found.noise}; filter {found.cutoff:g} Hz", "faint")
