@@ -29,7 +29,7 @@ class Updater:
 
     def push(self, samples: Float) -> None:
         """Take samples (N, 1 + 2 J: t, q, tau), one per period, in any portions."""
-        made = self.front.even_samples(np.atleast_2d(samples))
+        made = self.front.push(np.atleast_2d(samples))
         if not len(made):
             return
         motion = Motion(made.t, made.q, made.dq, made.ddq, np.tanh(made.dq / SIGN_WIDTH))

@@ -65,8 +65,7 @@ def write_updater(
 
 def first_estimator(model: Model, linear: Float, unit: Float, rate: float) -> Estimator:
     """Return an estimator that begins at identified numbers (P,); `unit` (J,) N·m is the scale of the residual."""
-    names, units = [p.name for p in model.parameters], [p.unit for p in model.parameters]
-    return Estimator.start(names, units, linear, SPREAD * abs(linear) + LEAST, unit, rate, len(model.inertial))
+    return Estimator.start(model, linear, SPREAD * abs(linear) + LEAST, unit, rate)
 
 
 def residual_scale(model: Model, numbers: Numbers) -> np.ndarray:

@@ -17,7 +17,7 @@ from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel, pooled_rms
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.library import Library
-from diagnosis.evidence.look_alikes import columns_at, look_alikes
+from diagnosis.evidence.look_alikes import look_alikes
 from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
 from diagnosis.evidence.score import Score, weigh
@@ -142,10 +142,7 @@ class Ranking:
 
     def _best(self, score: Score) -> list[Columns]:
         """Return the columns of a candidate at its best shape values."""
-        kept = self._columns.get(score.name)
-        if kept is None:
-            return columns_at(score.candidate, score.shape, self.fitted)
-        return [c.node(int(n)) for c, n in zip(kept, score.nodes, strict=True)]
+        return [c.node(int(n)) for c, n in zip(self._columns[score.name], score.nodes, strict=True)]
 
     def band(self, name: str) -> tuple[tuple[Float, ...], tuple[Float, ...]] | None:
         """Return between which residuals (J, K) N·m the placebos of a candidate stay, recording by recording; None

@@ -24,6 +24,7 @@ from scipy.stats import t as student
 
 from diagnosis.watching.estimator_c import kernel, layout
 from ground.thresholds import Threshold
+from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
@@ -85,20 +86,18 @@ class Estimator:
 
     @classmethod
     def start(
-        cls, names: Sequence[str], units: Sequence[str], linear: Float, spread: Float, scale: Float, rate: float,
-        inertial: int, pace: Pace | None = None,
-    ) -> Estimator:  # fmt: skip
+        cls, model: Model, linear: Float, spread: Float, scale: Float, rate: float, pace: Pace | None = None
+    ) -> Estimator:
         """Return an estimator that begins at `linear` (P,), each known to a standard deviation of `spread` (P,).
 
-        `scale` (J,) N·m is that of the residual at first, `rate` Hz that of the samples; the first `inertial`
-        parameters are inertial ones.
+        `scale` (J,) N·m is that of the residual at first, `rate` Hz that of the samples.
         """
         pace = pace or Pace()
-        seconds = np.where(np.arange(linear.size) < inertial, pace.inertia, pace.rest)
+        seconds = np.where(np.arange(linear.size) < len(model.inertial), pace.inertia, pace.rest)
         return cls(
-            tuple(names), tuple(units), 1.0 / (seconds * rate), max(1, round(pace.block * rate)),
-            1.0 / (pace.scale * rate), [float(x) for x in scale], np.diag(1.0 / spread), linear / spread,
-            np.array(linear, dtype=float), spread**2,
+            tuple(p.name for p in model.parameters), tuple(p.unit for p in model.parameters), 1.0 / (seconds * rate),
+            max(1, round(pace.block * rate)), 1.0 / (pace.scale * rate), [float(x) for x in scale],
+            np.diag(1.0 / spread), linear / spread, np.array(linear, dtype=float), spread**2,
         )  # fmt: skip
 
     def step(self, columns: Float, tau: Float, use: Sequence[bool] | np.ndarray) -> None:

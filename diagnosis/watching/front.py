@@ -214,10 +214,6 @@ class FrontEnd:
         self.raw, self.state = np.zeros((0, 2 + 2 * self.joints)), None
         self.before = np.zeros((0, 1 + 3 * self.joints))
 
-    def even_samples(self, samples: Float) -> Samples:
-        """Return the working samples that samples (N, 1 + 2 J) of a uniform clock, none missing, complete."""
-        return self._filter(np.column_stack([samples, np.zeros(len(samples))]))
-
     def _on_clock(self, samples: Float) -> Samples:
         """Put samples on the uniform clock; those that do not come after the ones before are passed over."""
         assert self.filters is not None

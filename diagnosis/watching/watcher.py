@@ -243,11 +243,9 @@ class Watcher:
         detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
         self.reference = _Reference(now, watched, detector, scale, now.train_rms)
         if self.estimator is None:
-            self.estimator = Estimator.start(
-                [p.name for p in self.model.parameters], [p.unit for p in self.model.parameters], now.linear,
-                10.0 * (np.abs(now.linear) + 1.0), scale, self.kept[0].kept_rate, len(self.model.inertial),
-                settings.pace,
-            )  # fmt: skip
+            spread = 10.0 * (np.abs(now.linear) + 1.0)
+            rate = self.kept[0].kept_rate
+            self.estimator = Estimator.start(self.model, now.linear, spread, scale, rate, settings.pace)
             for one, block in zip(self.kept, blocks, strict=True):
                 self._estimate(one, block)
         self.usual, self.leaving, count = list(usual), [], len(self.kept)

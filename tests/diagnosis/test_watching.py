@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,9 @@ from symbolic.effect import Coefficient, Effect
 from symbolic.mechanics.payload import Payload
 from symbolic.model import Model
 from symbolic.motion import Motion
+
+TWO = SimpleNamespace(parameters=[SimpleNamespace(name=name, unit="") for name in "ab"], inertial=())
+"""What an estimator of two numbers asks of a model."""
 
 
 def _stream(seconds: float = 12.0, rate: float = 100.0) -> np.ndarray:
@@ -101,7 +106,7 @@ def _regressor(rng: np.random.Generator, count: int) -> np.ndarray:
 
 def _estimator(scale: float = 0.1) -> Estimator:
     return Estimator.start(
-        ("a", "b"), ("", ""), np.zeros(2), np.full(2, 1e3), np.array([scale]), 10.0, 0, Pace(rest=20.0, block=1.0)
+        TWO, np.zeros(2), np.full(2, 1e3), np.array([scale]), 10.0, Pace(rest=20.0, block=1.0)
     )
 
 

@@ -24,6 +24,8 @@ from diagnosis.watching.watcher import Settings, Watcher, _Pending
 from diagnosis.watching.window import window
 
 SEEDS = range(60)
+TWO = SimpleNamespace(parameters=[SimpleNamespace(name=name, unit="") for name in "ab"], inertial=())
+"""What an estimator of two numbers asks of a model."""
 
 
 def jump(seed: int) -> Course:
@@ -55,7 +57,7 @@ def test_a_jump_in_noise_is_not_called_slow(monkeypatch: pytest.MonkeyPatch) -> 
 def estimated(rng: np.random.Generator, burst: float = 0.0) -> Estimator:
     """An estimator of two parameters after 60 s, of which the last half second may be a burst."""
     one = Estimator.start(
-        ("a", "b"), ("", ""), np.zeros(2), np.full(2, 1e3), np.array([0.1]), 10.0, 0, Pace(rest=20.0, block=1.0)
+        TWO, np.zeros(2), np.full(2, 1e3), np.array([0.1]), 10.0, Pace(rest=20.0, block=1.0)
     )
     for k in range(600):
         row = rng.standard_normal((1, 2))
