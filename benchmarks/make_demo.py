@@ -2,18 +2,36 @@
 
 python benchmarks/make_demo.py            write workbench/demo_data/
 python benchmarks/make_demo.py --check    compare byte for byte, exit status 1 where they differ
+
+A standard leg whose knee friction grows with its load: three runs to fit and one to verify, each on a motion of its
+own. Load-dependent friction is a clear pick: real gears show it, it is invisible to Coulomb plus viscous friction, and
+no other entry of the catalogue looks like it.
 """
 
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from measurement.bench.demo import write_demo  # noqa: E402 - the repository must be on the path first
+from measurement.bench.blind import write_runs  # noqa: E402 - the repository must be on the path first
+from measurement.bench.hidden import Hidden  # noqa: E402
+from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
 
 SHIPPED = ROOT / "workbench" / "demo_data"
+SEED = 20
+HIDDEN = Hidden("load_friction", "knee", {"c": 0.22})
+NAMES = ("train_1", "train_2", "train_3", "verify")
+
+
+def write_demo(folder: str | Path) -> tuple[Path, ...]:
+    """Write the demo's recordings and the seal with their truth into `folder`; return every path written."""
+    runs = simulate_runs(len(NAMES), effects=[HIDDEN], seed=SEED, bench=Bench(duration=20.0))
+    named = [replace(one, recording=replace(one.recording, name=name)) for name, one in zip(NAMES, runs, strict=True)]
+    recordings, seal = write_runs(folder, named)
+    return (*recordings, seal)
 
 
 def main() -> int:

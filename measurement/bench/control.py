@@ -17,7 +17,7 @@ import numpy as np
 from ground.figures import figure_style, new_figure
 from ground.frames import pandas
 from ground.html import lines, table
-from ground.plain import plain_dict
+from ground.plain import AsJson, plain_dict
 from measurement.bench.hidden import Hidden, TrueModel, true_model
 from measurement.bench.leg import Leg
 from measurement.bench.machine import Machine
@@ -33,10 +33,12 @@ NOTHING, GRAVITY, TRUTH = "no model", "gravity of ", "the truth"
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class Followed(AsJson):
     """How well a controller with one feed-forward follows: `error` (J,) rad RMS of the angles, `feedback` (J,) N·m RMS
     of what is left to the feedback, `effort` (J,) N·m RMS of the whole torque; `t` (N,) s and `course` (N, J) rad.
     """
+
+    JSON = "tracking_rms=error feedback_rms=feedback torque_rms=effort"
 
     name: str
     error: Float
@@ -85,12 +87,7 @@ class Tracking:
 
     def to_json(self) -> dict[str, Any]:
         """Return everything but the courses in plain types."""
-        return plain_dict(
-            {
-                one.name: {"tracking_rms": one.error, "feedback_rms": one.feedback, "torque_rms": one.effort}
-                for one in self.runs
-            }
-        )
+        return plain_dict({one.name: one for one in self.runs})
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure)."""
@@ -144,35 +141,26 @@ def track(
         known[name] = TrueModel(model, np.asarray(linear), np.asarray(shape))
     base = first.base()
     known[TRUTH] = true_model(base, leg.base, hidden)
-    runs = []
-    for name, one in known.items():
-        runs.append(_followed(name, one, base, leg, hidden, path, bench, seed, still=False))
-        if name == NOTHING:
-            poorest = next(iter(models))
-            runs.append(_followed(GRAVITY + poorest, known[poorest], base, leg, hidden, path, bench, seed, still=True))
-    return Tracking(first.joint_names, tuple(runs))
+    poorest = next(iter(models))
 
+    def followed(name: str, fed_by: str, still: bool = False) -> Followed:
+        """Return how well the motion is followed with the model `fed_by`, or with its gravity alone."""
 
-def _followed(
-    name: str, known: TrueModel | None, base: Model, leg: Leg | Machine, hidden: tuple[Hidden, ...], path: Fourier,
-    bench: Bench, seed: int,
-    *, still: bool,
-) -> Followed:  # fmt: skip
-    def feed_forward(wanted: Motion) -> Float:
-        assert known is not None
-        if still:
+        def feed_forward(wanted: Motion) -> Float:
+            one = known[fed_by]
+            if one is None:
+                return np.zeros_like(wanted.q)
             rest = np.zeros_like(wanted.q)
-            wanted = replace(wanted, dq=rest, ddq=rest, sign=rest)
-        return np.asarray(known.torque(wanted))
+            return one.torque(replace(wanted, dq=rest, ddq=rest, sign=rest) if still else wanted)
 
-    made = run_bench(
-        base, leg, effects=hidden, seed=seed, excitation=path, bench=bench,
-        feed_forward=None if known is None else feed_forward,
-    )  # fmt: skip
-    wanted = path.at(made.motion.t)
-    course = wanted.q - made.motion.q
-    fed = np.zeros_like(course) if known is None else feed_forward(wanted)
-    return Followed(name, _rms(course), _rms(made.torque - fed), _rms(made.torque), made.motion.t, course)
+        made = run_bench(base, leg, effects=hidden, seed=seed, excitation=path, bench=bench, feed_forward=feed_forward)
+        wanted = path.at(made.motion.t)
+        course = wanted.q - made.motion.q
+        left = made.torque - feed_forward(wanted)
+        return Followed(name, _rms(course), _rms(left), _rms(made.torque), made.motion.t, course)
+
+    first_two = [followed(NOTHING, NOTHING), followed(GRAVITY + poorest, poorest, still=True)]
+    return Tracking(first.joint_names, (*first_two, *(followed(name, name) for name in known if name != NOTHING)))
 
 
 def _rms(x: Float) -> Float:

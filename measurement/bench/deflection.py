@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
 from symbolic.columns import model_torque, rigid_model
@@ -18,9 +17,7 @@ from symbolic.language.deflection import SLOW
 from symbolic.language.lower import to_numpy
 from symbolic.language.operators import slow
 from symbolic.language.parser import parse
-from symbolic.motion import Motion
-
-Array = NDArray[np.float64]
+from symbolic.motion import Float, Motion
 
 
 def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
@@ -63,7 +60,7 @@ def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
     )
 
 
-def rigid_torque(true: TrueModel, motion: Motion) -> Array:
+def rigid_torque(true: TrueModel, motion: Motion) -> Float:
     """Return the rigid-body part (N, J) N·m of the torque."""
     numbers, bare = true.numbers(), rigid_model(true.model)
     linear = np.array([numbers[entry.name] for entry in bare.parameters])
@@ -71,5 +68,5 @@ def rigid_torque(true: TrueModel, motion: Motion) -> Array:
     return model_torque(bare, motion, linear, np.array([numbers[entry.name] for entry in bare.shapes]))
 
 
-def _angle(text: str, words: dict[str, Any]) -> Array:
+def _angle(text: str, words: dict[str, Any]) -> Float:
     return to_numpy(parse(text, words.keys()), words)

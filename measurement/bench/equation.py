@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from measurement.bench.hidden import TrueModel
 from measurement.bench.plant import REMEMBERED, step_function
@@ -22,9 +21,8 @@ from symbolic.language.torque import torques
 from symbolic.language.tree import OPERATORS, Call
 from symbolic.language.words import MODEL_TORQUE
 from symbolic.model import Model
+from symbolic.motion import Float
 from symbolic.term import Term
-
-Array = NDArray[np.float64]
 
 
 def belongs_to_channel(term: Term) -> bool:
@@ -74,7 +72,7 @@ class Stepper:
     step: Any
     memory_start: Any
 
-    def start(self, t: float, q: Array, dq: Array, ddq: Array, linear: Array, shape: Array, base: Array) -> Array:
+    def start(self, t: float, q: Float, dq: Float, ddq: Float, linear: Float, shape: Float, base: Float) -> Float:
         """Return the state in which the leg is on its path and its operators have just been switched on.
 
         `base` (5, or 0 where it stands) is how the base moves then.

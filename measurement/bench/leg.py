@@ -66,16 +66,7 @@ class Leg:
             )
 
     @classmethod
-    def of(
-        cls,
-        name: str,
-        thigh: Segment,
-        shank: Segment,
-        friction: tuple[float, float, float, float],
-        *,
-        thigh_length: float = 0.40,
-        torque_limit: tuple[float, float] = (150.0, 100.0),
-    ) -> Leg:
+    def of(cls, name: str, thigh: Segment, shank: Segment, friction: tuple[float, float, float, float]) -> Leg:
         """Build a leg from its two segments; `friction` is (Coulomb, viscous) of the hip, then of the knee.
 
         Raises LegError when a mass or inertia is not positive or a friction is negative.
@@ -90,12 +81,12 @@ class Leg:
         about_hip = thigh.inertia + thigh.mass * thigh.com**2
         about_knee = shank.inertia + shank.mass * shank.com**2
         lumped = (
-            about_hip + about_knee + shank.mass * thigh_length**2,
+            about_hip + about_knee + shank.mass * cls.thigh_length**2,
             about_knee,
-            shank.mass * thigh_length * shank.com,
-            thigh.mass * thigh_length * thigh.com - about_hip,
+            shank.mass * cls.thigh_length * shank.com,
+            thigh.mass * cls.thigh_length * thigh.com - about_hip,
         )
-        return cls(name, (*lumped, *friction), torque_limit, thigh_length, thigh, shank)
+        return cls(name, (*lumped, *friction), (150.0, 100.0), thigh=thigh, shank=shank)
 
     def with_payload(self, mass: float, along: float, link: str = "shank") -> Leg:
         """Return the leg with a `mass` kg on the axis of `link`, `along` m from its upper joint; what is fastened to it

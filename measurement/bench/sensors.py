@@ -11,11 +11,9 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ground.errors import ExoidError
-
-Array = NDArray[np.float64]
+from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class Sensors:
         """One encoder step in rad, 0 for an ideal encoder."""
         return 2.0 * math.pi / 2**self.encoder_bits if self.encoder_bits else 0.0
 
-    def angle(self, q: Array, rng: np.random.Generator, reach: Array | float = 1.0) -> Array:
+    def angle(self, q: Float, rng: np.random.Generator, reach: Float | float = 1.0) -> Float:
         """Return the encoder's reading of angles `q` (N, J) in rad: noise first, then whole steps.
 
         `reach` (J,) is what of its own unit each joint moves where a turning one moves 1 rad.
@@ -71,24 +69,24 @@ class Sensors:
         step = self.resolution * reach
         return np.round(noisy / step) * step if self.resolution else noisy
 
-    def torque(self, tau: Array, rate: float, rng: np.random.Generator, scale: Array | float = 1.0) -> Array:
+    def torque(self, tau: Float, rate: float, rng: np.random.Generator, scale: Float | float = 1.0) -> Float:
         """Return the torque sensors' reading of `tau` (N, J) in N·m sampled at `rate` Hz, faults times `scale` (J,)."""
         out = tau + scale * (self.torque_noise * rng.standard_normal(tau.shape))
         spoilt = rng.random(tau.shape) < self.outlier_share
         out = out + scale * np.where(spoilt, self.outlier_size * rng.standard_normal(tau.shape), 0.0)
         return out + scale * self._bursts(tau.shape, rate, rng)
 
-    def logged(self, values: Array, fewer: int = 0) -> Array:
+    def logged(self, values: Float, fewer: int = 0) -> Float:
         """Return `values` as the logger writes them, with `decimals` - `fewer` decimals."""
         # Adding 0.0 turns -0.0 into 0.0, which would print differently.
         return values if self.decimals is None else np.round(values, max(self.decimals - fewer, 0)) + 0.0
 
-    def clock(self, t: Array, rng: np.random.Generator) -> Array:
+    def clock(self, t: Float, rng: np.random.Generator) -> Float:
         """Return logged times for sample times `t` (N,) in s; jitter never turns the clock back."""
         spread = self.jitter * rng.standard_normal(t.shape)
         return t + np.clip(spread, -0.4 * float(t[1] - t[0]), 0.4 * float(t[1] - t[0]))
 
-    def _bursts(self, shape: tuple[int, ...], rate: float, rng: np.random.Generator) -> Array:
+    def _bursts(self, shape: tuple[int, ...], rate: float, rng: np.random.Generator) -> Float:
         """Return chatter (N, J) in N·m: sign-changing, with a period of 2 to 4 samples, at random moments."""
         out = np.zeros(shape)
         for j in range(shape[1]):

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ground.errors import ExoidError
 from measurement.bench.controller import Controller
@@ -33,9 +32,7 @@ from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.model import Model
-from symbolic.motion import Motion
-
-Array = NDArray[np.float64]
+from symbolic.motion import Float, Motion
 
 STEP = 1e-3
 """s. Longest inner step; the control loop runs at the same rate, as drives do."""
@@ -47,7 +44,7 @@ BLOCK = 500
 """Inner steps that one call of the compiled step runs through."""
 
 
-FeedForward = Callable[[Motion], Array]
+FeedForward = Callable[[Motion], Float]
 """From a wanted motion to torques (N, J) in N·m."""
 
 
@@ -70,7 +67,7 @@ class BenchRun:
 
     recording: Recording
     motion: Motion
-    torque: Array
+    torque: Float
     true: TrueModel
     truth: Truth
     saturated: float
@@ -224,8 +221,8 @@ class _Trace:
     link: Motion
     read: Motion
     """The motion at the encoders: that of the links, unless a drive gives way."""
-    motor: Array
-    force: Array | None
+    motor: Float
+    force: Float | None
     saturated: float
 
 
@@ -278,7 +275,7 @@ def _drive(
     whole = Motion(np.asarray(t, dtype=float), q, dq, ddq, sign, base=base)
     seen = at_encoders(true, mechanical, whole)
     link = _sampled(whole, kept)
-    felt: Array | None = None
+    felt: Float | None = None
     if bench.wearer is not None and isinstance(leg, Leg):
         # The push was planned along the wanted path; the sensors feel the force that makes it on the true
         # one.
@@ -292,7 +289,7 @@ def _sampled(motion: Motion, kept: slice) -> Motion:
     return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept], base=base)
 
 
-def _check_sane(states: Array, reach: Array, where: str) -> None:
+def _check_sane(states: Float, reach: Float, where: str) -> None:
     """Raise BenchError when the machine ran away, or when too many steps do not satisfy the equation of motion.
 
     `states` (6, J, N) are those of `plant.step_function`.
@@ -306,7 +303,7 @@ def _check_sane(states: Array, reach: Array, where: str) -> None:
         )
 
 
-def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
+def integrate(step: Any, state: Float, given: Float, numbers: Float) -> Float:
     """Run `step` (see `plant.step_function`) from `state` along `given` (1 + 4J, N); return records (6J, N)."""
     count = given.shape[1]
     blocks = -(-count // BLOCK)
@@ -321,7 +318,7 @@ def integrate(step: Any, state: Array, given: Array, numbers: Array) -> Array:
     return np.concatenate(records, axis=1)[:, :count]
 
 
-def _numbers(true: TrueModel, leg: Leg | Machine, bench: Bench, dt: float) -> Array:
+def _numbers(true: TrueModel, leg: Leg | Machine, bench: Bench, dt: float) -> Float:
     """Return the vector `numbers` of `plant.step_function`."""
     fixed = [bench.controller.smoothing(dt), bench.sensors.resolution]
     gains = bench.controller.gains(leg).ravel()
@@ -330,8 +327,8 @@ def _numbers(true: TrueModel, leg: Leg | Machine, bench: Bench, dt: float) -> Ar
 
 def _measure(
     motion: Motion,
-    torque: Array,
-    force: Array | None,
+    torque: Float,
+    force: Float | None,
     bench: Bench,
     rng: np.random.Generator,
     name: str,
@@ -346,7 +343,7 @@ def _measure(
     if force is not None:
         force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
     logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
-    base: Array | None = None
+    base: Float | None = None
     if motion.base is not None:
         leaning = sensors.angle(motion.base[:, :1], rng, np.ones(1))
         carried = motion.base[:, 3:] + ACCELERATION_NOISE * rng.standard_normal((len(t), 2))

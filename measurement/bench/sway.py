@@ -7,9 +7,8 @@ recording shows what each of them does.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symbolic.motion import Float
 
 TILT, CARRIED = 0.12, 0.8
 """rad and m/s²: typical amplitude of the base's angle and of its acceleration."""
@@ -20,7 +19,7 @@ ACCELERATION_NOISE = 0.02
 """m/s² of the accelerometer on the base (standard deviation)."""
 
 
-def base_motion(t: Array, rng: np.random.Generator) -> Array:
+def base_motion(t: Float, rng: np.random.Generator) -> Float:
     """Return how the base moves at times `t` (N,) s: angle rad, rad/s, rad/s², acceleration forwards and upwards
     m/s², (N, 5).
     """

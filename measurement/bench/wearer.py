@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from symbolic.motion import Float
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Wearer:
     period: float = 3.0
     reach: tuple[float, float] = (0.25, 0.25)
 
-    def force(self, t: NDArray[np.floating[Any]], rng: np.random.Generator) -> Array:
+    def force(self, t: NDArray[np.floating[Any]], rng: np.random.Generator) -> Float:
         """Return forces (N, 2) in N at times `t`: three harmonics with random phases, never above the
         amplitude.
         """
@@ -37,14 +37,14 @@ class Wearer:
         return np.asarray(np.array(self.amplitude) * waves.mean(axis=1))
 
 
-def cuff_torque(force: Array, q: Array, reach: tuple[float, float], thigh_length: float) -> Array:
+def cuff_torque(force: Float, q: Float, reach: tuple[float, float], thigh_length: float) -> Float:
     """Return Jᵀ F (N, J) in N·m of cuff `force` (N, 2) at angles `q` (N, J)."""
     knee = reach[1] * force[:, 1]
     hip = reach[0] * force[:, 0] + thigh_length * np.cos(q[:, 1]) * force[:, 1] + knee
     return np.column_stack([hip, knee])
 
 
-def cuff_force(torque: Array, q: Array, reach: tuple[float, float], thigh_length: float) -> Array:
+def cuff_force(torque: Float, q: Float, reach: tuple[float, float], thigh_length: float) -> Float:
     """Return the cuff force (N, 2) in N that makes joint `torque` (N, J) at angles `q` (N, J): J⁻ᵀ τ."""
     shank = torque[:, 1] / reach[1]
     thigh = (torque[:, 0] - torque[:, 1] - thigh_length * np.cos(q[:, 1]) * shank) / reach[0]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import workbench
+from benchmarks.make_demo import write_demo
 from ground.errors import EffectError, ExoidError
 from measurement.bench.blind import SEAL, draw_hidden, relative_size, write_runs
 from measurement.bench.controller import Controller
-from measurement.bench.demo import write_demo
 from measurement.bench.hidden import Hidden, parse_hidden, true_model
 from measurement.bench.leg import paper_leg, random_leg, standard_leg
 from measurement.bench.seal import open_seal

@@ -8,12 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from workbench.command_line.files import check_folder
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
     from measurement.bench.control import Tracking
+    from measurement.bench.seal import Truth
     from optimisation.fitting.fit import Fit
     from symbolic.model import Model
 
@@ -30,20 +32,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, add until it is enough, open the seal, write the report."""
-    from workbench.command_line.deliver import check_places
-
     began = time.perf_counter()
     args.out = args.out or DEFAULT_FOLDER
-    check_places(args)
+    check_folder(args.out)
     screen = Screen.of(args)
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
     from diagnosis.discover import discover
+    from measurement.bench.seal import open_seal
     from workbench.command_line.asking import answer, material_of
     from workbench.command_line.deliver import deliver_results
     from workbench.command_line.inputs import Inputs, load_model, read
     from workbench.report.material import Material, pictures_of
-    from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps
+    from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
     verify = [one for path in sorted(DATA.glob("verify*.csv")) for one in read(str(path))]
@@ -52,9 +53,10 @@ def run(args: argparse.Namespace) -> int:
     show_comparison(screen, comparison)
     show_diagnosis(screen, found)
     show_steps(screen, found)
-    truth = _truth()
+    hidden = open_seal(DATA / "truth.seal").truth
+    truth = f"The truth, from the seal: {truth_sentence(hidden)}"
     screen.say(truth)
-    control = _control(given.model, comparison.fit, found, args.seed)
+    control = _control(given.model, comparison.fit, found, hidden, args.seed)
     screen.say(control.sentence)
     payload = {**found.to_json(), "control": control.to_json(), "seconds": time.perf_counter() - began}
 
@@ -67,20 +69,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _control(model: Model, before: Fit, found: Diagnosis, seed: int) -> Tracking:
+def _control(model: Model, before: Fit, found: Diagnosis, truth: Truth, seed: int) -> Tracking:
     """Let the leg of the demo follow a motion, fed forward by the model before and after."""
     from measurement.bench.control import track
-    from measurement.bench.demo import HIDDEN
+    from measurement.bench.hidden import Hidden
 
     models = {"the base model": (model, before.linear, before.shape)}
     if found.accepted:
         models["what was found"] = (found.model, found.fit.linear, found.fit.shape)
-    return track(models, effects=[HIDDEN], seed=seed)
-
-
-def _truth() -> str:
-    """Return what was hidden, from the seal."""
-    from measurement.bench.seal import open_seal
-    from workbench.terminal.showing import truth_sentence
-
-    return "The truth, from the seal: " + truth_sentence(open_seal(DATA / "truth.seal").truth)
+    return track(models, effects=[Hidden(one.id, one.joint, one.values) for one in truth.effects], seed=seed)
