@@ -94,6 +94,13 @@ class Table:
         """Return the finite number under `key`, or None."""
         return self.number(key) if key in self.values else None
 
+    def flag(self, key: str) -> bool:
+        """Return whether `key` is true; a key that is left out is not."""
+        value = self.values.get(key, False)
+        if not isinstance(value, bool):
+            raise self.error(key, f"{key} is {_kind(value)}, neither true nor false", "write true or false")
+        return value
+
     def numbers(self, key: str, count: int | None = None, low: float | None = None) -> list[float]:
         """Return the list of finite numbers under `key`, which must be there."""
         if key not in self.values:

@@ -105,8 +105,6 @@ def _shape(table: Table) -> Shape:
     low = table.number("min", min(choices) if choices else None)
     high = table.number("max", max(choices) if choices else None)
     points = int(table.number("points", 9, above=0.0, below=1000.0))
-    own = table.values.get("per_recording", False)
-    if not isinstance(own, bool):
-        raise table.error("per_recording", "per_recording is neither true nor false", "write true or false")
+    own = table.flag("per_recording")
     spacing, typical = table.text("spacing", "linear"), table.optional("typical")
     return Shape(table.text("unit"), low, high, choices, spacing, points, typical, table.text("explains", ""), own)

@@ -11,10 +11,8 @@ from functools import cache
 
 from ground.folder import modules_in
 from measurement.auditing import checks
-from measurement.finding import SEVERITIES, Finding, row_ranges
+from measurement.finding import SEVERITIES, Finding
 from measurement.recording import Recording
-
-__all__ = ["Finding", "audit", "find_checks", "row_ranges"]
 
 Check = Callable[[Recording], list[Finding]]
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from measurement.finding import Finding, row_ranges
+from measurement.finding import row_ranges
 from measurement.reading.angles import sampled
 from measurement.recording import Recording
 from symbolic.joints import Joint
@@ -69,18 +69,6 @@ def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None
     return ", ".join(
         part for part in (recording.source.path or recording.name, column and f"column {column}", rows) if part
     )
-
-
-def stretch_finding(
-    check: str, what: str, where: str, share: float, limit: float, remedies: tuple[str, str],
-    consequences: tuple[str, str], masked: bool, sure: str = "likely",
-) -> Finding:  # fmt: skip
-    """Return a finding on rows that are no measurement: left in (first remedy and consequence), or `masked`."""
-    severity, done = ("repaired", "; they are masked") if masked else ("warning", "")
-    return Finding(
-        check, severity, what + done, where, share, limit, remedies[masked], consequences[masked],
-        sure if masked else "likely",
-    )  # fmt: skip
 
 
 def step_of(values: Float) -> float:

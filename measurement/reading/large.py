@@ -7,8 +7,8 @@ of its own; what the audit says is added up. Of every twelfth of the file the pi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,31 +20,6 @@ from measurement.recording import Recording
 
 STRETCHES, STRETCH = 12, 150.0
 """How many recordings a long file becomes, and how many s each of them at most."""
-
-
-@dataclass(eq=False)
-class _Tally:
-    """What the audits of all pieces say: per (check, severity) the first finding and in how many pieces it stands."""
-
-    first: dict[tuple[str, str], Finding] = field(default_factory=dict)
-    count: dict[tuple[str, str], int] = field(default_factory=dict)
-
-    def add(self, findings: Iterable[Finding]) -> None:
-        """Count each kind of finding once."""
-        for key, finding in {(one.check, one.severity): one for one in findings}.items():
-            self.first.setdefault(key, finding)
-            self.count[key] = self.count.get(key, 0) + 1
-
-    def findings(self, pieces: int) -> tuple[Finding, ...]:
-        """Return one finding per kind, worst first, which says in how many pieces it stands."""
-        kinds = sorted(self.first, key=lambda key: SEVERITIES.index(key[1]))
-        return tuple(
-            replace(
-                self.first[key], what=f"{self.first[key].what} (and the like in {self.count[key]} of {pieces} pieces)"
-            )
-            for key in kinds
-            if key[1] != "info"
-        )
 
 
 def in_stretches(
@@ -61,7 +36,8 @@ def in_stretches(
     RecordingError when no piece can be used, with the reason of the first.
     """
     best: dict[int, tuple[float, Recording]] = {}
-    tally, refused = _Tally(), []
+    kinds: dict[tuple[str, str], list[Finding]] = {}
+    refused = []
     count, rows, last = 0, 0, -np.inf
     backwards = 0
     for share, table in pieces:
@@ -76,7 +52,8 @@ def in_stretches(
             error.__cause__ = error.__context__ = None
             refused.append(error.with_traceback(None))
             continue
-        tally.add(recording.findings)
+        for key, finding in {(one.check, one.severity): one for one in recording.findings}.items():
+            kinds.setdefault(key, []).append(finding)
         start = float(recording.t[0])
         backwards += start < last and start != 0.0
         last = float(recording.t[-1])
@@ -99,8 +76,15 @@ def in_stretches(
         what = f"time goes back between {backwards} pieces: the file holds more than one recording"
         said.append(Finding("large", "warning", what, where, remedy="cut it into one file per recording"))
     out = [replace(one, name=_named(name, one), findings=()) for one in kept]
-    out[0] = out[0].with_findings((*said, *tally.findings(count)))
+    out[0] = out[0].with_findings((*said, *_together(kinds, count)))
     return tuple(out)
+
+
+def _together(kinds: Mapping[tuple[str, str], Sequence[Finding]], pieces: int) -> list[Finding]:
+    """Return one finding per kind (check, severity), worst first, which says in how many of the pieces it stands."""
+    worst = sorted((key for key in kinds if key[1] != "info"), key=lambda key: SEVERITIES.index(key[1]))
+    counts = ((kinds[key][0], f" (and the like in {len(kinds[key])} of {pieces} pieces)") for key in worst)
+    return [replace(first, what=first.what + more) for first, more in counts]
 
 
 def _named(name: str, one: Recording) -> str:

@@ -218,8 +218,7 @@ def digest(path: Path) -> str:
     with refused(RecordingError, "the file cannot be read ({})", path, "check that you may read it"):
         for file in files:
             with open_input(file) as stream:
-                while block := stream.read(1 << 20):
-                    total.update(block)
+                hashlib.file_digest(stream, lambda: total)
     return total.hexdigest()
 
 

@@ -25,11 +25,22 @@ def mask_unusable(recording: Recording) -> Recording:
     for channel, rows, certain in frozen.frozen_stretches(recording):
         if certain:
             bad[rows] = True
-            findings.append(frozen.frozen_finding(recording, channel, rows, masked=True))
+            found = frozen.frozen_finding(recording, channel, rows)
+            findings.append(_masked(found, "none: the rows do not enter the fit", "certain"))
     for channel, level, rows in saturated.saturated_stretches(recording):
         bad[rows] = True
-        findings.append(saturated.saturated_finding(recording, channel, level, rows, masked=True))
+        found = saturated.saturated_finding(recording, channel, level, rows)
+        what = "what happened at full scale is not known; the rows do not enter the fit"
+        findings.append(_masked(found, what, found.confidence))
     bad &= recording.valid
     if not bad.any() or bad.sum() > MOST * recording.valid.sum():
         return recording
     return replace(recording, valid=recording.valid & ~bad, findings=(*recording.findings, *findings))
+
+
+def _masked(found: Finding, consequence: str, confidence: str) -> Finding:
+    """Return a finding on rows that have been left out of the fit."""
+    what, remedy = f"{found.what}; they are masked", found.remedy.partition(";")[0]
+    return replace(
+        found, severity="repaired", what=what, remedy=remedy, consequence=consequence, confidence=confidence
+    )

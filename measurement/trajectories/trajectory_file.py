@@ -87,13 +87,13 @@ def samples_per_period(period: float, rate: float) -> int:
     return round(count)
 
 
-def sample_table(trajectory: Fourier, rate: float, periods: int = 1) -> str:
-    """Return the samples of whole periods at `rate` Hz as CSV: t, q1, ..., dq1, ..., ddq1, ... in SI units.
+def sample_table(trajectory: Fourier, rate: float) -> str:
+    """Return the samples of one period at `rate` Hz as CSV: t, q1, ..., dq1, ..., ddq1, ... in SI units.
 
     The last sample is one step before the motion repeats, so that a controller can play the table in a loop.
     TrajectoryError where the period is no whole number of samples, or there would be too many.
     """
-    t = np.arange(samples_per_period(trajectory.period, rate) * periods) / rate
+    t = np.arange(samples_per_period(trajectory.period, rate)) / rate
     motion = trajectory.at(t)
     stream = io.StringIO()
     columns = [f"{key}{j + 1}" for key in ("q", "dq", "ddq") for j in range(len(trajectory.offset))]

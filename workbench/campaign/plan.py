@@ -98,7 +98,7 @@ def read_plan(path: str | Path) -> Plan:
         raise top.error("verb", f"{verb!r} cannot be asked about groups of recordings", remedy)
     timeout = top.number("timeout", above=0.0) if "timeout" in top.values else None
     seed = int(top.number("seed", 0.0, above=-1.0, below=2.0**32))
-    reports = _flag(top, "reports")
+    reports = top.flag("reports")
     name = top.text("name", path.stem)
     if verb == BLIND:
         jobs, fields = _blind_jobs(top, seed)
@@ -107,13 +107,6 @@ def read_plan(path: str | Path) -> Plan:
     device = _named_field(top, "device", fields, fields[0] if fields else None)
     date = _named_field(top, "date", fields, "date" if "date" in fields else None)
     return Plan(name, verb, jobs, fields, device, date, timeout, reports, notes)
-
-
-def _flag(top: Table, key: str) -> bool:
-    value = top.values.get(key, False)
-    if not isinstance(value, bool):
-        raise top.error(key, f"{key} is neither true nor false", f"write {key} = true")
-    return value
 
 
 def _named_field(top: Table, key: str, fields: Sequence[str], default: str | None) -> str | None:

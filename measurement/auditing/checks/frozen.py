@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs, stretch_finding
+from measurement.auditing.channels import Channel, channels, place, runs
 from measurement.finding import Finding
 from measurement.recording import Recording
 
@@ -31,15 +31,13 @@ def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np
                 yield channel, np.concatenate(rows), sure
 
 
-def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64], *, masked: bool = False) -> Finding:
-    """Return what there is to say; `masked` when the rows have been left out of the fit."""
+def frozen_finding(recording: Recording, channel: Channel, rows: NDArray[np.int64]) -> Finding:
+    """Return what there is to say about `rows` in which a channel is frozen."""
     what = f"the {channel.label} is frozen in {rows.size} rows while the leg moves"
-    cable = "look at the cable or bus"
-    return stretch_finding(
-        "frozen", what, place(recording, channel.name, rows), rows.size / len(recording), 0.0,
-        (f"{cable}; empty these cells in a copy of the file and they are masked", cable),
-        ("the rows pull every parameter of this joint", "none: the rows do not enter the fit"), masked, "certain",
-    )  # fmt: skip
+    where, share = place(recording, channel.name, rows), rows.size / len(recording)
+    remedy = "look at the cable or bus; empty these cells in a copy of the file and they are masked"
+    consequence = "the rows pull every parameter of this joint"
+    return Finding("frozen", "warning", what, where, share, 0.0, remedy, consequence, "likely")
 
 
 def _frozen(channel: Channel, recording: Recording) -> tuple[list[NDArray[np.int64]], list[NDArray[np.int64]]]:

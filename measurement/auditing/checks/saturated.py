@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs, step_of, stretch_finding
+from measurement.auditing.channels import Channel, channels, place, runs, step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.motion import Float
@@ -71,17 +71,10 @@ def _comes_to_rest(values: Float, first: NDArray[np.int64]) -> bool:
     return not entering.size or bool(np.median(entering) < slow)
 
 
-def saturated_finding(
-    recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64], *, masked: bool = False
-) -> Finding:
-    """Return what there is to say; `masked` when the rows have been left out of the fit."""
+def saturated_finding(recording: Recording, channel: Channel, level: float, rows: NDArray[np.int64]) -> Finding:
+    """Return what there is to say about `rows` in which a channel lies at its end of scale."""
     what = f"the {channel.label} stays at exactly {level:.4g} {channel.unit} in {rows.size} rows (end of scale?)"
+    where, share = place(recording, channel.name, rows), rows.size / len(recording)
     remedy = "use a wider sensor range or a gentler motion"
-    return stretch_finding(
-        "saturated", what, place(recording, channel.name, rows), rows.size / len(recording), 0.002, (remedy, remedy),
-        (
-            "the true values are larger: inertias and friction come out too small",
-            "what happened at full scale is not known; the rows do not enter the fit",
-        ),
-        masked,
-    )  # fmt: skip
+    consequence = "the true values are larger: inertias and friction come out too small"
+    return Finding("saturated", "warning", what, where, share, 0.002, remedy, consequence, "likely")
