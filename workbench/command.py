@@ -158,10 +158,12 @@ def _dispatch(arguments: Sequence[str]) -> int:
     except SystemExit as stop:  # argparse leaves this way after --help
         return int(stop.code or 0)
     args.command_line = ["exoid", *arguments]
+    from workbench.command_line.deliver import check_places
     from workbench.command_line.guard import protect_inputs
 
     with together() as delivery:
         protect_inputs(args, delivery)
+        check_places(args)
         status: int = load_verb(verb).run(args)
     return status
 

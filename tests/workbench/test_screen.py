@@ -43,10 +43,10 @@ def test_short_work_shows_nothing(monkeypatch, capsys):
 
 def test_part_of_a_progress():
     seen = []
-    half = waiting.part(lambda f, text: seen.append((f, text)), 0.5, 1.0, "step 2: ")
+    half = waiting.part(lambda f, text: seen.append((f, text)), 0.5, 1.0)
     half(0.5, "ranking")
     half(7.0, "end")
-    assert seen == [(0.75, "step 2: ranking"), (1.0, "step 2: end")]
+    assert seen == [(0.75, "ranking"), (1.0, "end")]
 
 
 def test_tables_in_a_pipe_fold_and_cut_nothing_off(capsys, monkeypatch):

@@ -6,31 +6,38 @@ import contextlib
 import json
 import os
 import time
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ground.engines.cell import in_cell
 from ground.engines.engine import Engine, completed
 from ground.errors import refused
 from ground.files import write_whole
 from ground.frames import pandas
+from ground.plain import AsJson
 from ground.progress import Progress, silent
 from workbench.campaign.plan import Job, Plan
 from workbench.campaign.store import FINAL, CampaignError, JobStore, job_file_name, task_of
 from workbench.campaign.work import FUNCTION
+
+if TYPE_CHECKING:
+    from workbench.campaign.pooled import Pooled
 
 REFRESH = 5.0
 """Seconds between two versions of the page while a campaign runs, at least."""
 
 
 @dataclass(frozen=True, eq=False)
-class Campaign:
+class Campaign(AsJson):
     """A campaign that has ended: its plan, a row per job in the order of the plan, and what happened on the way.
 
     `kept` jobs were there already, `retried` were run again after their worker was lost, `seconds` it took.
     """
+
+    JSON = "name=plan.name verb=plan.verb status=counts kept retried events rows=table pooled seconds"
 
     plan: Plan
     rows: tuple[dict[str, Any], ...]
@@ -42,29 +49,25 @@ class Campaign:
     @property
     def counts(self) -> dict[str, int]:
         """How many jobs ended how."""
-        found: dict[str, int] = {}
-        for row in self.rows:
-            found[row["status"]] = found.get(row["status"], 0) + 1
-        return found
+        return dict(Counter(row["status"] for row in self.rows))
 
-    def to_json(self) -> dict[str, Any]:
-        """Return what a script wants to know: counts, pooled parameters, and a flat row per job."""
-        from workbench.campaign.pooled import pool
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """A flat row per job."""
         from workbench.campaign.table import flat
 
-        pooled = pool(self.plan, self.rows)
-        return {
-            "schema": "exoid.campaign/1", "name": self.plan.name, "verb": self.plan.verb, "jobs": len(self.rows),
-            "status": self.counts, "kept": self.kept, "retried": self.retried, "events": list(self.events),
-            "rows": [flat(self.plan, row) for row in self.rows], "pooled": [one.to_json() for one in pooled],
-            "seconds": self.seconds,
-        }  # fmt: skip
+        return [flat(self.plan, row) for row in self.rows]
+
+    @property
+    def pooled(self) -> list[Pooled]:
+        """The parameters across devices."""
+        from workbench.campaign.pooled import pool
+
+        return pool(self.plan, self.rows)
 
     def to_frame(self) -> Any:
         """Return the table of jobs as a pandas DataFrame."""
-        from workbench.campaign.table import flat
-
-        return pandas().DataFrame([flat(self.plan, row) for row in self.rows])
+        return pandas().DataFrame(self.table)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{count} {status}" for status, count in sorted(self.counts.items()))

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver_results
+from workbench.command_line.deliver import deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
 from workbench.report.material import Material, before_and_after, pictures_of
 from workbench.terminal.progress import part, progress
@@ -24,7 +24,6 @@ def answer_question(
 
     `more` goes to the question.
     """
-    check_places(args)
     if write:
         check_new_model(write, args.model)
     given = load(args)

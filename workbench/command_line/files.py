@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import re
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -53,34 +53,27 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
     """Write `content` to `path`, whole or not at all; raises OutputError."""
     from ground.files import write_whole
 
-    try:
+    with _writing(path):
         return write_whole(path, content)
-    except OSError as error:
-        raise _refusal(Path(path), error) from error
 
 
 def make_folder(path: str | Path) -> Path:
     """Return the folder `path`, made with its parents if needed and writable; raises OutputError."""
     folder = Path(path)
-    delivery = current() or Delivery()
-    try:
-        delivery.make_folder(folder)
+    with _writing(path):
+        (current() or Delivery()).make_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
-    except OSError as error:
-        raise _refusal(folder, error) from error
 
 
 def check_folder(path: str | Path) -> None:
     """Refuse a folder that could not be made or written to, without making it; raises OutputError."""
     place = Path(path).absolute()
-    try:
+    with _writing(path):
         while not place.exists() and place != place.parent:
             place = place.parent
         with tempfile.TemporaryFile(dir=place):
             return
-    except OSError as error:
-        raise _refusal(Path(path), error) from error
 
 
 def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None:
@@ -88,11 +81,10 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
 
     `ours(content)` says whether what is there is of the kind that would take its place.
     """
-    target = Path(path)
-    try:
-        if target.is_dir():
+    with _writing(path):
+        if Path(path).is_dir():
             raise OutputError("this is a folder", where=path, remedy="name a file, or - for standard output")
-        place = (current() or Delivery()).place(target)
+        place = (current() or Delivery()).place(Path(path))
         if place.is_file() and ours is not None and not ours(_beginning(place)):
             raise OutputError(
                 "there is a file of another kind, and it would be lost",
@@ -102,8 +94,6 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
         if place.is_file() or not place.exists():
             with tempfile.TemporaryFile(dir=place.parent):
                 return
-    except OSError as error:
-        raise _refusal(target, error) from error
 
 
 def check_json(path: str) -> None:
@@ -127,8 +117,7 @@ def write_json(target: str, payload: Any) -> None:
         write_text(target, text)
 
 
-def _refusal(target: Path, error: OSError) -> OutputError:
-    remedy = "check that the folder exists, that you may write there and that the disk is not full"
-    if error.errno == errno.EEXIST:
-        remedy = "choose another name"
-    return OutputError(f"cannot be written ({error.strerror or error})", where=str(target), remedy=remedy)
+def _writing(target: str | Path) -> AbstractContextManager[None]:
+    """Refuse what cannot be written inside."""
+    remedy = "check that the folder exists, that you may write there and that the disk is not full, or choose another"
+    return refused(OutputError, "cannot be written ({})", target, remedy)

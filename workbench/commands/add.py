@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver_results
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
+from workbench.command_line.deliver import deliver_results
+from workbench.command_line.options import add_common, add_question
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -20,9 +20,7 @@ exit status 1 when the effect does not help on unseen recordings"""
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("effect", metavar="EFFECT[:joint]", help="what to add, for example stribeck:knee")
-    add_recordings(parser)
-    add_derivative(parser)
-    add_model(parser)
+    add_question(parser)
     parser.add_argument(
         "--write", metavar="FILE", help="the extended model (default: next to the model, under a new name)"
     )
@@ -34,7 +32,6 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.files import make_folder
     from workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
 
-    check_places(args)
     model = load_model(args.model)
     effect, joint = split_joint(args.effect, model.joint_names)
     model.with_effect(effect, joint=joint)  # a wrong name is told before the recordings are read

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import check_folder, write_json
 from workbench.command_line.options import whole_number
 from workbench.terminal.progress import progress
@@ -48,7 +47,6 @@ def run(args: argparse.Namespace) -> int:
     """Run and show; status 1 where jobs crashed, were late, or were refused."""
     from workbench.campaign.plan import read_plan
 
-    check_places(args)
     plan = read_plan(args.plan)
     if args.seed is not None:
         plan = replace(plan, jobs=tuple(replace(job, seed=args.seed) for job in plan.jobs))
@@ -73,7 +71,7 @@ def run(args: argparse.Namespace) -> int:
         engine.close(ended)
     _show(screen, found, engine, Path(args.out))
     if args.json:
-        write_json(args.json, found.to_json())
+        write_json(args.json, {"schema": "exoid.campaign/1", "jobs": len(found.rows), **found.to_json()})
     return 0 if set(found.counts) <= {"done"} else 1
 
 
@@ -99,9 +97,9 @@ def _show_jobs(screen: Screen, plan: Plan) -> None:
 def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None:
     from workbench.campaign.plan import BLIND
     from workbench.campaign.pooled import has_statsmodels
-    from workbench.campaign.table import blind_lines, flat, has_parquet, unreadable
+    from workbench.campaign.table import blind_lines, has_parquet, unreadable
 
-    rows = [flat(found.plan, row) for row in found.rows]
+    rows = found.table
     if len(rows) <= 60:
         heads = ("job", "status", "verdict", "effects", "reason")
         screen.table("", heads, [[str(row[head])[:200] for head in heads] for row in rows])

@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Iterable
 from typing import Any
 
-from workbench.command_line.deliver import check_places, deliver_results
-from workbench.command_line.options import add_common, add_derivative, add_limit, add_model, add_recordings, exclusive
+from workbench.command_line.deliver import deliver_results
+from workbench.command_line.options import add_common, add_limit, add_question, exclusive
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -19,13 +19,11 @@ exoid compare before*.csv --against after*.csv     what differs, named, with int
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_recordings(parser)
+    add_question(parser)
     parser.add_argument(
         "--against", metavar="REC", nargs="+", action="extend", default=[],
         help="recordings made after maintenance, on another device, of another wearer: what differs from REC is named",
     )  # fmt: skip
-    add_derivative(parser)
-    add_model(parser)
     add_limit(parser, "the error (of the unseen recordings, if there are any)")
     add_common(parser)
 
@@ -34,7 +32,6 @@ def run(args: argparse.Namespace) -> int:
     """Fit, compare, show; 1 when the error is above --limit."""
     from workbench.command_line.inputs import load
 
-    check_places(args)
     if args.against:
         return _against(args)
     given = load(args)

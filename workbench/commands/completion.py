@@ -46,10 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the script to standard output (and to --out)."""
-    from workbench.command_line.deliver import check_places
     from workbench.command_line.files import make_folder, write_json, write_text
 
-    check_places(args)
     text = script(args.shell)
     if args.json:
         write_json(args.json, {"schema": "exoid.completion/1", "shell": args.shell, "script": text})

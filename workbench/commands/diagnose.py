@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from workbench.command_line.asking import answer_question
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings
+from workbench.command_line.options import add_common, add_question
 
 HELP = """which physical effect is missing, how sure that is, and what looks like it
 
@@ -14,9 +14,7 @@ exoid diagnose run1.csv run2.csv --verify run3.csv"""
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_recordings(parser)
-    add_derivative(parser)
-    add_model(parser)
+    add_question(parser)
     add_common(parser)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from workbench.command_line.asking import answer_question
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, add_settings
+from workbench.command_line.options import add_common, add_question, add_settings
 
 HELP = """add missing effects one after the other until the verdict says stop
 
@@ -16,9 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     from diagnosis.settings import DiscoverySettings
 
-    add_recordings(parser)
-    add_derivative(parser)
-    add_model(parser)
+    add_question(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
     add_settings(parser, DiscoverySettings, "splits")
     add_common(parser)

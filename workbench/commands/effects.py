@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ground.plain import picked
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json, write_text
 from workbench.command_line.inputs import split_joint
 from workbench.command_line.options import add_common
@@ -40,7 +39,6 @@ def run(args: argparse.Namespace) -> int:
     from symbolic.catalogue import catalogue, find_effect
     from workbench.command_line.inputs import load_model
 
-    check_places(args)
     own = {effect.id: effect for effect in load_model(args.model).custom} if args.model else {}
     known = {**catalogue(), **own}
     found = None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
@@ -50,7 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write every format asked for; 1 when one of several cannot carry this model."""
-    check_places(args)
     from workbench.exporting import exporter, formats
     from workbench.identified import ExportError, Options, read_ready
 

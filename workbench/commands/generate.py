@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_bytes, write_json
 from workbench.command_line.options import add_common
 from workbench.terminal.progress import progress
@@ -35,20 +34,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Generate, compile, say what changed; with --check, 1 when something would change."""
+    from symbolic.codegen.code import generate
+    from symbolic.codegen.kernel import compiled
     from workbench.command_line.inputs import load_model
 
-    check_places(args)
     model = load_model(args.model)
     folder = Path(args.out or DEFAULT_FOLDER)
     screen = Screen.of(args)
     with progress("deriving the equations", quiet=args.quiet) as report:
-        fresh = _generated(model)
+        fresh = {name: text.encode() for name, text in generate(model).files.items()}
         states = {name: _state(folder / name, content) for name, content in fresh.items()}
         if not args.check:
             report(0.5, "compiling")
-            _write(folder, {name: fresh[name] for name, state in states.items() if state != "unchanged"})
-        backend = _backend(model)
-        properties = _properties(model, report) if args.check else ()
+            make_folder(folder)
+            for name in (name for name, state in states.items() if state != "unchanged"):
+                write_bytes(folder / name, fresh[name])
+        backend = str(compiled(model).backend)  # so that the next command need not compile
+        properties: tuple[Any, ...] = ()
+        if args.check:
+            from symbolic.check import check_equations
+
+            report(0.6, "checking the equations")
+            properties = check_equations(model)
     for name, state in states.items():
         screen.say(f"  {state:<9}  {folder / name}")
     screen.say(f"compiled: {'as C' if backend == 'c' else 'no C compiler, CasADi computes instead (slower)'}")
@@ -70,21 +77,6 @@ def run(args: argparse.Namespace) -> int:
     return 1 if stale or not all(one.holds for one in properties) else 0
 
 
-def _generated(model: Any) -> dict[str, bytes]:
-    """Return {file name: content} of everything generated for `model`."""
-    from symbolic.codegen.code import generate
-
-    return {name: text.encode() for name, text in generate(model).files.items()}
-
-
-def _properties(model: Any, report: Any) -> tuple[Any, ...]:
-    """Return the checks of the model's equations."""
-    from symbolic.check import check_equations
-
-    report(0.6, "checking the equations")
-    return check_equations(model)
-
-
 def _state(path: Path, content: bytes) -> str:
     """Return what happens to one file: "new", "changed" or "unchanged"."""
     if not path.exists():
@@ -92,16 +84,3 @@ def _state(path: Path, content: bytes) -> str:
     if not path.is_file():
         return "changed"
     return "unchanged" if path.read_bytes() == content else "changed"
-
-
-def _write(folder: Path, files: dict[str, bytes]) -> None:
-    make_folder(folder)
-    for name, content in files.items():
-        write_bytes(folder / name, content)
-
-
-def _backend(model: Any) -> str:
-    """Compile the model now, so that the next command need not, and return "c" or "vm"."""
-    from symbolic.codegen.kernel import compiled
-
-    return str(compiled(model).backend)

@@ -6,13 +6,11 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from workbench.command_line.deliver import check_places, deliver_results
+from workbench.command_line.deliver import deliver_results
 from workbench.command_line.options import (
     add_common,
-    add_derivative,
     add_limit,
-    add_model,
-    add_recordings,
+    add_question,
     add_settings,
     settings_given,
 )
@@ -35,9 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     from optimisation.fitting.settings import FitSettings
 
-    add_recordings(parser)
-    add_derivative(parser)
-    add_model(parser)
+    add_question(parser)
     add_settings(parser, FitSettings, "physical", shape_search={"metavar": "HOW", "type": str})
     parser.add_argument(
         "--per-recording", action="store_true",
@@ -52,7 +48,6 @@ def run(args: argparse.Namespace) -> int:
     """Identify, show; 1 when the error is above --limit."""
     from workbench.command_line.inputs import check_new_model, load
 
-    check_places(args)
     if args.write:
         check_new_model(args.write, args.model)
     given = load(args)

@@ -6,7 +6,6 @@ import argparse
 import re
 from pathlib import Path
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json
 from workbench.command_line.options import add_common, between
 from workbench.terminal.screen import Screen
@@ -37,7 +36,6 @@ def run(args: argparse.Namespace) -> int:
     from symbolic.robot_file import read_robot
     from workbench.command_line.inputs import check_new_model
 
-    check_places(args)
     names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
     found = planar_machine(read_robot(args.from_urdf), names, args.gravity, args.from_urdf)
     target = args.write or _free_name(found.model.name, args.out)

@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import check_places
-from workbench.command_line.options import add_common, add_derivative, add_model, add_recordings, between, whole_number
+from workbench.command_line.options import add_common, add_question, between, whole_number
 
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
 
@@ -20,9 +19,7 @@ LAST_PORT = 65535
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_recordings(parser, required=False)
-    add_derivative(parser)
-    add_model(parser)
+    add_question(parser, required=False)
     port = between(0, LAST_PORT, number=whole_number)
     parser.add_argument("--port", metavar="N", type=port, default=0, help="port of the page (a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
@@ -35,7 +32,6 @@ def run(args: argparse.Namespace) -> int:
     from workbench.page.serve import serve
     from workbench.page.workspace import Workspace
 
-    check_places(args)
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff, args.derivative)
     if args.out:
         from workbench.page.takeaway import free_for_session, keep_in

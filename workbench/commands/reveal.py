@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.deliver import check_places, deliver_results
+from workbench.command_line.deliver import deliver_results
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
 
@@ -28,7 +28,6 @@ def run(args: argparse.Namespace) -> int:
     from measurement.bench.seal import open_seal
     from workbench.terminal.showing import truth_sentence
 
-    check_places(args)
     truth = open_seal(args.seal, args.recordings or ()).truth
     screen = Screen.of(args)
     if args.diagnosis is None:

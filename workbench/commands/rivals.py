@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.deliver import check_places, deliver_results
+from workbench.command_line.deliver import deliver_results
 from workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
@@ -38,7 +38,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare and show."""
-    check_places(args)
     given = _given(args)
     with progress("optimising", quiet=args.quiet) as report:
         from optimisation.contest.rivals import entrants, rivals

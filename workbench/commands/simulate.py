@@ -7,7 +7,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import check_places
 from workbench.command_line.files import make_folder, write_json
 from workbench.command_line.options import add_common, between, exclusive, positive_number, whole_number
 from workbench.terminal.progress import progress
@@ -49,7 +48,6 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
     from workbench.terminal.showing import truth_sentence
 
-    check_places(args)
     exclusive(args, "trajectory", "blind", "blind runs draw motions of their own")
     exclusive(args, "payload", "blind", "simulate the loaded runs without --blind")
     model = load_model(args.model)

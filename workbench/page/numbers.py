@@ -12,6 +12,7 @@ from ground.errors import RecordingError
 if TYPE_CHECKING:
     import numpy as np
 
+    from diagnosis.evidence.fitted import FittedModel
     from diagnosis.session.session import Session
     from workbench.page.workspace import Workspace
 
@@ -33,7 +34,11 @@ def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
 
 def motion_of(session: Session, index: int) -> bytes:
     """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
-    one = _recording(session, index)
+    import numpy as np
+
+    from diagnosis.evidence.curves import signal_of
+
+    one, base = _recording(session, index), session.fitted()
     motion = one.motion
     arrays = {
         "torque": one.tau.T,
@@ -41,7 +46,7 @@ def motion_of(session: Session, index: int) -> bytes:
         "angle": motion.q[one.kept].T,
         "velocity": motion.dq[one.kept].T,
         "acceleration": motion.ddq[one.kept].T,
-        "load": _load_on(one, session.fitted()),
+        "load": np.stack([signal_of(one, base, "load", j)[one.kept] for j in range(one.tau.shape[1])]),
     }
     return packed({"recording": index, **_clock(one)}, arrays)
 
@@ -106,31 +111,17 @@ def explained(
     return ranking.explained(selected)
 
 
-def _variable(session: Session, place: int, fitted: Any, variable: str, joint: int) -> np.ndarray:
-    import numpy as np
+def _variable(session: Session, place: int, fitted: FittedModel, variable: str, joint: int) -> np.ndarray:
+    from diagnosis.evidence.curves import signal_of
 
     one = session.searched.all[place]
-    motion = one.motion
     if variable == "time":
-        return np.asarray(one.t - session.prepared.all[session.origins[place]].t[0])
-    if variable == "load":
-        return np.asarray(_load_on(one, fitted)[joint])
+        return one.t - float(session.prepared.all[session.origins[place]].t[0])
     kind, _, of = variable.partition(":")
-    signal = {"angle": motion.q, "velocity": motion.dq, "acceleration": motion.ddq}.get(kind)
-    names = list(session.model.joint_names)
-    if signal is None or of not in names:
+    stem, names = {"angle": "q", "velocity": "dq", "acceleration": "ddq"}.get(kind), session.model.joint_names
+    if variable != "load" and (stem is None or of not in names):
         raise RecordingError(f"there is no variable {variable[:40]!r}", remedy="reload the page")
-    return np.asarray(signal[one.kept][:, names.index(of)])
-
-
-def _load_on(one: Any, fitted: Any) -> np.ndarray:
-    """Return the rigid-body torque (J, K) N·m at the present inertial parameters."""
-    import numpy as np
-
-    model = fitted.model.base()
-    count = len(model.inertial)
-    columns = model.columns(one.motion)
-    return np.asarray((columns[:, :, :count] @ fitted.linear[:count])[:, one.kept])
+    return signal_of(one, fitted, variable if stem is None else f"{stem}{names.index(of) + 1}", joint)[one.kept]
 
 
 def _recording(session: Session, index: int) -> Any:

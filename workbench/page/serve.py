@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import uvicorn
 
-from ground.errors import ExoidError
+from ground.errors import ExoidError, refused
 from workbench.page.app import application
 from workbench.page.work import start_work
 
@@ -84,14 +84,6 @@ class _Server(uvicorn.Server):
 
 
 def _listen(port: int) -> socket.socket:
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        listening.bind((HOST, port))
-    except OSError as error:
-        listening.close()
-        raise ExoidError(
-            f"port {port} cannot be used ({error.strerror})", where="--port", remedy="leave it out: a free one is found"
-        ) from error
-    listening.listen(128)
-    return listening
+    what = f"port {port} cannot be used ({{}})"
+    with refused(ExoidError, what, "--port", "leave it out: a free one is found"):
+        return socket.create_server((HOST, port), backlog=128)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from diagnosis.evidence.fitted import pooled_rms
 from ground.plain import picked, plain_dict
 from ground.text import printable
 from optimisation.linear.links import tree_of
@@ -94,6 +95,8 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     error = _error(workspace, session, names)
     base = session.fitted()
     lengths, above = _lengths(session.model), parents(session.model.joints)
+    shown = prepared.verify or prepared.train
+    signal = pooled_rms([one.tau.T for one in shown], shown)
     return {
         "joints": [
             {
@@ -104,7 +107,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
                 "error": None if error is None else error[j],
                 "first": base.evaluation_rms[j],
                 "noise": prepared.noise_floor[j],
-                "signal": _signal(session, j),
+                "signal": signal[j],
             }
             for j, joint in enumerate(session.model.joints)
         ],
@@ -131,14 +134,6 @@ def _lengths(model: Any) -> list[float]:
     known = [length for length in given if length]
     usual = known[-1] if known else 0.4
     return [length or usual for length in given]
-
-
-def _signal(session: Session, j: int) -> float:
-    import numpy as np
-
-    shown = session.prepared.verify or session.prepared.train
-    total = sum(float(np.sum(np.where(one.use[:, j], one.tau[:, j], 0.0) ** 2)) for one in shown)
-    return math.sqrt(total / max(1, sum(int(one.use[:, j].sum()) for one in shown)))
 
 
 def _error(workspace: Workspace, session: Session, names: Names) -> list[float] | None:

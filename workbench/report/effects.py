@@ -19,10 +19,11 @@ def effect_of(name: str, model: Any = None) -> Effect | None:
     return found or every_effect().get(id)
 
 
-def meaning(name: str, model: Any = None) -> str:
-    """Return the sentence of the catalogue for a technician, or ""."""
-    effect = effect_of(name, model)
-    return "" if effect is None else effect.explains
+def said_of(name: str, model: Any = None, what: str = "explains") -> str:
+    """Return the sentence of the catalogue for a technician, or of "tells_apart" the look-alikes and the experiment
+    that distinguishes them; "" for an unknown name.
+    """
+    return str(getattr(effect_of(name, model), what, ""))
 
 
 def torque(name: str, model: Any = None) -> str:
@@ -33,9 +34,3 @@ def torque(name: str, model: Any = None) -> str:
     if effect is None:
         return ""
     return "; ".join(f"{joint}: {text}" if joint else text for joint, text in formula(effect).items())
-
-
-def distinguishing_experiment(name: str, model: Any = None) -> str:
-    """Return the look-alikes and the experiment that distinguishes them, as the catalogue has them, or ""."""
-    effect = effect_of(name, model)
-    return "" if effect is None else effect.tells_apart

@@ -68,10 +68,10 @@ def progress(text: str, *, quiet: bool = False) -> Iterator[Progress]:
         shown.close()
 
 
-def part(whole: Progress, start: float, stop: float, prefix: str = "") -> Progress:
+def part(whole: Progress, start: float, stop: float) -> Progress:
     """Return a progress whose 0..1 is the stretch from `start` to `stop` of `whole`."""
 
     def report(fraction: float, text: str) -> None:
-        whole(start + (stop - start) * min(1.0, max(0.0, fraction)), prefix + text)
+        whole(start + (stop - start) * min(1.0, max(0.0, fraction)), text)
 
     return report

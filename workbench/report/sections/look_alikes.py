@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.effects import distinguishing_experiment, meaning
+from workbench.report.effects import said_of
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
 
@@ -31,7 +31,7 @@ def _entry(one: Mapping[str, Any], model: Any, *, added: bool) -> Mapping[str, A
     return {
         "name": name,
         "added": added,
-        "here": [(other, meaning(other, model)) for other in one["look_alikes"]],
-        "never": [(other, meaning(other, model)) for other in one.get("never_separable") or ()],
-        "experiment": distinguishing_experiment(name, model),
+        "here": [(other, said_of(other, model)) for other in one["look_alikes"]],
+        "never": [(other, said_of(other, model)) for other in one.get("never_separable") or ()],
+        "experiment": said_of(name, model, "tells_apart"),
     }

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.report.cells import share
 from workbench.report.material import Material
 
 TITLE = "The motion to record"
@@ -38,7 +38,7 @@ def _limits(found: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
     rows = [
-        (name, p["value"], p["deviation"], p["unit"], _relative(p["relative"]))
+        (name, p["value"], p["deviation"], p["unit"], share(p["relative"], ".2g"))
         for name, p in found["precision"].items()
     ]
     return {
@@ -48,11 +48,6 @@ def _design(found: Mapping[str, Any]) -> Mapping[str, Any]:
         "assumed": [found["numbers"], f"noise: {found['noise']['source']}"],
         "notes": found["cautions"],
     }
-
-
-def _relative(value: float | None) -> Mapping[str, Any] | None:
-    """Return a cell in per cent with two digits, sorted by its number."""
-    return None if value is None or not math.isfinite(value) else {"value": value, "text": f"{100 * value:.2g} %"}
 
 
 def _separation(found: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.report.cells import share
-from workbench.report.effects import meaning
+from workbench.report.effects import said_of
 from workbench.report.material import Material
 from workbench.report.sections.verdict import term
 from workbench.terminal.screen import without_empty
@@ -25,7 +25,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
         (
             place,
             term(one),
-            meaning(term(one), material.model) or "–",
+            said_of(term(one), material.model) or "–",
             share(one["explained_share"]),
             one["p_value"],
             ", ".join(one["look_alikes"]) or "–",

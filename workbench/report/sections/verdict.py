@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.effects import meaning, torque
+from workbench.report.effects import said_of, torque
 from workbench.report.material import Material
 
 TITLE = "Answer"
@@ -26,18 +26,18 @@ def context(material: Material) -> Mapping[str, Any] | None:
     found = material.diagnosis
     if found is None and not material.answer:
         return None
-    accepted = [] if found is None else found.to_json().get("accepted", [])
+    said = {} if found is None else found.to_json()
     return {
         "tiles": tiles(material),
         "verdict": "" if found is None else found.verdict,
         "words": "" if found is None else WORDS.get(found.verdict, found.verdict),
         "sentence": material.answer or ("" if found is None else found.sentence),
         "rule": "" if found is None else found.rule,
-        "accepted": [accepted_entry(one, material.model) for one in accepted],
-        "possible": [] if found is None else [f"{term(p)}: {p['reason']}" for p in found.to_json().get("possible", ())],
+        "accepted": [accepted_entry(one, material.model) for one in said.get("accepted", ())],
+        "possible": [f"{term(p)}: {p['reason']}" for p in said.get("possible", ())],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
-        "differing": [] if found is None else [d["sentence"] for d in found.to_json().get("differing", ())],
+        "differing": [d["sentence"] for d in said.get("differing", ())],
         "ending": "" if found is None else found.stopped_because,
         "truth": material.truth,
         "pictures": material.pictures_in("verdict"),
@@ -67,7 +67,7 @@ def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
     """Return an accepted effect of the JSON with what the catalogue says about it."""
     name = term(one)
     return {
-        "look_alikes": (), "never_separable": (), "stability": "", **one, "term": name, "meaning": meaning(name, model),
+        "look_alikes": (), "never_separable": (), "stability": "", **one, "term": name, "meaning": said_of(name, model),
         "torque": torque(name, model), "numbers": numbers(one.get("parameters") or {}),
     }  # fmt: skip
 
