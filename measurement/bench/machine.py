@@ -52,14 +52,10 @@ class Machine:
         return tuple(min(1.0, limit / STRONG) for limit in self.torque_limit)
 
 
+@lru_cache(maxsize=16)
 def standard_machine(model: Model) -> Machine:
     """Return a machine with the joints, lengths and gravity of `model`, without its terms."""
-    return _standard(model.base())
-
-
-@lru_cache(maxsize=16)
-def _standard(model: Model) -> Machine:
-    return _machine(model, np.ones((len(model.joints), 5)))
+    return _machine(model.base(), np.ones((len(model.joints), 5)))
 
 
 def random_machine(model: Model, rng: np.random.Generator) -> Machine:

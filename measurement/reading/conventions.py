@@ -120,12 +120,12 @@ def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Conv
             _convention(joints, "degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
         )
     if is_leg(joints):
-        found = [_of_the_leg(one, *OF_THE_LEG[one.name]) for one in found]
+        words = ((one, *OF_THE_LEG[one.name]) for one in found)
+        found = [
+            replace(one, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, one.unusual))
+            for one, name, what, explains in words
+        ]
     return {one.name: one for one in sorted(found, key=lambda one: one.order)}
-
-
-def _of_the_leg(one: Convention, name: str, what: str, explains: str) -> Convention:
-    return replace(one, name=name, what=what, explains=explains, unusual=UNUSUAL.get(name, one.unusual))
 
 
 def _rows(joints: Sequence[Joint], changed: Mapping[tuple[int, int], float]) -> Rows:

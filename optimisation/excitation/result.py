@@ -11,7 +11,7 @@ import numpy as np
 
 from ground.frames import pandas
 from ground.plain import AsJson
-from measurement.trajectories.extremes import UNITS, Use
+from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
 from optimisation.excitation.criteria import Noise
@@ -149,8 +149,3 @@ class Excitation(AsJson):
             self.trajectory.at(np.linspace(0.0, self.trajectory.period, POINTS)),
             {(use.joint, use.quantity): use.limit for use in self.uses},
         )
-
-
-def limit_rows(found: Excitation) -> list[tuple[str, str, str, float, float, float, float, float]]:
-    """Return (joint, quantity, unit, lowest, highest, limit low, limit high, share in use) per limit."""
-    return [(u.joint, u.quantity, UNITS[u.quantity], u.low, u.high, *u.limit, u.share) for u in found.uses]

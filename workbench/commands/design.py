@@ -148,16 +148,17 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
 def _show(screen: Screen, found: Any) -> None:
     """Show the searches, the limits and what the motion will tell."""
     from measurement.trajectories.extremes import shortest_period
-    from optimisation.excitation.result import MEANING, limit_rows
+    from optimisation.excitation.result import MEANING
 
     rows = [(c.name, f"{c.value:.5g}", c.evaluations, f"{c.seconds:.1f}", c.status) for c in found.candidates]
     head = (f"{found.criterion}: {MEANING[found.criterion]}", "value", "steps", "s", "said")
     screen.table("Best known", head, rows, note="not convex: no optimum is claimed" if len(rows) > 1 else "")
     screen.say(f"cond(Ȳ) = {found.condition:.2f}, log det of the information = {found.log_det:.2f}")
     limits = [
-        (joint, quantity, f"{low:.4f}", f"{high:.4f}", f"{least:g}", f"{most:g}", unit, f"{100 * share:.2f} %")
-        for joint, quantity, unit, low, high, least, most, share in limit_rows(found)
-    ]
+        (u.joint, u.quantity, f"{u.low:.4f}", f"{u.high:.4f}", *map("{:g}".format, u.limit), u.unit,
+         f"{100 * u.share:.2f} %")
+        for u in found.uses
+    ]  # fmt: skip
     screen.table(
         "Limits, proven for all times", ("joint", "", "lowest", "highest", "limit", "limit ", "unit", "in use"), limits
     )

@@ -101,7 +101,6 @@ def environment() -> Environment:
         lstrip_blocks=True, finalize=_for_others,
     )  # fmt: skip
     templates.filters["number"] = number_in_page
-    templates.filters["percent"] = percent_in_page
     return templates
 
 
@@ -113,11 +112,6 @@ def number_in_page(value: Any, digits: int = 3) -> str:
         return str(value)
     text = f"{value:.0f}" if 10**digits <= abs(value) < 1e7 else f"{value:.{digits}g}"
     return text.replace("-", "\N{MINUS SIGN}")
-
-
-def percent_in_page(value: Any) -> str:
-    """Return a share as per cent."""
-    return "–" if value is None or not math.isfinite(value) else f"{100 * value:.0f} %"
 
 
 def _for_others(value: Any) -> Any:
