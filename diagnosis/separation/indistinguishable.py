@@ -87,11 +87,11 @@ def other_ways(base: Model, one: Term, other: Term | None) -> tuple[str, ...]:
         if apart is not None:
             out.append(text if apart else f"does not help (computed): {text}")
     out.sort(key=lambda text: text.startswith("does not"))
-    for term in filter(None, (one, other)):
-        if term.effect.tells_apart:
-            out.append(
-                f"the catalogue on {term.name} (a motion it names does not help here): {term.effect.tells_apart}"
-            )
+    out += [
+        f"the catalogue on {term.name} (a motion it names does not help here): {term.effect.tells_apart}"
+        for term in filter(None, (one, other))
+        if term.effect.tells_apart
+    ]
     if other is not None:
         out.append("static holds are motion too: what no motion distinguishes, they do not distinguish either")
     return tuple(dict.fromkeys(out))

@@ -86,7 +86,7 @@ def assign(
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
     if not partial:
-        _check_missing(chosen, table, where, joints, offers)
+        _check_missing(chosen, table, where, joints)
     return {
         name: _with_unit(name, chosen[name], units, hidden, where, joints)
         for name in canonical_columns(joints)
@@ -267,9 +267,7 @@ def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str
     return chosen
 
 
-def _check_missing(
-    chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint], offers: Sequence[Offer]
-) -> None:
+def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint]) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
         return

@@ -13,7 +13,7 @@ from typing import Any
 
 from ground.files import write_whole
 from workbench.campaign.plan import Plan
-from workbench.campaign.pooled import has_statsmodels, pool
+from workbench.campaign.pooled import pool
 from workbench.campaign.table import effect_name, flat, parameters, unreadable
 
 FOLDER = Path(__file__).parent
@@ -60,14 +60,14 @@ def data(
     ]
     hidden = {"report", "key", "versions"}  # versions: one campaign has one set, the table has them
     return {
-        "verb": plan.verb, "running": running, "jobs": len(rows), "done": len(done),
+        "running": running, "jobs": len(rows), "done": len(done),
         "status": dict(Counter(row["status"] for row in done)), "events": list(events)[-20:], "notes": list(plan.notes),
         "heads": [head for head in heads if head not in hidden],
         "rows": [[_rounded(row.get(head)) for head in heads if head not in hidden] + [row["report"]] for row in table],
         "fleet": fleet(plan, done), "history": [] if running else history(plan, done),
         "device": plan.device, "date": plan.date,
         "pooled": [] if running else [one.to_json() for one in pool(plan, done)],
-        "pooling": has_statsmodels(), "unreadable": unreadable(done),
+        "unreadable": unreadable(done),
     }  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, numbered, required
+    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, numbered, required
     from measurement.reading.conventions import conventions_of_machine
     from measurement.reading.names import kind_of
     from measurement.reading.read import open_table
@@ -98,7 +98,6 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         ],
         "guess": guess,
         "told": {"columns": dict(told.columns), "units": dict(told.units), "leg": told.leg},
-        "legs": list(legs(table, joints)),
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),

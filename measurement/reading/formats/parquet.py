@@ -105,7 +105,7 @@ def _cells(column: Any) -> Any:
 def _together(counts: list[int], rows: int) -> Iterator[list[int]]:
     """Yield which groups, of so many rows each, are read together: as few in a row as have `rows` rows."""
     some: list[int] = []
-    for k, _ in enumerate(counts):
+    for k in range(len(counts)):
         some.append(k)
         if sum(counts[j] for j in some) >= rows:
             yield some
