@@ -13,6 +13,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.suggest import nearest
+from measurement.reading.mapping import StatedMapping
 from measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
@@ -53,22 +54,15 @@ class Assigned:
 
 
 def assign(
-    table: RawTable,
-    mapping: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
-    *,
-    where: str,
-    leg: str | None = None,
-    joints: Sequence[Joint] = LEG,
-    partial: bool = False,
+    table: RawTable, told: StatedMapping, *, where: str, joints: Sequence[Joint] = LEG, partial: bool = False
 ) -> dict[str, Assigned]:
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
 
-    `mapping` is {canonical: column in the file}; `units` is {quantity, canonical name or column: unit}; `leg` ("left",
-    "right", "ipsi" or "contra") says which one where the file has several. With `partial`, columns may be missing: the
-    rest stands in another file.
+    What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
+    "right", "ipsi" or "contra") where the file has several. With `partial`, columns may be missing: the rest stands in
+    another file.
     """
-    mapping, units = _by_number(mapping or {}, joints), _by_number(units or {}, joints)
+    mapping, units, leg = _by_number(told.columns, joints), _by_number(told.units, joints), told.leg
     _check_keys(mapping, canonical_columns(joints), "--map", where)
     _check_keys(units, (*SI, *canonical_columns(joints), *table.names), "--units", where)
     chosen = _mapped(table, mapping, where)
@@ -160,7 +154,7 @@ def _complete(offers: Sequence[Offer], chosen: Mapping[str, RawColumn], wanted: 
 
 
 def _side(
-    offers: Sequence[Offer], chosen: Mapping[str, RawColumn], leg: str | None, wanted: Sequence[str], where: str
+    offers: Sequence[Offer], chosen: Mapping[str, RawColumn], leg: str, wanted: Sequence[str], where: str
 ) -> str:
     """Return the leg to read ("" where the columns name none); asks where more than one is possible."""
     sides = {reading.side for reading, _ in offers if reading.side and reading.name in wanted}

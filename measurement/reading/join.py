@@ -7,7 +7,7 @@ that the two clocks share, or that physics says (`lag.py`); rows that the other 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -94,7 +94,7 @@ def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint
     known = (*SI, *canonical_columns(joints))
     mapping = {name: column for name, column in told.columns.items() if column.partition("#")[0] in table.names}
     units = {name: unit for name, unit in told.units.items() if name in known or name in table.names}
-    found = assign(table, mapping, units, where=where, leg=told.leg or None, joints=joints, partial=True)
+    found = assign(table, replace(told, columns=mapping, units=units), where=where, joints=joints, partial=True)
     if "t" not in found or len(found) < 2:
         lacks = "no time" if "t" not in found else "neither angles nor torques"
         raise RecordingError(

@@ -21,6 +21,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from measurement.reading.columns import assign, required
+from measurement.reading.mapping import StatedMapping
 from measurement.reading.raw import RawColumn, RawTable, split_unit
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
@@ -50,8 +51,7 @@ class Lines:
     """Turns text into samples; the columns are known from its first line on."""
 
     joints: Sequence[Joint] = LEG
-    mapping: Mapping[str, str] | None = None
-    units: Mapping[str, str] | None = None
+    told: StatedMapping = field(default_factory=StatedMapping)
     where: str = "standard input"
     number: int = 0
     rest: str = ""
@@ -145,7 +145,7 @@ class Lines:
             np.array([1, 2]),
         )
         given = {c.name: k for k, c in enumerate(table.columns)}
-        chosen = assign(table, self.mapping, self.units, where=self.where, joints=self.joints)
+        chosen = assign(table, self.told, where=self.where, joints=self.joints)
         self.places = [
             (names[given[chosen[n].column.name]] if by_json else given[chosen[n].column.name], chosen[n].factor)
             for n in required(self.joints)

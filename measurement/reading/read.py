@@ -222,7 +222,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     """Return the audited recording in `table`; RecordingError for what refuses it."""
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
-    assigned = assign(table, told.columns, told.units, where=where, leg=told.leg or None, joints=joints)
+    assigned = assign(table, told, where=where, joints=joints)
     recording = repaired(table, assigned, name=name, source=origin, joints=joints)
     recording = read_as(mask_unusable(recording), told.convention)
     recording = recording.with_findings(audit(recording))

@@ -9,6 +9,7 @@ from measurement.auditing.audit import audit
 from measurement.bench.leg import random_leg
 from measurement.bench.simulation import simulate_runs
 from measurement.reading.columns import assign
+from measurement.reading.mapping import StatedMapping
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.repair import repaired
 from measurement.reading.unusable import mask_unusable
@@ -31,7 +32,7 @@ def read(columns):
     """Return the recording in `columns` as a file of them would be read."""
     count = len(columns["t"])
     table = RawTable(tuple(RawColumn(k, np.array(v, dtype=float)) for k, v in columns.items()), np.arange(2, count + 2))
-    recording = repaired(table, assign(table, None, None, where="f"), name="f", source=Source("f", ""))
+    recording = repaired(table, assign(table, StatedMapping(), where="f"), name="f", source=Source("f", ""))
     recording = mask_unusable(recording)
     return recording.with_findings(audit(recording))
 

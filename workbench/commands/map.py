@@ -71,10 +71,7 @@ def _checked(table: Any, told: Any, where: str) -> dict[str, Any]:
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
     from measurement.reading.columns import assign, legs
 
-    leg = told.leg or None
-    if leg == "both":
-        leg = next(iter(legs(table)), None)
-    return assign(table, told.columns, told.units, where=where, leg=leg)
+    return assign(table, replace(told, leg=next(iter(legs(table)), "")) if told.leg == "both" else told, where=where)
 
 
 def _show(screen: Screen, table: Any) -> None:

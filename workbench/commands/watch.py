@@ -150,11 +150,11 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
     from workbench.command_line.options import merged
     from workbench.command_line.parser import UsageError
 
-    told = merged(args.map, "--map"), merged(args.units, "--units")
+    told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"))
     if args.source == "-":
         if sys.stdin is None:
             raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
-        yield from _lines(Lines(model.joints, *told), piped(sys.stdin.buffer))
+        yield from _lines(Lines(model.joints, told), piped(sys.stdin.buffer))
         return
     if not Path(args.source).is_file() and not args.follow:
         from measurement.reading.sources import expand
@@ -162,10 +162,10 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
         expand([args.source])  # says what is wrong with the name, and what is near it
     if args.follow or _may_grow(args.source):
         check_text(args.source)
-        lines = Lines(model.joints, *told, where=args.source)
+        lines = Lines(model.joints, told, where=args.source)
         yield from _lines(lines, grown(args.source, True if args.follow else None))
         return
-    for one in read(args.source, StatedMapping(*told), quiet=args.quiet):
+    for one in read(args.source, told, quiet=args.quiet):
         rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], []

@@ -81,9 +81,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     table = open_table(given.path)
     told = given.told
     try:
-        found = assign(
-            table, told.columns, told.units, where=given.name, leg=told.leg or None, joints=joints, partial=True
-        )
+        found = assign(table, told, where=given.name, joints=joints, partial=True)
         guess = {name: {"column": one.column.name, "unit": one.unit} for name, one in found.items()}
     except ExoidError:
         guess = {}
