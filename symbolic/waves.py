@@ -12,7 +12,7 @@ from symbolic.motion import Float
 
 FEW = 8
 """Trial values from which on waves are turned from one to the next."""
-RENEWED = 32
+RENEWED = 128
 """Turns after which a wave is computed anew."""
 
 

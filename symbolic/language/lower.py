@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -31,8 +32,20 @@ def _functions(library: Any, **called: str) -> Mapping[str, Callable[..., Any]]:
 NUMPY = _functions(np, sgn="sign", max="maximum", min="minimum")
 
 
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """What a text is evaluated with: arguments as of `to_numpy`; what is `kept` stands at the step that makes it."""
+
+    env: Mapping[str, Any]
+    signs: Mapping[str, Any]
+    kept: dict[Any, Any]
+
+
+_Step = Callable[[_Given], Any]
+
+
 def to_numpy(
-    node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE, kept: dict[Call, Any] | None = None
+    node: Node, env: Mapping[str, Any], signs: Mapping[str, Any] = NONE, kept: dict[Any, Any] | None = None
 ) -> Float:
     """Return the values (N,) of the torque, or a scalar where nothing in it varies.
 
@@ -42,46 +55,9 @@ def to_numpy(
     same `env` and `signs` before; more are added. ExpressionError where a name has no value or the torque is not a
     finite number.
     """
-    known_calls = {} if kept is None else kept
-
-    def wave(call: Call) -> dict[str, Float] | None:
-        """Return sin(n x) and cos(n x) for evenly spaced trial values n; None for anything else."""
-        argument = call.arguments[0]
-        if call.function not in ("sin", "cos") or not isinstance(argument, Binary) or argument.operator != "*":
-            return None
-        numbers = np.asarray(env.get(argument.left.name) if isinstance(argument.left, Name) else None)
-        if numbers.ndim != 2 or len(numbers) < FEW or not are_even(numbers[:, 0]):
-            return None
-        signal = np.asarray(lower(argument.right, table))
-        return sines(numbers[:, 0], signal) if signal.ndim == 1 else None
-
-    def called(call: Call) -> Any:
-        """Return what a call is worth, which texts ask for again and again."""
-        if call not in known_calls:
-            if found := wave(call):
-                known_calls.update({replace(call, function=word): values for word, values in found.items()})
-            else:
-                given = (lower(argument, table) for argument in call.arguments)
-                known_calls[call] = table.functions[call.function](*given)
-        return known_calls[call]
-
-    table = Spelling(
-        number=np.float64,
-        name=lambda name: np.asarray(known(name, env), dtype=float),
-        negative=operator.neg,
-        power=lambda base, exponent: power(base, exponent, np.sqrt),
-        binary=ARITHMETIC,
-        functions={
-            **NUMPY,
-            **{word: lambda *given, word=word: with_memory(word, known("t", env), *given) for word in MEMORY},
-        },
-        signs=signs,
-        shortcut=called,
-    )
     # What overflows or leaves its domain is found in the result, and reported with its place.
     with np.errstate(all="ignore"):
-        values = np.asarray(lower(node, table), dtype=float)
-    with np.errstate(all="ignore"):
+        values = np.asarray(_step(node)(_Given(env, signs, {} if kept is None else kept)), dtype=float)
         finite = np.isfinite(values.sum()) or np.isfinite(values).all()
     if not finite:
         sample = int(np.argmin(np.isfinite(np.atleast_1d(values))))
@@ -91,6 +67,64 @@ def to_numpy(
             remedy="keep log, sqrt, exp and / away from where they have no value, for example with max(...)",
         )
     return values
+
+
+@lru_cache(maxsize=4096)
+def _step(node: Node) -> _Step:
+    """Return what computes a text again and again; a call is worth the same wherever it stands."""
+    if not isinstance(node, Call):
+        return cast(_Step, lower(node, _STEPS))
+    function, arguments = NUMPY.get(node.function), [_step(argument) for argument in node.arguments]
+    first = node.arguments[0]
+    velocity = first.name if node.function == "sgn" and isinstance(first, Name) else ""
+
+    def computed(given: _Given) -> Any:
+        if found := _wave(node, given):
+            given.kept.update({_step(replace(node, function=word)): values for word, values in found.items()})
+            return found[node.function]
+        values = [argument(given) for argument in arguments]
+        return function(*values) if function else with_memory(node.function, known("t", given.env), *values)
+
+    def step(given: _Given) -> Any:
+        if velocity in given.signs:
+            return given.signs[velocity]
+        if step not in given.kept:
+            given.kept[step] = computed(given)
+        return given.kept[step]
+
+    return step
+
+
+def _wave(call: Call, given: _Given) -> dict[str, Float] | None:
+    """Return sin(n x) and cos(n x) for evenly spaced trial values n; None for anything else."""
+    argument = call.arguments[0]
+    if call.function not in ("sin", "cos") or not isinstance(argument, Binary) or argument.operator != "*":
+        return None
+    numbers = np.asarray(given.env.get(argument.left.name) if isinstance(argument.left, Name) else None)
+    if numbers.ndim != 2 or len(numbers) < FEW or not are_even(numbers[:, 0]):
+        return None
+    signal = np.asarray(_step(argument.right)(given))
+    return sines(numbers[:, 0], signal) if signal.ndim == 1 else None
+
+
+def _number(value: float) -> _Step:
+    number = np.float64(value)
+    return lambda given: number
+
+
+def _of_two(function: Callable[[Any, Any], Any]) -> Callable[[_Step, _Step], _Step]:
+    return lambda left, right: lambda given: function(left(given), right(given))
+
+
+_STEPS = Spelling(
+    number=_number,
+    name=lambda name: lambda given: np.asarray(known(name, given.env), dtype=float),
+    negative=lambda of: lambda given: -of(given),
+    power=lambda base, exponent: lambda given: power(base(given), exponent, np.sqrt),
+    binary={word: _of_two(function) for word, function in ARITHMETIC.items()},
+    functions={**NUMPY, **MEMORY},
+    shortcut=_step,
+)
 
 
 def to_sympy(node: Node, symbols: Mapping[str, Any], signs: Mapping[str, Any] = NONE) -> Any:
