@@ -209,18 +209,23 @@ class Evidence:
     def shifted(
         self, columns: Sequence[Columns], node: int, *, trained: bool = False, by: Sequence[np.ndarray] | None = None
     ) -> Gram:
-        """Return the Gram blocks of one node (first) and of its circularly shifted placebos; `trained`: of the training
-        units alone, `by`: shifted by these numbers of samples (D,) in every recording instead of those drawn.
+        """Return the Gram blocks of the circularly shifted placebos of one node; `trained`: of the training units
+        alone, `by`: shifted by these numbers of samples (D,) in every recording instead of those drawn.
         """
-        wanted = np.flatnonzero(self.is_train) if trained else range(self.count)
+        wanted = np.flatnonzero(self.is_train) if trained else np.arange(self.count)
         shifts = self.shifts if by is None else by
         spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
-        units = []
-        for unit in map(int, wanted):
-            if (index := int(self.of[unit])) not in spectra:  # of all parts of a recording
-                spectra[index] = spectra_of(columns[index], node)
-            units.append(self._shifted_unit(unit, columns[index], spectra[index], shifts[index]))
-        return Gram(*(np.array(part) for part in zip(*units, strict=True)))
+        width, entries = columns[0].values.shape[3], len(shifts[0])
+        g, h, a = (
+            np.zeros((len(wanted), *some, entries)) for some in ((self.prior.size, width), (width, width), (width,))
+        )
+        for k, unit in enumerate(map(int, wanted)):
+            index = int(self.of[unit])
+            if not columns[index].is_absent:
+                if index not in spectra:  # of all parts of a recording
+                    spectra[index] = spectra_of(columns[index], node)
+                self._shift_unit(unit, columns[index], spectra[index], shifts[index], (g[k], h[k], a[k]))
+        return Gram(g, h, a)
 
     def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
         """Return what the placebos (draws,) of one node gain; those of a single recording are shifted alike again and
@@ -228,7 +233,7 @@ class Evidence:
         """
         different, back = np.unique(np.stack(self.shifts), axis=1, return_inverse=True)
         grams = self.shifted(columns, node, by=list(different))
-        return np.asarray(self.gain(grams, ridge).total[1:][back.ravel()])
+        return np.asarray(self.gain(grams, ridge).total[back.ravel()])
 
     def trained(self, grams: Gram) -> Gram:
         """Return the Gram blocks of the training units alone."""
@@ -241,9 +246,9 @@ class Evidence:
         On what it was not fitted to a model loses no less than on the same units when they are fitted with the rest.
         So nothing can gain more than a fit to all of them leaves room for, and the others need no splits.
         """
-        (pooled, whole), (fits, unseen), losses = self._training
-        coefficients, step, _ = pooled.candidate(grams, self.ridge())
-        room = losses.sum() - whole.loss_beside(grams, coefficients, step)[0]
+        pooled, spare, (fits, unseen), losses = self._training
+        coefficients, step, gain = pooled.candidate(grams, self.ridge())
+        room = spare + gain[0] + self.prior @ step[0] ** 2
         out = np.asarray(allowed(coefficients[0].T) & (room >= least - ROUNDING * abs(least)))
         if out.any():
             some = grams.entries(out)
@@ -253,38 +258,43 @@ class Evidence:
         return out
 
     @cached_property
-    def _training(self) -> tuple[tuple[Fits, HeldOut], tuple[Fits, HeldOut], Float]:
-        """The fit to all training units and the loss there, the splits among them, and the model's losses in these."""
-        train, fits, unseen, folds = self.is_train, self._fits, self._held_out, slice(self.folds)
-        together, whole = self._together, self.held_out(train[None])
+    def _training(self) -> tuple[Fits, float, tuple[Fits, HeldOut], Float]:
+        """The fit to all training units, by how much it leaves less of them, with what holding its numbers costs, than
+        the splits among them do, these, and the model's losses in them.
+        """
+        train, fits, unseen, losses = self.is_train, self._fits, self._held_out, self.fold_losses
+        together, folds = self._together, slice(self.folds)
+        least = self.held_out(train[None]).loss(together.step[:, :, None])
         return (
-            (replace(together, units=together.units[:, train]), replace(whole, units=whole.units[:, train])),
+            replace(together, units=together.units[:, train]),
+            float(losses.sum() - least[0, 0] - self.prior @ together.step[0] ** 2),
             (
                 Fits(fits.units[folds, train], fits.inverse[folds], fits.step[folds]),
                 HeldOut(unseen.units[folds, train], unseen.gram[folds], unseen.slope[folds], unseen.constant[folds]),
             ),
-            self.fold_losses,
+            losses,
         )
 
-    def _shifted_unit(
-        self, unit: int, columns: Columns, spectra: Sequence[tuple[np.ndarray, np.ndarray]], shifts: np.ndarray
-    ) -> tuple[Float, Float, Float]:
-        take = np.concatenate([[0], shifts])
+    def _shift_unit(
+        self,
+        unit: int,
+        columns: Columns,
+        spectra: Sequence[tuple[np.ndarray, np.ndarray]],
+        shifts: np.ndarray,
+        into: tuple[Float, Float, Float],
+    ) -> None:
+        """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into g, h and a."""
         _, _, samples, width = columns.values.shape
-        first, second = upper_pairs(width)
-        if columns.is_absent:
-            none = np.zeros((self.prior.size + width + 1, width, take.size))
-            return none[: self.prior.size], none[self.prior.size : -1], none[-1]
-        crossed = squared = np.zeros(())
+        crossed = squared = 0.0
         for joint, (single, paired) in zip(columns.joints, spectra, strict=True):
             base, weight = self._transform(unit, joint)
             crossed = crossed + single * base[:, None]
             squared = squared + paired * weight
-        both = np.fft.irfft(crossed, samples)[:, :, take]
-        square = np.fft.irfft(squared, samples)[:, take]
-        h = np.empty((width, width, take.size))
-        h[first, second] = h[second, first] = square
-        return both[:-1], h, both[-1]
+        both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
+        np.take(both[:-1], shifts, axis=-1, out=into[0], mode="clip")  # which writes without a copy
+        np.take(both[-1], shifts, axis=-1, out=into[2], mode="clip")
+        for each, first, second in zip(square, *upper_pairs(width), strict=True):
+            into[1][first, second] = into[1][second, first] = each[shifts]
 
     def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray]:
         if (unit, joint) not in self._transforms:

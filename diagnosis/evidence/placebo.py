@@ -64,19 +64,15 @@ def as_good(
     def exceed(grams: Gram) -> np.ndarray:
         return evidence.exceed(grams, seen, lambda values: admissible(candidate, values, rules))
 
-    each = (
-        evidence.shifted(some, v, trained=not search.own).entries(slice(1, None)) for v in range(len(search.nodes))
-    )
     if search.own:
+        each = [evidence.shifted(some, v) for v in range(len(search.nodes))]
         grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
         return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
-    out, left = np.zeros(evidence.draws, dtype=bool), np.arange(evidence.draws)
-    for grams in each:
-        good = exceed(grams.entries(left))
-        out[left[good]] = True
-        left = left[~good]
-        if not left.size:
+    out = np.zeros(evidence.draws, dtype=bool)
+    for v in range(len(search.nodes)):
+        if not (left := np.flatnonzero(~out)).size:
             break
+        out[left] = exceed(evidence.shifted(some, v, trained=True, by=[one[left] for one in evidence.shifts]))
     return out
 
 

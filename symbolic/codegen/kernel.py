@@ -9,6 +9,7 @@ from __future__ import annotations
 from ctypes import c_long, c_void_p
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -119,10 +120,13 @@ class Compiled:
         return out
 
     def _state(self, motion: Motion) -> Float:
-        state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
-        if self.model.moving_base:
-            state.append(np.zeros((len(motion), 5)) if motion.base is None else motion.base)
-        return np.column_stack(state)
+        kept = _STATES.setdefault(motion, {})
+        if (moving := self.model.moving_base) not in kept:
+            state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
+            if moving:
+                state.append(np.zeros((len(motion), 5)) if motion.base is None else motion.base)
+            kept[moving] = np.column_stack(state)
+        return kept[moving]
 
     def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
         values, shapes = self._numbers(linear, shape)
@@ -157,6 +161,8 @@ class Compiled:
         return np.ascontiguousarray(np.asarray(self.machine[name](*inputs)).T)
 
 
+_STATES: WeakKeyDictionary[Motion, dict[bool, Float]] = WeakKeyDictionary()
+"""Motions that are still in use as compiled functions read them, without and with that of their base."""
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 
