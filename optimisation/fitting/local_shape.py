@@ -100,27 +100,29 @@ def _one_by_one(losses: Callable[[Float], Float]) -> Callable[[float], float]:
 def descend(problem: ShapeProblem, start: Float, delta: Float) -> Float:
     """Return shape values (R, S) near `start` with a smaller loss.
 
-    What a recording has to itself is fitted to that recording with the linear parameters held, then all of them, unless
-    they are too many, by Gauss-Newton steps taken together with the linear parameters (variable projection).
+    What a recording has to itself is fitted to that recording with the linear parameters held, then all of them by
+    Gauss-Newton steps taken together with the linear parameters (variable projection); in turn, where they are too many
+    for such steps.
     """
     model, prepared = problem.assembly.model, problem.assembly.prepared
     far = reach(model, prepared)
     own = own_shapes(model)
     shared = [i for i, s in enumerate(model.shapes) if not s.shape.choices and i not in own]
+    together = own if len(start) * len(own) <= MOST_OWN else ()
     best, value = np.array(start, dtype=float), problem.loss(start)
-    for _ in range(SWEEPS):
-        before = value
-        if own:
+    for sweep in range(SWEEPS):
+        settled, before = SETTLED * max(value, 1e-300), value
+        if own and not (sweep and together):
             linear = problem.solved(best).linear
             moved = np.array(
                 [_nudge(model, one, linear, row, far, delta) for one, row in zip(prepared, best, strict=True)]
             )
             if (reached := problem.loss(moved)) < value:
                 best, value = moved, reached
-        together = own if len(best) * len(own) <= MOST_OWN else ()
+        apart = value
         if shared or together:
             best, value = _step(problem, model, best, value, (shared, together), far, delta)
-        if before - value <= SETTLED * max(before, 1e-300):
+        if before - value <= settled or (together and apart - value <= settled):
             break
     return best
 
