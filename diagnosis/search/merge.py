@@ -42,6 +42,8 @@ def _one_would_do(context: SearchContext, state: State, pair: Sequence[Score]) -
         | state.unsteady
         | {score.name for score in pair}
     )
-    scores = context.all_weighed(without, evidence, [c for c in context.library.candidates if c.name not in taken])
+    others = [c for c in context.library.candidates if c.name not in taken]
+    able = {joints for joints in {c.joints for c in others} if evidence.within_reach(joints) >= wanted}
+    scores = context.all_weighed(without, evidence, [c for c in others if c.joints in able])
     enough = [s for s in scores if s.share >= wanted]
     return any(s.eligible for s in context.agreed(without, evidence, enough))
