@@ -171,28 +171,22 @@ class Evidence:
 
     def plain(self, columns: Sequence[Columns]) -> Gram:
         """Return the Gram blocks of a candidate, one entry D per node of its shape parameters; no placebos."""
-        g, h, a = [], [], []
-        for unit, (index, _) in enumerate(self._units):
-            if columns[index].is_absent:
-                nodes, _, _, width = columns[index].values.shape
-                g.append(np.zeros((self.prior.size, width, nodes)))
-                h.append(np.zeros((width, width, nodes)))
-                a.append(np.zeros((width, nodes)))
+        nodes, _, _, width = columns[0].values.shape
+        rows = np.zeros((self.count, self.prior.size + 1 + width, width, nodes))
+        for unit, into in enumerate(rows):
+            if (one := columns[self.of[unit]]).is_absent:
                 continue
-            part, weight, own = self._own(unit, columns[index].joints)
-            x = columns[index].within(part)
-            nodes, width, samples = x.shape
-            both, square = np.empty((nodes, width, own.shape[1])), np.empty((nodes, width, width))
+            part, weight, own = self._own(unit, one.joints)
+            x = one.within(part)
+            samples = x.shape[2]
             some = max(1, TOGETHER // max(1, width * samples))
             # Plain products: for so many small ones the overhead of einsum was the larger part.
             for at in range(0, nodes, some):
-                each, now = x[at : at + some], slice(at, at + some)
-                both[now] = (each.reshape(len(each) * width, samples) @ own).reshape(both[now].shape)
-                np.matmul(each * weight, np.swapaxes(each, 1, 2), out=square[now])
-            g.append(both[:, :, :-1].transpose(2, 1, 0))
-            a.append(both[:, :, -1].T)
-            h.append(square.transpose(1, 2, 0))
-        return Gram(np.array(g), np.array(h), np.array(a))
+                each = x[at : at + some]
+                both = (each.reshape(len(each) * width, samples) @ own).reshape(len(each), width, -1)
+                into[: -width, :, at : at + some] = both.transpose(2, 1, 0)
+                into[-width:, :, at : at + some] = ((each * weight) @ np.swapaxes(each, 1, 2)).transpose(1, 2, 0)
+        return Gram(rows)
 
     def signals(self, index: int, joints: tuple[int, ...]) -> tuple[Float, Float]:
         """Return the weights (S + 2, A, K) at `joints` of a recording's units, of all its samples and of those that a
@@ -227,17 +221,15 @@ class Evidence:
         wanted = np.flatnonzero(self.is_train) if trained else np.arange(self.count)
         shifts = self.shifts if by is None else by
         spectra: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
-        width, entries = columns[0].values.shape[3], len(shifts[0])
-        g, h, a = (
-            np.zeros((len(wanted), *some, entries)) for some in ((self.prior.size, width), (width, width), (width,))
-        )
-        for k, unit in enumerate(map(int, wanted)):
+        width = columns[0].values.shape[3]
+        rows = np.zeros((len(wanted), self.prior.size + 1 + width, width, len(shifts[0])))
+        for unit, into in zip(map(int, wanted), rows, strict=True):
             index = int(self.of[unit])
             if not columns[index].is_absent:
                 if index not in spectra:  # of all parts of a recording
                     spectra[index] = spectra_of(columns[index], node)
-                self._shift_unit(unit, columns[index], spectra[index], shifts[index], (g[k], h[k], a[k]))
-        return Gram(g, h, a)
+                self._shift_unit(unit, columns[index], spectra[index], shifts[index], into)
+        return Gram(rows)
 
     def shifted_gains(self, columns: Sequence[Columns], node: int, ridge: float | None = None) -> Float:
         """Return what the placebos (draws,) of one node gain; those of a single recording are shifted alike again and
@@ -249,7 +241,7 @@ class Evidence:
 
     def trained(self, grams: Gram) -> Gram:
         """Return the Gram blocks of the training units alone."""
-        return Gram(grams.g[self.is_train], grams.h[self.is_train], grams.a[self.is_train])
+        return Gram(grams.rows[self.is_train])
 
     def exceed(self, grams: Gram, least: float, allowed: Callable[[Float], np.ndarray]) -> np.ndarray:
         """Return which entries (D,) of Gram blocks of the training units gain `least` or more on units they were not
@@ -293,9 +285,9 @@ class Evidence:
         columns: Columns,
         spectra: Sequence[tuple[np.ndarray, np.ndarray]],
         shifts: np.ndarray,
-        into: tuple[Float, Float, Float],
+        into: Float,
     ) -> None:
-        """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into g, h and a."""
+        """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into (P + 1 + m, m, D)."""
         _, _, samples, width = columns.values.shape
         crossed = squared = 0.0
         for joint, (single, paired) in zip(columns.joints, spectra, strict=True):
@@ -303,10 +295,9 @@ class Evidence:
             crossed = crossed + single * base[:, None]
             squared = squared + paired * weight
         both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
-        np.take(both[:-1], shifts, axis=-1, out=into[0], mode="clip")  # which writes without a copy
-        np.take(both[-1], shifts, axis=-1, out=into[2], mode="clip")
+        np.take(both, shifts, axis=-1, out=into[:-width], mode="clip")  # which writes without a copy
         for each, first, second in zip(square, *upper_pairs(width), strict=True):
-            into[1][first, second] = into[1][second, first] = each[shifts]
+            into[-width + first, second] = into[-width + second, first] = each[shifts]
 
     def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray]:
         if (unit, joint) not in self._transforms:
@@ -362,12 +353,8 @@ class Evidence:
 
     def pick(self, grams: Gram, nodes: np.ndarray) -> Gram:
         """Return Gram blocks made of node `nodes` (R, D) of each recording; D of `grams` is (V, D), or (V, 1)."""
-        entries, of = np.arange(nodes.shape[1]) % grams.a.shape[-1], nodes[self.of]
-        parts = (
-            np.stack([unit[..., chosen, entries] for unit, chosen in zip(each, of, strict=True)])
-            for each in (grams.g, grams.h, grams.a)
-        )
-        return Gram(*parts)
+        entries, of = np.arange(nodes.shape[1]) % grams.rows.shape[-1], nodes[self.of]
+        return Gram(np.stack([unit[..., chosen, entries] for unit, chosen in zip(grams.rows, of, strict=True)]))
 
     def novelty(self, grams: Gram) -> Float:
         """Return the share (D,) of the candidate that the present model cannot imitate, its weakest direction."""

@@ -13,37 +13,47 @@ from symbolic.motion import Float
 
 @dataclass(frozen=True, eq=False)
 class Gram:
-    """g (U, P, m, D), h (U, m, m, D), a (U, m, D) of a candidate in every unit; D are nodes, or a node and its
-    placebos, and come last: sums along them are what takes the time.
+    """`rows` (U, P + 1 + m, m, D): one below the other g (U, P, m, D), a (U, m, D) and h (U, m, m, D) of a candidate in
+    every unit. D are nodes, or placebos, and come last: sums along them are what takes the time.
     """
 
-    g: Float
-    h: Float
-    a: Float
+    rows: Float
+
+    @property
+    def g(self) -> Float:
+        """Sums of products with the model's columns (U, P, m, D)."""
+        return self.rows[:, : -1 - self.rows.shape[2]]
+
+    @property
+    def a(self) -> Float:
+        """Sums of products with the residual (U, m, D)."""
+        return self.rows[:, -1 - self.rows.shape[2]]
+
+    @property
+    def h(self) -> Float:
+        """Sums of products with each other (U, m, m, D)."""
+        return self.rows[:, -self.rows.shape[2] :]
 
     def of(self, units: Float) -> Gram:
         """Return the sums over units, (S, ...) for rows `units` (S, U) that are one where a unit counts."""
-        sums = ((units @ each.reshape(len(each), -1), each) for each in (self.g, self.h, self.a))
-        return Gram(*(total.reshape(len(units), *each.shape[1:]) for total, each in sums))
+        total = units @ self.rows.reshape(len(self.rows), -1)
+        return Gram(total.reshape(len(units), *self.rows.shape[1:]))
 
     @classmethod
     def summed(cls, both: Float, square: Float) -> Gram:
         """Return the Gram blocks from sums of products with model and residual, (U, V, m, P + 1), and of columns with
         each other, (U, V, m, m).
         """
-        slopes = np.ascontiguousarray(both.transpose(0, 3, 2, 1))
-        return cls(slopes[:, :-1], np.ascontiguousarray(square.transpose(0, 2, 3, 1)), slopes[:, -1])
+        return cls(np.concatenate([both.transpose(0, 3, 2, 1), square.transpose(0, 2, 3, 1)], axis=1))
 
     @classmethod
     def joined(cls, parts: Sequence[Gram]) -> Gram:
         """Return the Gram blocks of several lots of entries (D,) as one."""
-        if len(parts) == 1:
-            return parts[0]
-        return cls(*(np.concatenate(each, axis=-1) for each in zip(*((p.g, p.h, p.a) for p in parts), strict=True)))
+        return parts[0] if len(parts) == 1 else cls(np.concatenate([p.rows for p in parts], axis=-1))
 
     def entries(self, *which: Any) -> Gram:
         """Return those of some entries of D, one index for each axis that it has."""
-        return Gram(self.g[..., *which], self.h[..., *which], self.a[..., *which])
+        return Gram(self.rows[..., *which])
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,8 +65,7 @@ def as_good(
         return evidence.exceed(grams, seen, lambda values: admissible(candidate, values, rules))
 
     if search.own:
-        each = [evidence.shifted(some, v) for v in range(len(search.nodes))]
-        grams = Gram(*(np.stack(part, axis=-2) for part in zip(*((u.g, u.h, u.a) for u in each), strict=True)))
+        grams = Gram(np.stack([evidence.shifted(some, v).rows for v in range(len(search.nodes))], axis=-2))
         return exceed(evidence.trained(evidence.pick(grams, own_nodes(evidence, candidate, grams))))
     out = np.zeros(evidence.draws, dtype=bool)
     for v in range(len(search.nodes)):

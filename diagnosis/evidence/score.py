@@ -263,7 +263,7 @@ def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarr
     and the choice is repeated beside what was chosen.
     """
     if not candidate.change:
-        nodes, entries = grams.a.shape[2:]
+        nodes, entries = grams.rows.shape[3:]
         parts = np.array_split(np.arange(entries), -(-nodes * entries // TOGETHER))
         chosen = [_best_alone(evidence, candidate, grams.entries(slice(None), part)) for part in parts]
         return np.concatenate(chosen, axis=1)
@@ -276,8 +276,8 @@ def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarr
 
 def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarray:
     """Return the node (R, D) at which a candidate gains most where each recording is fitted alone."""
-    shape = grams.a.shape[2:]
-    flat = Gram(*(each.reshape(*each.shape[:-2], -1) for each in (grams.g, grams.h, grams.a)))
+    shape = grams.rows.shape[3:]
+    flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1))
     coefficients, gain = evidence.recording_gains(flat)
     right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
     return np.asarray(np.argmax(np.where(right, gain, -np.inf).reshape(-1, *shape), axis=1))
