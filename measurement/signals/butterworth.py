@@ -177,6 +177,7 @@ def _compiled(
     return out
 
 
+@lru_cache(maxsize=32)
 def _given(
     one: Filter, samples: int, first: int, step: int, count: int, reach: int
 ) -> tuple[list[c_long | c_double], tuple[Float, Float]]:

@@ -14,7 +14,7 @@ from symbolic.motion import Float
 POLES = 2
 """Pairs of poles of the filter that everything goes through."""
 
-FEWEST = 8
+FEWEST = 2
 """Rows from which on filtering in C is worth its call; fewer are filtered by products."""
 
 _SOURCE = """
