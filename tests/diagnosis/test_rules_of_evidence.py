@@ -156,14 +156,13 @@ def test_a_motion_is_not_shifted_by_its_own_period(alike, used):
 def test_the_placebo_of_a_constant_changes_its_sign_every_three_seconds():
     asked: list[np.ndarray] = []
 
-    def shifted(columns, node, trained):
+    def shifted(columns, node, trained, by):
         asked.append(columns[0].values[0, 0, :, 0])
-        return SimpleNamespace(entries=lambda which: SimpleNamespace(entries=lambda left: None))
 
     count = 60 * round(RATE)
     evidence = SimpleNamespace(
         rules=RULES, blocks=[block(np.zeros(count))], fold_losses=np.ones(1), draws=1, shifted=shifted,
-        exceed=lambda grams, least, allowed: np.ones(1, bool),
+        shifts=[np.zeros(1, int)], exceed=lambda grams, least, allowed: np.ones(1, bool),
     )  # fmt: skip
     part = placebo.PlaceboSearch(np.array([0]), False)
     as_good(evidence, SimpleNamespace(candidate=candidate(), share=0.5), at(np.ones(count)), part)

@@ -150,14 +150,14 @@ def test_one_effect_takes_the_place_of_two_where_it_gains_as_much(share, would, 
     model = SimpleNamespace(terms=[])
     evidence = SimpleNamespace(
         sigma=np.ones(1), plain=lambda columns: None, fold_losses=np.ones(1),
-        gain=lambda grams: SimpleNamespace(total=np.array([0.5])),
+        gain=lambda grams: SimpleNamespace(total=np.array([0.5])), within_reach=lambda joints: 1.0,
     )  # fmt: skip
     context = SimpleNamespace(
         rules=RULES,
         without=lambda extension, pair: SimpleNamespace(fitted=SimpleNamespace(model=model)),
         evidence=lambda extension, draws: evidence,
         columns_of=lambda one, fitted: [],
-        library=SimpleNamespace(candidates=[candidate(name="one")]),
+        library=SimpleNamespace(candidates=[candidate(name="one", joints=(0,))]),
         all_weighed=lambda extension, evidence, several: [score(c.name, 0.5 * share, eligible=True) for c in several],
         agreed=lambda extension, evidence, scores: scores,
     )
