@@ -10,6 +10,7 @@ import contextlib
 import errno
 import io
 import os
+import shutil
 import signal
 import stat
 import tempfile
@@ -230,7 +231,7 @@ def _replaceable(target: Path) -> bool:
 
 def _written(target: Path, write: Write) -> Path:
     """Return a whole file beside `target`, with the access rights the target has or would get."""
-    _sweep(target.parent)
+    sweep(target.parent, f"{PREFIX}*{SUFFIX}")
     handle, name = tempfile.mkstemp(prefix=PREFIX, suffix=SUFFIX, dir=target.parent)
     try:
         with os.fdopen(handle, "wb") as stream:
@@ -291,12 +292,12 @@ def _kept(target: Path) -> Path | None:
     return kept
 
 
-def _sweep(folder: Path) -> None:
-    """Remove what processes that were killed left behind more than a day ago."""
-    for left in folder.glob(f"{PREFIX}*{SUFFIX}"):
+def sweep(folder: Path, *patterns: str) -> None:
+    """Remove what processes that were killed left behind in `folder` more than a day ago: files and folders."""
+    for left in (one for pattern in patterns for one in folder.glob(pattern)):
         with contextlib.suppress(OSError):
             if time.time() - left.lstat().st_mtime > ABANDONED:
-                left.unlink()
+                shutil.rmtree(left) if left.is_dir() else left.unlink()
 
 
 @contextlib.contextmanager

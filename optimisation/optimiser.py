@@ -102,7 +102,6 @@ class OptimiserRun(AsJson):
     counts: Float = field(repr=False)
     found_at: Float = field(repr=False)
     found: Float = field(repr=False)
-    optimiser: Any = None
     gap: float | None = None
     state: Any = field(default=None, repr=False)
 
@@ -175,7 +174,6 @@ def minimise(
         np.array(counts, dtype=float),
         np.concatenate(places),
         np.concatenate(values),
-        optimiser,
         state=state,
     )
 

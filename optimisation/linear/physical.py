@@ -36,7 +36,7 @@ from optimisation.linear.factor import factorise
 from optimisation.linear.links import nearest_links, tree_of
 from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
-from optimisation.linear.reference import OPTIONS, Reference, column_scale, loss_expression
+from optimisation.linear.reference import OPTIONS, Reference, column_scale, ended_at, loss_expression
 from optimisation.linear.solve import solve_huber, solve_sse
 from symbolic.mechanics.newton_euler import PARAMETERS
 from symbolic.model import Model
@@ -280,18 +280,11 @@ def physical_reference(data: LinearData, delta: Float, possible: Physics, start:
     answer = solver(
         x0=first / scale, lbx=possible.low / scale, ubx=possible.high / scale, lbg=lower, ubg=[np.inf] * len(lower)
     )
-    stats = solver.stats()
     found = np.asarray(answer["x"]).reshape(-1) * scale
     for bound in (possible.low, possible.high):  # an interior point ends a hair inside
         found = np.where(np.abs(found - bound) <= 1e-10 * scale, bound, found)
     found = possible.inside(found)
-    return Reference(
-        x=found,
-        loss=huber(data.residual(found), delta),
-        iterations=int(stats["iter_count"]),
-        seconds=time.perf_counter() - began,
-        status=str(stats["return_status"]),
-    )
+    return ended_at(found, solver, huber(data.residual(found), delta), began)
 
 
 def certify_physical(

@@ -51,14 +51,13 @@ def solve_reference(data: LinearData, delta: Float) -> Reference:
     problem: Any = {"x": x, "f": loss_expression(data, delta, x, scale)}
     solver = ca.nlpsol("reference", "ipopt", problem, OPTIONS)
     found = np.asarray(solver(x0=np.zeros(scale.size))["x"]).reshape(-1) * scale
+    return ended_at(found, solver, huber(data.residual(found), delta), began)
+
+
+def ended_at(x: Float, solver: Any, loss: float, began: float) -> Reference:
+    """Return what `solver`, begun at the clock's `began` s, found: parameters `x` (P,) and their loss."""
     stats = solver.stats()
-    return Reference(
-        x=found,
-        loss=huber(data.residual(found), delta),
-        iterations=int(stats["iter_count"]),
-        seconds=time.perf_counter() - began,
-        status=str(stats["return_status"]),
-    )
+    return Reference(x, loss, int(stats["iter_count"]), time.perf_counter() - began, str(stats["return_status"]))
 
 
 def column_scale(data: LinearData) -> Float:

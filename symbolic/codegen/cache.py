@@ -12,13 +12,13 @@ import json
 import os
 import shutil
 import tempfile
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ground.cache import cache_folder, distrust, read_trusted
+from ground.delivery import sweep
 from ground.files import sha256, sha256_file
 from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
 from symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, processor
@@ -27,9 +27,6 @@ LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
 
 LARGEST = 200_000_000
 """Bytes of a file of an entry; a library has some hundred thousand."""
-
-LEFTOVER = 86_400.0
-"""Seconds after which an unfinished entry counts as abandoned; a compilation takes at most a minute."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +96,7 @@ def _open(entry: Path) -> CompiledLibrary | None:
 
 
 def _build(entry: Path, source: GeneratedC, compiler: Compiler) -> None:
-    _sweep(entry.parent)
+    sweep(entry.parent, ".building-*", ".damaged-*")
     folder = Path(tempfile.mkdtemp(prefix=".building-", dir=entry.parent))
     try:
         (folder / "library.c").write_text(source.text)
@@ -117,18 +114,6 @@ def _build(entry: Path, source: GeneratedC, compiler: Compiler) -> None:
                 raise
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _sweep(cache: Path) -> None:
-    """Remove what processes that were killed left behind more than a day ago."""
-    for pattern in (".building-*", ".damaged-*"):
-        for folder in cache.glob(pattern):
-            try:
-                old = time.time() - folder.stat().st_mtime > LEFTOVER
-            except OSError:
-                continue
-            if old:
-                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _discard(entry: Path) -> None:

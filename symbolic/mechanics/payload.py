@@ -15,7 +15,6 @@ import numpy as np
 
 from ground.errors import ExoidError
 from symbolic.joints import JOINT_NAME
-from symbolic.mechanics.base_parameters import leg_mixture
 from symbolic.motion import Float, read_only
 
 if TYPE_CHECKING:
@@ -59,17 +58,11 @@ class Payload:
     def __str__(self) -> str:
         return f"{self.link}:{self.mass:g}@{self.along:g}"
 
-    def numbers(self, thigh_length: float) -> Float:
-        """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
-        if self.link not in LINKS:
-            raise self._no_link("thigh or shank")
-        return read_only(leg_mixture(thigh_length)[:, LINKS.index(self.link)] @ self._own)
-
     def added(self, model: Model) -> Float:
-        """Return what it adds to the base parameters of a model's machine; PayloadError where that has no such link."""
-        if not model.chain:
-            return self.numbers(model.thigh_length)
-        names = model.joint_names
+        """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such
+        link.
+        """
+        names = model.joint_names if model.chain else LINKS
         if self.link not in (*names, "shank"):
             raise self._no_link(" or ".join(names))
         index = names.index(self.link) if self.link in names else len(names) - 1
