@@ -65,20 +65,18 @@ class Table:
             raise self.error(key, f"{key} is {_kind(value)}", f"write [[{key}]] with double brackets, once per effect")
         return [replace(self, values=item, path=(*self.path, key, k)) for k, item in enumerate(value)]
 
-    def text_of(self, key: str) -> str:
-        """Return the text under `key`, which must be there."""
+    def text(self, key: str, default: str | None = None) -> str:
+        """Return the text under `key`; where it is not there the default, ModelFileError or the like without one."""
         if key not in self.values:
-            raise self.error(None, f"{key} is missing", f'add {key} = "..."')
+            if default is None:
+                raise self.error(None, f"{key} is missing", f'add {key} = "..."')
+            return default
         value = self.values[key]
         if not isinstance(value, str) or not value.strip():
             raise self.error(key, f"{key} is {_kind(value)}", f'write it in quotes: {key} = "..."')
         if len(value) > 4000:
             raise self.error(key, f"{key} has {len(value)} characters", "shorten it to at most 4000")
         return value
-
-    def text(self, key: str, default: str | None = None) -> str:
-        """Return the text under `key`, or the default where there is one."""
-        return default if default is not None and key not in self.values else self.text_of(key)
 
     def number(
         self, key: str, default: float | None = None, above: float | None = None, below: float | None = None

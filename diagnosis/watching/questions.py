@@ -70,7 +70,7 @@ class Asked(Candidate):
     def load(self, model: Model, base: Float, places: Sequence[float] = PLACES) -> Float:
         """Return the columns (V, J, K) of 1 kg at each of `places`, from the model's (J, K, P)."""
         assert self.link is not None
-        added = np.array([Payload(1.0, along, self.link).added(model) for along in places])
+        added = np.array([Payload(1.0, along, self.link).numbers(model.thigh_length) for along in places])
         return np.moveaxis(base[:, :, : added.shape[1]] @ added.T, 2, 0)
 
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from ground.errors import ExoidError
 from symbolic.mechanics.payload import Payload
-from symbolic.model import Model
 
 KNEE = -0.925
 """rad: the knee in the middle of its range."""
@@ -93,7 +92,7 @@ class Leg:
         """Return the leg with a `mass` kg on the axis of `link`, `along` m from its upper joint; what is fastened to it
         can no longer be distinguished from the segments.
         """
-        rigid = np.add(self.base[:4], Payload(mass, along, link).added(Model.standard(self.thigh_length)))
+        rigid = np.add(self.base[:4], Payload(mass, along, link).numbers(self.thigh_length))
         return replace(self, base=(*rigid.tolist(), *self.base[4:]), thigh=None, shank=None)
 
     @property

@@ -96,7 +96,7 @@ def _texts(table: Table, key: str) -> dict[str, str]:
     if key not in table.values:
         return {}
     inner = table.table(key)
-    return {name: inner.text_of(name) for name in inner.values}
+    return {name: inner.text(name) for name in inner.values}
 
 
 def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, replacing: bool = False) -> Path:

@@ -9,16 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ground.errors import ExoidError
 from symbolic.joints import JOINT_NAME
+from symbolic.model import Model
 from symbolic.motion import Float, read_only
-
-if TYPE_CHECKING:
-    from symbolic.model import Model
 
 LINKS = ("thigh", "shank")
 HEAVIEST, FARTHEST = 200.0, 3.0
@@ -57,6 +54,10 @@ class Payload:
 
     def __str__(self) -> str:
         return f"{self.link}:{self.mass:g}@{self.along:g}"
+
+    def numbers(self, thigh_length: float) -> Float:
+        """Return what it adds to Φ1..Φ4 (4,), kg·m², of a leg whose thigh is `thigh_length` m long."""
+        return self.added(Model.standard(thigh_length))
 
     def added(self, model: Model) -> Float:
         """Return what it adds to the base parameters (P,) of a model's machine; PayloadError where that has no such

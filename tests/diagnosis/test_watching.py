@@ -232,7 +232,7 @@ def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: s
     after = motion.t >= 82.0
     number = np.zeros(len(model.parameters))
     if kind == "payload":
-        number[:4] = Payload(1.5, 0.2, "shank").added(model)
+        number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
     else:
         number[[p.name for p in model.parameters].index(name)] = 1.0
     added = (model.columns(motion) @ number).T
@@ -282,7 +282,7 @@ def test_the_beginning_of_a_slow_change_has_an_interval(seed: int) -> None:
 def test_one_recording_before_and_one_after_are_enough(usual_run) -> None:  # type: ignore[no-untyped-def]
     model, motion, torque = usual_run
     number = np.zeros(len(model.parameters))
-    number[:4] = Payload(1.5, 0.2, "shank").added(model)
+    number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
     tau = torque + 0.5 * np.random.default_rng(8).standard_normal(torque.shape)
     loaded = tau + (model.columns(motion) @ number).T
 

@@ -22,7 +22,7 @@ def with_a_payload(path, seconds=80.0, moment=48.0):
     model, rng = Model.standard(), np.random.default_rng(8)
     motion = random_trajectory(np.random.default_rng(5), period=47.0, harmonics=24).at(np.arange(0.0, seconds, 0.01))
     number = np.zeros(len(model.parameters))
-    number[:4] = Payload(1.5, 0.2, "shank").added(model)
+    number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
     torque = true_model(model, standard_leg().base, ()).torque(motion) + 0.5 * rng.standard_normal(motion.q.shape)
     torque += (motion.t >= moment)[:, None] * (model.columns(motion) @ number).T
     rows = np.column_stack([motion.t, motion.q, torque])

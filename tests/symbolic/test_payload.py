@@ -33,7 +33,7 @@ def loaded(link, mass, along):
 @given(st.sampled_from(["thigh", "shank"]), st.floats(0.1, 20.0), st.floats(-0.5, 0.9), st.integers(0, 10_000))
 def test_a_payload_is_newton_and_eulers(link, mass, along, seed):
     q, dq, ddq = np.random.default_rng(seed).normal(size=(3, 4, 2))
-    payload = Payload(mass, along, link).added(Model.standard(OWN.length))
+    payload = Payload(mass, along, link).numbers(OWN.length)
     motion = Motion(np.arange(4) * 0.1, q, dq, ddq, payload=payload)
     bare = np.concatenate([newton_euler.base_parameters(OWN), np.zeros(4)])
     wanted = [newton_euler.torque(loaded(link, mass, along), *state) for state in zip(q, dq, ddq, strict=True)]
@@ -48,7 +48,7 @@ def test_effects_act_on_the_torque_of_leg_and_payload(name):
     rng = np.random.default_rng(2)
     t = np.arange(200) * 0.01
     wave = np.stack([np.sin(2.0 * t + k) for k in range(2)], axis=1)
-    payload = Payload(3.0, 0.3).added(model)
+    payload = Payload(3.0, 0.3).numbers(model.thigh_length)
     linear = np.concatenate([newton_euler.base_parameters(OWN), [4.0, 2.0, 3.0, 1.2], rng.random(8)])
     linear = linear[: len(model.parameters)]
     heavy = linear.copy()

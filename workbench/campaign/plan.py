@@ -128,7 +128,7 @@ def _texts(top: Table, key: str, value: Any) -> list[str]:
 def _recorded_jobs(
     top: Table, base: Path, verb: str, seed: int
 ) -> tuple[tuple[Job, ...], tuple[str, ...], tuple[str, ...]]:
-    pattern = top.text_of("files")
+    pattern = top.text("files")
     names = tuple(dict.fromkeys(FIELD.findall(pattern)))
     if re.search(r"\}\*?\{|\}\*|\*\{|[^/]\*\*|\*\*[^/]", pattern):
         raise top.error("files", "two fields or * touch each other", "put a character or a folder between them")
