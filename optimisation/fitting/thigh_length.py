@@ -95,8 +95,7 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     """
     model, names = fit.model, list(fit.data.names)
     payload = any(one.motion.payload is not None for one in prepared.train)
-    weightless = getattr(model, "gravity", 0.0) <= 0.0
-    if prepared.misread or model.chain or COUPLING not in names or payload or weightless:
+    if prepared.misread or model.chain or COUPLING not in names or payload:
         return None
     weight = np.concatenate([_weight(one) for one in prepared.train]).T[:, :, None]
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))

@@ -188,9 +188,8 @@ def number_names(model: Model) -> tuple[str, ...]:
 
 def _evaluated(function: Any, motion: Motion, linear: Float, shape: Float, size: int) -> Float:
     state = np.column_stack([motion.t, motion.q, motion.dq, motion.ddq, motion.sign]).T
-    values = function(state, np.concatenate([linear, shape]))
-    flat = np.asarray(values.full() if hasattr(values, "full") else values)
-    return flat.reshape(motion.q.shape[1], len(motion), size)
+    values = np.asarray(function(state, np.concatenate([linear, shape])))
+    return values.reshape(motion.q.shape[1], len(motion), size)
 
 
 def central_differences(model: Model, motion: Motion, linear: Float, shape: Float) -> Float:

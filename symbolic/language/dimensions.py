@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from ground.errors import ExpressionError
 from symbolic.language.tokens import refusal
 from symbolic.language.tree import CONSTANTS, Binary, Call, Name, Node, Number, Unary
 from symbolic.units import NONE, TIME, Dimension
@@ -81,11 +80,8 @@ class _Walk:
         first, word = parts[0], node.function
         if word in PURE:
             if first.dimension not in (NONE, None) and not first.scaled:
-                raise self._refusal(
-                    node.arguments[0],
-                    f"{word}() of a quantity in {first.dimension}",
-                    "divide it by a shape of its unit",
-                )
+                what = f"{word}() of a quantity in {first.dimension}"
+                raise refusal(what, self.text, node.arguments[0].span, "divide it by a shape of its unit")
             return _Quantity(NONE, first.plain)
         if word == "sgn":
             return _Quantity(NONE, first.plain)
@@ -104,20 +100,15 @@ class _Walk:
         own = signal.dimension or NONE
         wanted = {"play": own, "dahl": own**-1, "delay": TIME, "slow": TIME**-1}[node.function]
         if not parameter.plain and parameter.dimension not in (wanted, None):
-            raise self._refusal(
-                node.arguments[1], f"{node.function}() wants {wanted} here, this is in {parameter.dimension}", "mend it"
-            )
+            what = f"{node.function}() wants {wanted} here, this is in {parameter.dimension}"
+            raise refusal(what, self.text, node.arguments[1].span, "mend it")
 
     def _alike(self, node: Binary | Call, parts: Collection[_Quantity]) -> _Quantity:
         """Return what a sum, a max or a min is in; all parts must be in the same unit."""
         known = [part for part in parts if part.dimension is not None and not part.plain]
         if len({part.dimension for part in known}) > 1:
-            raise self._refusal(
-                node, " and ".join(f"{part.dimension}" for part in known) + " are added or compared", "mend a unit"
-            )
+            what = " and ".join(f"{part.dimension}" for part in known) + " are added or compared"
+            raise refusal(what, self.text, node.span, "mend a unit")
         if known:
             return _Quantity(known[0].dimension, False, all(part.scaled for part in known))
         return _Quantity(None if all(part.dimension is None for part in parts) else NONE, plain=True)
-
-    def _refusal(self, node: Node, what: str, remedy: str) -> ExpressionError:
-        return refusal(what, self.text, node.span, remedy)

@@ -45,8 +45,8 @@ class Mechanism:
 
     `tilt` rad turns gravity, `joint_offset` (J,) rad is what each encoder reads too little,
     `base_acceleration` (2,) m/s² is the acceleration of the hip to the front and upwards, `time` the symbol
-    it may depend on. `joints` say who hangs from whom where that is not the leg's chain; `own` is the index of the
-    joint of the effect that is asked to change the mechanism, of the last one for an effect on the whole machine.
+    it may depend on. `joints` (J,) say who hangs from whom; `own` is the index of the joint of the effect that is asked
+    to change the mechanism, of the last one for an effect on the whole machine.
     """
 
     links: tuple[Link, ...]
@@ -55,7 +55,7 @@ class Mechanism:
     joint_offset: tuple[Expr, ...]
     base_acceleration: tuple[Expr, Expr]
     time: Symbol
-    joints: tuple[Joint, ...] = ()
+    joints: tuple[Joint, ...]
     own: int = 0
 
     @property
@@ -92,22 +92,18 @@ class Mechanism:
 
     def absolute_angle(self, index: int) -> Expr:
         """Angle of link `index` from the downward vertical, rad: the joint angles and offsets up to it."""
-        turning = [k for k in self.path(index) if not self.joints or self.joints[k].turns]
+        turning = [k for k in ancestors(self.joints, index) if self.joints[k].turns]
         return sum((self.angle[k] + self.joint_offset[k] for k in turning), start=0 * self.gravity)
-
-    def path(self, index: int) -> tuple[int, ...]:
-        """Return the links from the base to link `index`, itself included."""
-        return ancestors(self.joints, index) if self.joints else tuple(range(index + 1))
 
     def point(self, index: int, along: Expr, across: Expr = 0) -> tuple[Expr, Expr]:
         """Position (x to the front, z upwards) in m of a point on link `index`, seen from the hip."""
         from sympy import cos, sin
 
         x = z = 0 * self.gravity
-        for k in self.path(index):
+        for k in ancestors(self.joints, index):
             phi = self.absolute_angle(k)
             down, out = (along, across) if k == index else (self.links[k].length, 0)
-            if self.joints and not self.joints[k].turns:
+            if not self.joints[k].turns:
                 down += self.angle[k] + self.joint_offset[k]
             x += down * sin(phi) + out * cos(phi)
             z += -down * cos(phi) + out * sin(phi)
@@ -152,7 +148,8 @@ def chain(*suffixes: str) -> Mechanism:
         )
         for suffix in suffixes
     )
-    return Mechanism(links, positive("g"), zero, (zero,) * len(links), (zero, zero), real("t"))
+    joints = tuple(Joint(suffix) for suffix in suffixes)
+    return Mechanism(links, positive("g"), zero, (zero,) * len(links), (zero, zero), real("t"), joints)
 
 
 def machine(joints: tuple[Joint, ...]) -> Mechanism:
