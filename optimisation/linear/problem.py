@@ -94,11 +94,6 @@ class LinearData:
         """The regressor in whitened coordinates, with its rank and condition number."""
         return self.factoriser(self.matrix)
 
-    @property
-    def samples(self) -> int:
-        """Number of usable samples, joints counted one by one."""
-        return int(self.use.sum())
-
     def require_enough(self, joints: Sequence[Joint]) -> None:
         """Refuse data with fewer usable samples than parameters; one of `joints` that never moves may have none."""
         counts = self.use.sum(axis=1)
