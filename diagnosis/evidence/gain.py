@@ -83,7 +83,7 @@ class Evidence:
         self.is_train = self.of < len(self.train)
         self.shifts = draw_shifts([(one.motion, one.rate) for one in blocks], draws, np.random.default_rng(seed), rules)
         self._kept: dict[tuple[int, tuple[int, ...]], tuple[slice, Float, Float]] = {}
-        self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+        self._transforms: dict[tuple[int, int], tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
         bases = [self._unit_base(index, weight) for index, weight in self._units]
         self._base = [np.array(part) for part in zip(*bases, strict=True)]
         self._fits, self._held_out = self._make_splits()
@@ -154,13 +154,12 @@ class Evidence:
         """Return the share of the held-out loss that a candidate at `joints` alone gains at most: what is left at the
         other joints stays, whatever numbers the model takes.
         """
-        least, others = 0.0, np.setdiff1d(np.arange(len(self.sigma)), joints)
+        others = np.setdiff1d(np.arange(len(self.sigma)), joints)
         weights = [robust_weight(b, self.sigma, self.rules)[others] / self.sigma[others, None] ** 2 for b in self.train]
         columns, residuals = ([getattr(b, of)[others] for b in self.train] for of in ("columns", "residual"))
         _, step = weighted_fit(columns, weights, residuals, 0.0 * self.prior)
-        for x, w, r in zip(columns, weights, residuals, strict=True):
-            least += float(np.sum(w * (r - x @ step) ** 2))
-        return 1.0 - least / float(self.fold_losses.sum())
+        least = sum(np.sum(w * (r - x @ step) ** 2) for x, w, r in zip(columns, weights, residuals, strict=True))
+        return 1.0 - float(least / self.fold_losses.sum())
 
     @property
     def unseen_loss(self) -> float:
@@ -289,22 +288,24 @@ class Evidence:
     ) -> None:
         """Write the Gram blocks of the columns, shifted by `shifts` (D,) samples, into (P + 1 + m, m, D)."""
         _, _, samples, width = columns.values.shape
-        crossed = squared = 0.0
+        crossed = squared = 0.0  # many of the model's columns are nothing at a joint
+        live = np.flatnonzero(np.any([self._transform(unit, joint)[0] for joint in columns.joints], axis=0))
         for joint, (single, paired) in zip(columns.joints, spectra, strict=True):
-            base, weight = self._transform(unit, joint)
-            crossed = crossed + single * base[:, None]
+            _, base, weight = self._transform(unit, joint)
+            crossed = crossed + single * base[live, None]
             squared = squared + paired * weight
         both, square = np.fft.irfft(crossed, samples), np.fft.irfft(squared, samples)
-        np.take(both, shifts, axis=-1, out=into[:-width], mode="clip")  # which writes without a copy
+        for row, each in zip(live, both, strict=True):
+            np.take(each, shifts, axis=-1, out=into[row], mode="clip")  # which writes without a copy
         for each, first, second in zip(square, *upper_pairs(width), strict=True):
             into[-width + first, second] = into[-width + second, first] = each[shifts]
 
-    def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray]:
+    def _transform(self, unit: int, joint: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         if (unit, joint) not in self._transforms:
             index, weight = self._units[unit]
             block, w = self.blocks[index], weight[joint]
             both = np.concatenate([block.columns[joint].T, block.residual[[joint]]])
-            self._transforms[unit, joint] = np.fft.rfft(w * both), np.fft.rfft(w)
+            self._transforms[unit, joint] = np.asarray(both.any(axis=1)), np.fft.rfft(w * both), np.fft.rfft(w)
         return self._transforms[unit, joint]
 
     def gain(self, grams: Gram, ridge: float | None = None) -> Gain:
