@@ -30,8 +30,8 @@ QUARTER = 0.5 * math.pi
 
 @dataclass(frozen=True)
 class Convention:
-    """q = `angle` q_file + `zero` and tau = `torque` tau_file (rad, N·m; m, N where a joint slides); `order`: lower
-    ones are applied first.
+    """q = `angle` q_file + `zero` and tau = `torque` tau_file (rad, N·m; m, N where a joint slides), as the file has
+    them where nothing is said; `order`: lower ones are applied first.
 
     `what` completes "it looks as if ...", `explains` says to a user what recordings of this convention hold. `unusual`
     counts, beside another reading with as many names, against it.
@@ -41,9 +41,9 @@ class Convention:
     order: int
     what: str
     explains: str
-    angle: Rows
-    zero: tuple[float, ...]
-    torque: Rows
+    angle: Rows | None = None
+    torque: Rows | None = None
+    zero: tuple[float, ...] = ()
     unusual: float = 0.0
 
 
@@ -117,7 +117,7 @@ def conventions_of_machine(joints: tuple[Joint, ...] = LEG) -> Mapping[str, Conv
     if any(joint.turns for joint in joints):
         degrees = _rows(joints, {(k, k): DEGREE for k, joint in enumerate(joints) if joint.turns})
         found.append(
-            _convention(joints, "degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
+            Convention("degrees", 1, "the angles are in degrees", "the same as --units q=deg", degrees)
         )
     if is_leg(joints):
         words = ((one, *OF_THE_LEG[one.name]) for one in found)
@@ -134,14 +134,6 @@ def _rows(joints: Sequence[Joint], changed: Mapping[tuple[int, int], float]) -> 
     return tuple(tuple(changed.get((k, m), float(k == m)) for m in count) for k in count)
 
 
-def _convention(
-    joints: Sequence[Joint], name: str, order: int, what: str, explains: str, angle: Rows | None = None,
-    torque: Rows | None = None, unusual: float = 0.0,
-) -> Convention:  # fmt: skip
-    same, zero = _rows(joints, {}), (0.0,) * len(joints)
-    return Convention(name, order, what, explains, angle or same, zero, torque or same, unusual)
-
-
 def _swaps(joints: Sequence[Joint]) -> list[Convention]:
     """Return the conventions that exchange the channels of two joints of one kind."""
     found = []
@@ -152,7 +144,7 @@ def _swaps(joints: Sequence[Joint]) -> list[Convention]:
             for part, angle, torque in (("angles", other, None), ("torques", None, other), ("joints", other, other)):
                 name = f"swapped-{part}-{joints[a].name}-{joints[b].name}"
                 what = f"{pair} are swapped" if part == "joints" else f"the {part} of {pair} are swapped"
-                found.append(_convention(joints, name, 0, what, "each is in the other's column", angle, torque))
+                found.append(Convention(name, 0, what, "each is in the other's column", angle, torque))
     return found
 
 
@@ -169,12 +161,12 @@ def _signs(joints: Sequence[Joint]) -> list[Convention]:
             ("negated", 2, f"{angle} and {torque} of {joint.name} have the wrong sign", other, other),
         ):
             explains = f"{what.partition(' has ')[0].partition(' have ')[0]}: counted the other way"
-            found.append(_convention(joints, f"{joint.name}-{name}", order, what, explains, turned, forced))
+            found.append(Convention(f"{joint.name}-{name}", order, what, explains, turned, forced))
     if len(joints) > 1:
         every = _rows(joints, {(k, k): -1.0 for k in range(len(joints))})
         what = "all torques (or all angles) have the wrong sign"
         explains = "torques are what the load exerts on the drives"
-        found.append(_convention(joints, "load-torque", 2, what, explains, torque=every))
+        found.append(Convention("load-torque", 2, what, explains, torque=every))
     return found
 
 
@@ -201,9 +193,9 @@ def _zeros(joints: Sequence[Joint]) -> list[Convention]:
              "points backwards", -QUARTER),
         )  # fmt: skip
         for title, counts, explains, zero in kinds:
-            one = _convention(joints, title, 3, f"the {name} angle counts {counts}", explains)
             shift = tuple(zero if m == k else 0.0 for m in range(len(joints)))
-            found.append(replace(one, zero=shift, unusual=0.1 * title.endswith("-backwards")))
+            what, unusual = f"the {name} angle counts {counts}", 0.1 * title.endswith("-backwards")
+            found.append(Convention(title, 3, what, explains, zero=shift, unusual=unusual))
     return found
 
 
@@ -219,15 +211,15 @@ def _absolute(joints: Sequence[Joint]) -> list[Convention]:
         name = joints[k].name
         what = f"the {name} angle is that of its link against the vertical, not against the link before"
         found.append(
-            _convention(
-                joints, f"absolute-{name}", 4 + k, what, "the sum of the angles from the base to it",
+            Convention(
+                f"absolute-{name}", 4 + k, what, "the sum of the angles from the base to it",
                 _rows(joints, {(k, m): -1.0 for m in above[k]}),
             )
         )  # fmt: skip
         what = f"the {name} torque acts between base and link, not between its link and the one before"
         found.append(
-            _convention(
-                joints, f"base-driven-{name}", 4 + len(joints) + k, what,
+            Convention(
+                f"base-driven-{name}", 4 + len(joints) + k, what,
                 "a drive on the base moves it by a belt or rod",
                 torque=_rows(joints, {(m, k): 1.0 for m in above[k]}), unusual=0.1,
             )
@@ -239,7 +231,7 @@ def _absolute(joints: Sequence[Joint]) -> list[Convention]:
             sums[k, above[k]] = 1.0
         relative = tuple(tuple(float(x) for x in row) for row in np.round(np.linalg.inv(sums)))
         what = "every angle is that of its link against the vertical, not against the link before"
-        found.append(_convention(joints, "absolute-angles", 4, what, "as motion capture gives them", relative))
+        found.append(Convention("absolute-angles", 4, what, "as motion capture gives them", relative))
     return found
 
 
@@ -256,9 +248,7 @@ def gear(joint: int, part: str, ratio: float, joints: Sequence[Joint] = LEG) -> 
     kind = {"": "angle and torque are", "angle": "angle is", "torque": "torque is"}[part]
     what = f"the {of} {kind} on the motor's side of a gear of about {ratio:.4g}"
     name = f"{of}-motor{part and f'-{part}'}={ratio:.4g}"
-    return _convention(
-        joints, name, 1, what, "", None if part == "torque" else turn, None if part == "angle" else force
-    )
+    return Convention(name, 1, what, "", None if part == "torque" else turn, None if part == "angle" else force)
 
 
 def conventions(called: str | Iterable[str], joints: tuple[Joint, ...] = LEG) -> tuple[Convention, ...]:
@@ -299,10 +289,11 @@ class Map:
 
 def combined_map(chosen: Iterable[Convention], joints: Sequence[Joint] = LEG) -> Map:
     """Return the one map that applying `chosen` one after the other makes."""
-    angle, zero, torque = np.eye(len(joints)), np.zeros(len(joints)), np.eye(len(joints))
+    same = np.eye(len(joints))
+    angle, zero, torque = same, np.zeros(len(joints)), same
     for one in chosen:
-        step = np.array(one.angle)
-        angle, zero, torque = step @ angle, step @ zero + one.zero, np.array(one.torque) @ torque
+        step, force = (same if rows is None else np.array(rows) for rows in (one.angle, one.torque))
+        angle, zero, torque = step @ angle, step @ zero + (one.zero or 0.0), force @ torque
     return Map(angle, zero, torque)
 
 

@@ -105,7 +105,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
             job = plan.jobs[k]
             row, page, note = _row(job, keys[k], future, here, root)
             if page is not None:
-                write_whole(folder / "reports" / f"{job_file_name(job.name)}-{keys[k][:16]}.html", page, at_once=True)
+                write_whole(folder / "reports" / f"{job_file_name(job.name, keys[k])}.html", page, at_once=True)
             store.write(job, keys[k], row)
             rows[k] = row
             retried += note != ""

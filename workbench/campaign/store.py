@@ -43,7 +43,7 @@ class JobStore:
 
     def path(self, job: Job, key: str) -> Path:
         """Return where the answer to `job` is kept."""
-        return self._folder / f"{job_file_name(job.name)}-{key[:16]}.json"
+        return self._folder / f"{job_file_name(job.name, key)}.json"
 
     def read(self, job: Job, key: str) -> dict[str, Any] | None:
         """Return the row of `job` if it is there, whole and unchanged."""
@@ -77,10 +77,10 @@ def task_of(job: Job, *, ships: bool, report: bool, versions: Mapping[str, str])
     }  # fmt: skip
 
 
-def job_file_name(name: str) -> str:
-    """Return a name as a file name: letters, digits, dot, dash and underscore only."""
+def job_file_name(name: str, key: str) -> str:
+    """Return what the files of a job are called, without suffix: letters, digits, dot, dash and underscore only."""
     kept = "".join(c if c.isascii() and (c.isalnum() or c in "._") else "-" for c in name)
-    return kept.strip("-.")[:80] or "job"
+    return f"{kept.strip('-.')[:80] or 'job'}-{key[:16]}"
 
 
 def _checksum(key: str, row: Mapping[str, Any]) -> str:

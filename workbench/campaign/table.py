@@ -11,6 +11,7 @@ from typing import Any
 
 from ground.files import write_whole
 from workbench.campaign.plan import Plan
+from workbench.campaign.store import job_file_name
 from workbench.report.sections.verdict import term
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -40,7 +41,8 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
     }
     out["reason"] = row.get("reason", "")
     out["versions"] = ", ".join(f"{name} {number}" for name, number in sorted(row.get("versions", {}).items()))
-    return out | {"report": report_of(row), "key": row["key"]}
+    report = f"reports/{job_file_name(row['name'], row['key'])}.html" if row.get("report") else ""
+    return out | {"report": report, "key": row["key"]}
 
 
 def effect_name(one: Mapping[str, Any]) -> str:
@@ -103,13 +105,6 @@ def blind_lines(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def unreadable(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Return a row per recording that could not be read, with the reason."""
     return [{"job": row["name"], **one} for row in rows for one in row.get("unreadable", [])]
-
-
-def report_of(row: Mapping[str, Any]) -> str:
-    """Return the path of a job's report beside the page, "" where there is none."""
-    from workbench.campaign.store import job_file_name
-
-    return f"reports/{job_file_name(row['name'])}-{row['key']}.html" if row.get("report") else ""
 
 
 def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Path]:

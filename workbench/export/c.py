@@ -64,7 +64,8 @@ void {n}_forward_dynamics({_arguments("t q dq base tau > ddq", size, moving)});
 """
     )
     motion = _arguments("t q dq ddq base > tau", size, moving)
-    sliding = "" if _turning(ready) else ", N for N.m and m for rad where a joint slides"
+    turning = all(joint.turns for joint in ready.model.joints)
+    sliding = "" if turning else ", N for N.m and m for rad where a joint slides"
     return f"""/* {in_comment(ready.model.name)}:
  * torque of a {_machine(ready)}, with identified numbers. Written by exoid.
  *
@@ -143,10 +144,6 @@ def _machine(ready: Ready) -> str:
 
 def _size(ready: Ready) -> str:
     return "" if ready.model.chain else f"thigh {ready.model.thigh_length:g} m, "
-
-
-def _turning(ready: Ready) -> bool:
-    return all(joint.turns for joint in ready.model.joints)
 
 
 def _ascii(unit: str) -> str:
