@@ -85,13 +85,9 @@ def without_knee_drive(leg: Leg) -> Leg:
 def kept_in(convention: str, runs: Sequence[BenchRun]) -> list[BenchRun]:
     """Return the runs as a lab would log them that keeps `convention`."""
     to = combined_map(conventions(convention))
-    angle, torque = np.linalg.inv(to.angle).T, np.linalg.inv(to.torque).T
-    return [
-        replace(
-            run, recording=replace(run.recording, q=(run.recording.q - to.zero) @ angle, tau=run.recording.tau @ torque)
-        )
-        for run in runs
-    ]
+    logged = (to.undone(run.recording.q, run.recording.tau) for run in runs)
+    pairs = zip(runs, logged, strict=True)
+    return [replace(run, recording=replace(run.recording, q=q, tau=tau)) for run, (q, tau) in pairs]
 
 
 CONVENTION, PASSIVE = "convention", "passive"

@@ -45,8 +45,8 @@ def run_case(name: str) -> dict[str, Any]:
         "unexplained": found.to_json()["unexplained"],
         "suspects": [
             [s.name, s.explained_share, s.p_value, s.caution]
-            for s in found.suspects
-            if _worth_showing(s.name, case, found)
+            for k, s in enumerate(found.suspects)
+            if k < SHOWN_SUSPECTS or s.name in case.variants
         ],
         "rms": {"base": first.tolist(), "found": last.tolist(), "true": best},
         "floor": found.noise_floor.tolist(),
@@ -55,10 +55,6 @@ def run_case(name: str) -> dict[str, Any]:
         "saturated": max(run.saturated for run in runs),
         "seconds": seconds,
     }
-
-
-def _worth_showing(name: str, case: Case, found: Diagnosis) -> bool:
-    return name in case.variants or name in [s.name for s in found.suspects[:SHOWN_SUSPECTS]]
 
 
 def _accepted(one: Any) -> dict[str, Any]:

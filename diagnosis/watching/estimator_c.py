@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT
-
-_LOADED: dict[str, CompiledLibrary | None] = {}
 
 
 def filled(text: str, values: Mapping[str, Any]) -> str:
@@ -30,11 +29,13 @@ def layout(count: int, joints: int) -> np.dtype[Any]:
 
 def kernel(values: Mapping[str, Any]) -> Any:
     """Return the compiled function for the constants `values`; None without a compiler."""
-    text = filled(_KERNEL, {"FIELDS": FIELDS, "ESTIMATION": ESTIMATION, "TYPE": "exoid_estimator", **values})
-    if text not in _LOADED:
-        _LOADED[text] = load_library("estimator", text, EXACT, lambda: GeneratedC(text, EXACT, {}))
-    found = _LOADED[text]
+    found = _loaded(filled(_KERNEL, {"FIELDS": FIELDS, "ESTIMATION": ESTIMATION, "TYPE": "exoid_estimator", **values}))
     return None if found is None else found.c.exoid_estimate
+
+
+@cache
+def _loaded(text: str) -> CompiledLibrary | None:
+    return load_library("estimator", text, EXACT, lambda: GeneratedC(text, EXACT, {}))
 
 
 FIELDS = """  double linear[@P@];   /* the numbers as they are now */

@@ -57,7 +57,7 @@ def undone(motion: Smooth, names: tuple[str, ...]) -> Smooth:
     """Return `motion` as it was before the conventions `names` were taken into account."""
     to = combined_map(conventions(names, motion.joints), motion.joints)
     back = np.linalg.inv(to.angle).T
-    q, tau = (motion.q - to.zero) @ back, motion.tau @ np.linalg.inv(to.torque).T
+    q, tau = to.undone(motion.q, motion.tau)
     return replace(motion, q=q, dq=motion.dq @ back, ddq=motion.ddq @ back, tau=tau)
 
 

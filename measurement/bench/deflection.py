@@ -46,7 +46,7 @@ def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
         words |= {"tau_rigid": smooth[:, joint]}
         words |= {key: numbers[f"{term.name}.{key}"] for key in term.effect.shape}
         for key, angle in (term.effect.deflection or {}).items():
-            turned[:, joint] += numbers[f"{term.name}.{key}"] * _angle(angle, words)
+            turned[:, joint] += numbers[f"{term.name}.{key}"] * to_numpy(parse(angle, words.keys()), words)
     speed = np.gradient(turned, t, axis=0, edge_order=2)
     moving = link.dq + speed
     # A joint that sticks has a sign between -1 and 1; its motor sticks with it.
@@ -66,7 +66,3 @@ def rigid_torque(true: TrueModel, motion: Motion) -> Float:
     linear = np.array([numbers[entry.name] for entry in bare.parameters])
     linear[len(bare.inertial) : bare.base_count] = 0.0
     return model_torque(bare, motion, linear, np.array([numbers[entry.name] for entry in bare.shapes]))
-
-
-def _angle(text: str, words: dict[str, Any]) -> Float:
-    return to_numpy(parse(text, words.keys()), words)

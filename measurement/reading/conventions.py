@@ -286,6 +286,10 @@ class Map:
     zero: Float
     torque: Float
 
+    def undone(self, q: Float, tau: Float) -> tuple[Float, Float]:
+        """Return angles and torques (N, J) as the file had them."""
+        return (q - self.zero) @ np.linalg.inv(self.angle).T, tau @ np.linalg.inv(self.torque).T
+
 
 def combined_map(chosen: Iterable[Convention], joints: Sequence[Joint] = LEG) -> Map:
     """Return the one map that applying `chosen` one after the other makes."""

@@ -54,7 +54,8 @@ def run(args: argparse.Namespace) -> int:
     for note in plan.notes:
         screen.say(note, "warn")
     if args.dry_run:
-        _show_jobs(screen, plan)
+        rows = [(job.name, job.verb, len(job.recordings), len(job.verify), job.model or "") for job in plan.jobs]
+        screen.table(f"{len(rows)} jobs", ("job", "command", "to fit", "held out", "model"), rows)
         if args.json:
             write_json(args.json, {"schema": "exoid.campaign_plan/1", "jobs": plan.jobs})
         return 0
@@ -87,11 +88,6 @@ def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     from ground.engines.local import local
 
     return local(args.jobs)
-
-
-def _show_jobs(screen: Screen, plan: Plan) -> None:
-    rows = [(job.name, job.verb, len(job.recordings), len(job.verify), job.model or "") for job in plan.jobs]
-    screen.table(f"{len(rows)} jobs", ("job", "command", "to fit", "held out", "model"), rows)
 
 
 def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None:

@@ -117,10 +117,6 @@ def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
     return {"explained": found}
 
 
-def _save(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
-    return {"folder": str(takeaway.save(workspace, Path(str(told["folder"]))))}
-
-
 def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
     if workspace.given:
         raise RecordingError("recordings are open already", remedy="close them first, or open the session by itself")
@@ -145,7 +141,7 @@ ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
     "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
     "reopen": _reopen,
     "role": lambda workspace, told: workspace.use_as(int(told["file"]), str(told["role"])),
-    "save": _save,
+    "save": lambda workspace, told: {"folder": str(takeaway.save(workspace, Path(str(told["folder"]))))},
     "switch": lambda workspace, told: workspace.change_history(lambda history: history.switch(str(told["effect"]))),
     "undo": lambda workspace, told: workspace.change_history(lambda history: history.undo()),
 }

@@ -124,7 +124,9 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "layers": _layers(workspace, session),
         "history": _history(workspace, session),
         "verdict": _verdict(workspace, session),
-        "ranking": None if ranking is None else _ranking(ranking),
+        "ranking": None if ranking is None else {
+            **picked(ranking, "weighed finished"), "suspects": [_suspect(ranking, score) for score in ranking.scores],
+        },
     }
 
 
@@ -215,10 +217,6 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
         text += " Nothing is held out: hold a recording back to see whether it holds on unseen motion."
     return {"kind": "near_noise" if near else "open", "sentence": text, "judged": False,
             "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
-
-
-def _ranking(ranking: Ranking) -> dict[str, Any]:
-    return picked(ranking, "weighed finished") | {"suspects": [_suspect(ranking, score) for score in ranking.scores]}
 
 
 def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
