@@ -149,15 +149,19 @@ class Recording:
             remedy="give the machine's model with --model FILE, or read_recording(FILE, joints=model.joints)",
         )
 
+    @property
+    def quantities(self) -> dict[str, Float]:
+        """What it holds of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq, tau and f."""
+        every = {"q": self.q, "dq": self.dq, "ddq": self.ddq, "tau": self.tau, "f": self.force}
+        return {name: values for name, values in every.items() if values is not None}
+
     def columns(self) -> dict[str, Float]:
         """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are
         NaN."""
         out: dict[str, Float] = {"t": self.t}
-        for name, label in (("q", "q"), ("dq", "dq"), ("ddq", "ddq"), ("tau", "tau"), ("force", "f")):
-            pair = getattr(self, name)
-            if pair is not None:
-                for joint in range(len(self.joints)):
-                    out[f"{label}{joint + 1}"] = np.where(self.valid, pair[:, joint], np.nan)
+        for label, values in self.quantities.items():
+            for joint in range(len(self.joints)):
+                out[f"{label}{joint + 1}"] = np.where(self.valid, values[:, joint], np.nan)
         if self.base is not None:
             out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(BASE_COLUMNS)}
         return out

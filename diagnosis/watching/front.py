@@ -115,13 +115,12 @@ class Samples:
 
     def part(self, first: int, last: int | None = None) -> Samples:
         """Return the samples from `first` to before `last`."""
-        at = slice(first, last)
-        return Samples(*(getattr(self, name)[at] for name in ("t", "q", "dq", "ddq", "tau", "good")))
+        return Samples(*(values[first:last] for values in vars(self).values()))
 
     @classmethod
     def joined(cls, parts: Sequence[Samples]) -> Samples:
         """Return several stretches as one."""
-        return cls(*(np.concatenate([getattr(p, n) for p in parts]) for n in ("t", "q", "dq", "ddq", "tau", "good")))
+        return cls(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
 
     @classmethod
     def none(cls, joints: int) -> Samples:

@@ -47,20 +47,10 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
     only."""
     at = np.flatnonzero(recording.valid)
     whole = at.size == len(recording)
-    fields = {
-        "q": recording.q,
-        "dq": recording.dq,
-        "ddq": recording.ddq,
-        "tau": recording.tau,
-        "f": recording.force,
-    }
-    for key in keys:
-        pair = fields[key]
-        if pair is None:
-            continue
-        for j, joint in enumerate(recording.joints):
+    for key, values in recording.quantities.items():
+        for j, joint in enumerate(recording.joints if key in keys else ()):
             label = f"{joint.name} {WORDS[key][not joint.turns]}"
-            yield Channel(f"{key}{j + 1}", label, joint.unit(key), pair[:, j] if whole else pair[at, j], at, joint)
+            yield Channel(f"{key}{j + 1}", label, joint.unit(key), values[:, j] if whole else values[at, j], at, joint)
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -103,11 +104,9 @@ def _liveliest(recording: Recording) -> Recording:
 def _between(one: Recording, start: float, stop: float) -> Recording:
     """Return the rows from `start` to `stop` s, as copies: a view would keep the whole piece in memory."""
     first, last = np.searchsorted(one.t, [start, stop])
-    cut: dict[str, object] = {}
-    for key in ("t", "q", "tau", "valid", "dq", "ddq", "force", "row"):
-        value = getattr(one, key)
-        cut[key] = None if value is None else value[first:last].copy()
-    return replace(one, **cut)  # type: ignore[arg-type]
+    arrays = {name: value for name, value in vars(one).items() if isinstance(value, np.ndarray)}
+    cut: dict[str, Any] = {name: value[first:last].copy() for name, value in arrays.items()}
+    return replace(one, **cut)
 
 
 def _motion(one: Recording) -> float:

@@ -6,6 +6,7 @@ import pytest
 from tables import leg
 
 from ground.errors import RecordingError
+from measurement.reading import large
 from measurement.reading.read import read_recordings
 
 
@@ -42,6 +43,14 @@ def test_parquet_is_cut_alike(day, tmp_path):
     run = runs[-1]
     first = int(run.row[0]) - 1
     np.testing.assert_allclose(run.tau[:, 1], day["tau2"].to_numpy()[first : first + len(run)])
+
+
+def test_a_measured_base_is_cut_with_its_recording(day, tmp_path, monkeypatch):
+    monkeypatch.setattr(large, "STRETCH", 20.0)
+    path = tmp_path / "day.csv"
+    path.write_text(day.assign(base_angle=0.01 * np.sin(day["t"])).to_csv(index=False))
+    for run in read_recordings([path], most_bytes=1_200_000):
+        np.testing.assert_allclose(run.base[:, 0], 0.01 * np.sin(day["t"].to_numpy()[run.row - 2]), atol=1e-9)
 
 
 def test_what_is_wrong_in_one_piece_is_said(day, tmp_path):

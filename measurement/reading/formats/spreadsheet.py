@@ -106,8 +106,8 @@ def _table(rows: list[list[Any]], where: str) -> RawTable | None:
     for k in range(width):
         cells = [_cell(row[k]) if k < len(row) else None for row in rows[first:]]
         name, unit = split_unit(named[k] if k < len(named) else "")
-        if name or any(cell not in (None, "") for cell in cells):
-            columns.append(column_from_cells(name or str(k + 1), _numbers(cells), units[k] if k < len(units) else unit))
+        if name or any(cell is not None for cell in cells):
+            columns.append(column_from_cells(name or str(k + 1), cells, units[k] if k < len(units) else unit))
             columns[-1] = replace(columns[-1], unit=columns[-1].unit or unit)
     notes = (Finding("format", "info", FLEXION, where, remedy="if it is not: --map q1=COLUMN"),) if axes else ()
     above = "\n".join("\t".join(row) for row in head)
@@ -126,12 +126,5 @@ def _share(row: list[str], test: Any) -> float:
 
 
 def _cell(cell: Any) -> Any:
-    """Return a cell as a number or a text; a time of day is what a clock would show."""
-    return cell[0] if isinstance(cell, list) else cell
-
-
-def _numbers(cells: list[Any]) -> Any:
-    """Return an array where every cell is a number or empty, else the cells as they are."""
-    if all(cell in (None, "") or (isinstance(cell, (int, float)) and not isinstance(cell, bool)) for cell in cells):
-        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells])
-    return cells
+    """Return a cell as a number or a text, None where it is empty; a time of day is what a clock would show."""
+    return cell[0] if isinstance(cell, list) else None if cell == "" else cell

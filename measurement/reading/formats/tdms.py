@@ -37,18 +37,17 @@ def read(path: Path) -> RawTable:
         # The package raises whatever the bytes of a damaged file happen to hit.
         with damaged("TDMS file", path, (Exception,)), Within(path) as stream, nptdms.TdmsFile.open(stream) as file:
             budget = Budget(str(path))
-            for group in file.groups():
-                for channel in group.channels():
-                    budget.count()
-                    kind = np.dtype(channel.dtype)
-                    each = TEXT if kind.hasobject else SCALED * max(8, kind.itemsize)
-                    budget.take(each * len(channel), f"channel {str(channel.name)[:40]}")
-            for group in file.groups():
-                for channel in group.channels():
-                    name = f"{group.name}.{channel.name}" if len(file.groups()) > 1 else str(channel.name)
-                    arrays[name] = channel[:]
-                    units[name] = str(channel.properties.get("unit_string", ""))
-                    steps.append(float(channel.properties.get("wf_increment", 0.0) or 0.0))
+            channels = [(group, channel) for group in file.groups() for channel in group.channels()]
+            for _, channel in channels:
+                budget.count()
+                kind = np.dtype(channel.dtype)
+                each = TEXT if kind.hasobject else SCALED * max(8, kind.itemsize)
+                budget.take(each * len(channel), f"channel {str(channel.name)[:40]}")
+            for group, channel in channels:
+                name = f"{group.name}.{channel.name}" if len(file.groups()) > 1 else str(channel.name)
+                arrays[name] = channel[:]
+                units[name] = str(channel.properties.get("unit_string", ""))
+                steps.append(float(channel.properties.get("wf_increment", 0.0) or 0.0))
     finally:
         console.setStream(before)
     texts = [text[:150] for text in said.getvalue().splitlines() if text.isprintable() and "reader WARNING" in text]
