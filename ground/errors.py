@@ -24,6 +24,12 @@ class ExoidError(Exception):
         return f"{place}{self.what}{advice}"
 
 
+    def about(self, name: str, place: object) -> ExoidError:
+        """Return the same error about a file called `name`, which lies at `place`."""
+        what, where, remedy = (text.replace(str(place), name) for text in (self.what, self.where, self.remedy))
+        return type(self)(what, where=where, remedy=remedy)
+
+
 class ExpressionError(ExoidError):
     """A torque text that the grammar refuses; `where` carries the text with a caret under the offence."""
 

@@ -13,7 +13,7 @@ from diagnosis.watching.plots import numbers_figure
 from diagnosis.watching.watcher import Settings, Watcher
 from ground.errors import RecordingError
 from ground.html import bullets
-from ground.plain import plain_dict
+from ground.plain import AsJson
 from measurement.recording import Recording
 from symbolic.effect import Effect
 from symbolic.model import Model
@@ -29,11 +29,13 @@ SHARE = 0.33
 
 
 @dataclass(frozen=True, eq=False)
-class Replay:
+class Replay(AsJson):
     """What a watch reported of a recording: its `events`, and from when on it knew each number of the model.
 
     `values`, `low` and `high` (K, P) are the numbers and their 95 % intervals at times `t` (K,) s.
     """
+
+    JSON = "events t numbers until"
 
     events: tuple[Event, ...]
     names: tuple[str, ...]
@@ -50,14 +52,11 @@ class Replay:
     def _repr_html_(self) -> str:
         return bullets([repr(one) for one in self.events])
 
-    def to_json(self) -> dict[str, Any]:
-        """Return everything in plain types."""
-        numbers = {
-            name: {"unit": unit, "value": self.values[:, k], "low": self.low[:, k], "high": self.high[:, k]}
-            for k, (name, unit) in enumerate(zip(self.names, self.units, strict=True))
-        }
-        events = [one.to_json() for one in self.events]
-        return plain_dict({"events": events, "t": self.t, "numbers": numbers, "until": self.until})
+    @property
+    def numbers(self) -> dict[str, dict[str, Any]]:
+        """Unit, values and interval over time of every number."""
+        rows = zip(self.names, self.units, self.values.T, self.low.T, self.high.T, strict=True)
+        return {name: dict(zip(("unit", "value", "low", "high"), row, strict=True)) for name, *row in rows}
 
     def plot(self) -> Figure:
         """Draw every number over time with its interval, and when something changed."""

@@ -258,9 +258,7 @@ def read_table(path: Path, where: str = "") -> RawTable:
     except RecordingError as error:
         if not where or where == str(path):
             raise
-        raise RecordingError(
-            error.what, where=error.where.replace(str(path), where), remedy=error.remedy.replace(str(path), where)
-        ) from error
+        raise error.about(where, path) from error
 
 
 def _format_of(path: Path) -> ModuleType:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError, RecordingError
+from ground.errors import ExoidError
 from ground.text import printable
 from measurement.reading.mapping import StatedMapping
 
@@ -64,7 +64,7 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
             given = replace(given, told=given.told.over(kept))
         recordings = read_as_told(given.path, given.told, joints)
     except ExoidError as error:
-        return replace(given, recordings=(), error=without_path(error, given.path, given.name), read=True)
+        return replace(given, recordings=(), error=error.about(given.name, given.path), read=True)
     stem = Path(given.name).stem or given.name
     if len(recordings) == 1:
         recordings = (replace(recordings[0], name=stem),)
@@ -134,9 +134,3 @@ def _column(column: Any) -> dict[str, Any]:
         "high": float(good.max()) if good.size else None,
         "first": first,
     }
-
-
-def without_path(error: ExoidError, path: Path, name: str) -> ExoidError:
-    """Return the error with the name of a file instead of the place where it was stored."""
-    texts = [text.replace(str(path), name) for text in (error.what, error.where, error.remedy)]
-    return RecordingError(texts[0], where=texts[1], remedy=texts[2])

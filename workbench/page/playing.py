@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
+from ground.plain import AsJson
 from workbench.page.given import error_json, internal
 
 if TYPE_CHECKING:
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
     from symbolic.model import Model
 
 
-class BackgroundWatch:
+class BackgroundWatch(AsJson):
     """A recording that is being played; `touch` is called whenever there is more to show."""
+
+    JSON = "recording=index running blocks fraction error"
 
     def __init__(
         self, model: Model, recording: Recording, index: int, extra: Sequence[Effect], touch: Callable[[], object]
@@ -34,16 +37,11 @@ class BackgroundWatch:
         """End it at the next block."""
         self.cancelled = True
 
-    def to_json(self) -> dict[str, Any]:
-        """Return how far it is."""
+    @property
+    def fraction(self) -> float:
+        """Share of the recording that is played."""
         until = self.recording.t[0] if self.played is None else self.played.until
-        return {
-            "recording": self.index,
-            "running": self.running,
-            "blocks": self.blocks,
-            "fraction": min(1.0, float(until - self.recording.t[0]) / max(self.recording.duration, 1e-9)),
-            "error": self.error,
-        }
+        return min(1.0, float(until - self.recording.t[0]) / max(self.recording.duration, 1e-9))
 
     def whole(self) -> dict[str, Any]:
         """Return what was reported and the numbers so far."""

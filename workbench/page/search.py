@@ -28,8 +28,8 @@ class BackgroundSearch:
         self.cancelled = False
         self._then = then
         self._read = 0
-        folder = tempfile.mkdtemp(prefix="exoid-search-")
-        self._told = Path(folder) / "told.jsonl"
+        self._folder = tempfile.TemporaryDirectory(prefix="exoid-search-", ignore_cleanup_errors=True)
+        self._told = Path(self._folder.name) / "told.jsonl"
         self._engine = alone()
         self._future: Future[Any] = self._engine.executor.submit(_search, session.light(), names, str(self._told))
         self._future.add_done_callback(self._done)
@@ -42,9 +42,7 @@ class BackgroundSearch:
     def look(self) -> bool:
         """Take in what the process has told since last time; whether it told anything."""
         try:
-            with self._told.open("rb") as stream:
-                stream.seek(self._read)
-                content = stream.read()
+            content = self._told.read_bytes()[self._read :]
         except OSError:
             return False
         whole, newline, _ = content.rpartition(b"\n")
@@ -61,7 +59,7 @@ class BackgroundSearch:
         """End it now."""
         self.cancelled = True
         self._engine.close(False)
-        self._clear()
+        self._folder.cleanup()
 
     def _done(self, future: Future[Any]) -> None:
         if self.cancelled:
@@ -75,12 +73,7 @@ class BackgroundSearch:
             found, error = None, f"the search ended before its time ({type(problem).__name__}); start it again"
         self._then(found, error)
         self._engine.executor.shutdown(wait=False)
-        self._clear()
-
-    def _clear(self) -> None:
-        self._told.unlink(missing_ok=True)
-        if self._told.parent.exists():
-            self._told.parent.rmdir()
+        self._folder.cleanup()
 
 
 def _search(session: Session, names: tuple[str, ...], path: str) -> Diagnosis:

@@ -19,7 +19,7 @@ from ground.errors import ExoidError, RecordingError, refused
 from ground.files import write_whole
 from ground.plain import picked, plain
 from measurement.signals.methods import BUTTERWORTH
-from workbench.page.given import FIT, VERIFY, safe_name, without_path
+from workbench.page.given import FIT, VERIFY, safe_name
 
 if TYPE_CHECKING:
     from workbench.page.given import Given
@@ -127,7 +127,7 @@ def exported(workspace: Workspace, kind: str) -> bytes:
         try:
             files = exporter(kind).write(read_ready(str(model)), Options())
         except ExoidError as error:
-            raise without_path(error, model, MODEL) from error
+            raise error.about(MODEL, model) from error
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in files.items():

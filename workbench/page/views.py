@@ -12,7 +12,7 @@ from optimisation.linear.links import tree_of
 from symbolic.joints import parents
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
 from workbench.exporting import formats
-from workbench.page.given import VERIFY, error_json, without_path
+from workbench.page.given import VERIFY, error_json
 from workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
     """Return everything but the time series."""
     session, problem = workspace.session, workspace.problem or workspace.keeping.unkept
     for one in workspace.given:
-        problem = None if problem is None else without_path(problem, one.path, one.name)
+        problem = None if problem is None else problem.about(one.name, one.path)
     out: dict[str, Any] = {
         "version": workspace.version,
         "files": [_file(one) for one in workspace.given],
