@@ -58,6 +58,8 @@ class Shape:
     turns: bool = False
     counts_angle: bool = False
     """Whether it is a number per rad although its unit is 1 (cycles per turn), so that it is one per m of a slide."""
+    sharp: bool = False
+    """Whether its lowest value stands for the same effect without any transition, so that it is no limit there."""
 
 
 @dataclass(frozen=True)

@@ -64,20 +64,23 @@ def _overshadowed(
     context: SearchContext, extension: Extension, evidence: Evidence, score: Score, scores: Sequence[Score]
 ) -> str:
     """Return that a candidate takes up part of what another one explains far better, which most splits support, but too
-    few to accept it; "" where none does. What is missing is then not known, and the lesser one is hardly it.
+    few to accept it, or against which something else speaks; "" where none does. What is missing is then not known, and
+    the lesser one is hardly it.
     """
-    rules = context.rules
+    rules, key = context.rules, context.key(extension)
     own: tuple[Score, list[Columns]] | None = None
     for lead in scores:
-        if lead.steady or lead.caution or not lead.helps or lead.share <= rules.dominant * score.share:
+        if lead.caution or not lead.helps or lead.share <= rules.dominant * score.share:
             continue
-        if lead.agreement is None or not (lead.agreement.share or 0.0) > 0.5:
+        refused, told = context.doubts.get((key, lead.name)), lead.agreement
+        if refused is None and (lead.steady or told is None or not (told.share or 0.0) > 0.5):
             continue
         own = own or context.refined(evidence, extension, score)
         if not gains_beside(evidence, context.refined(evidence, extension, lead), *own):
+            why = "" if told is None else f"supported by {told.accepted} of {told.of} splits of the recordings"
             return (
                 f"explains {100 * score.share:.1f} %, and {lead.name} explains {100 * lead.share:.1f} % and that too, "
-                f"supported by {lead.agreement.accepted} of {lead.agreement.of} splits of the recordings"
+                + (why if refused is None else f"but is doubted: {refused.reason}")
             )
     return ""
 

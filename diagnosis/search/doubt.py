@@ -75,7 +75,7 @@ def on_bound(fitted: FittedModel, name: str, rules: Rules) -> str:
         if entry.term != name or shape.choices or shape.per_recording:
             continue
         unit = to_unit(shape, float(value))
-        if min(unit, 1.0 - unit) < rules.at_bound:
+        if min(1.0 if shape.sharp else unit, 1.0 - unit) < rules.at_bound:
             side, limit = ("lowest", shape.min) if unit < 0.5 else ("highest", shape.max)
             return (
                 f"{entry.name} = {value:.3g} {shape.unit} is the {side} value this effect can have ({limit:g}): "

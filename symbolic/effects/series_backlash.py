@@ -24,6 +24,7 @@ EFFECT = Effect(
             points=9,
             typical=1.0,
             explains="load within which the gap is crossed",
+            sharp=True,
         )
     },
     explains=(
