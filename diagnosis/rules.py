@@ -155,7 +155,9 @@ class Rules:
         "offset would be ambiguous beside a drift that began long ago",
     )
     dominant: float = _rule(
-        ALIKE, 2.0, "times the gain of one that too few splits support: a part of it is accepted in its place"
+        ALIKE,
+        2.0,
+        "times the gain of one that too few splits support, or that is doubted: a part of it is accepted in its place",
     )
     refinements: int = _rule(ALIKE, 3, "rounds of refinement of a shape value: a coarse grid decides nothing")
 

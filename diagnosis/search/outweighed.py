@@ -22,20 +22,27 @@ def outweighed(context: SearchContext, state: State) -> State:
 
     These are terms at whose joints all terms together explain little of what is more than noise, where the curve
     explains more than they do and the error is far above the noise. At any distance from the noise it is a term that
-    explains less than the curve at its joint and either follows the model's own torque (elastic, late), which takes up
-    part of nearly anything, or gains little at all joints together.
+    explains less than the curve: one that gains little at all joints together, at the joint of the curve; and one that
+    follows the model's own torque (elastic, late) wherever it acts, as part of what is left there. That takes up part
+    of nearly anything, and what nobody explains at one joint bends the inertias that are in the torque of every other.
     """
     left = state.left
     if left is None or not state.accepted:
         return state
-    by_curve = left.joint_share * float(state.last.fitted.evaluation_rms[left.index] ** 2)
+    rest = state.last.fitted.evaluation_rms**2
+    by_curve = left.joint_share * float(rest[left.index])
+
+    def behind(before: Extension, after: Extension) -> bool:
+        """Whether the curve explains more than the term that `after` adds."""
+        assert after.added is not None
+        taken, term = _taken(before, after), after.added.candidate.term
+        if is_transform(term):
+            return bool(np.sum((taken / rest)[list(term.reaches)]) < left.joint_share)
+        here = left.index in term.reaches and taken[left.index] < by_curve
+        return bool(here and _gain(context, before, after) < context.rules.small_gain)
+
     names = _far_from_the_noise(context, state, left, by_curve) or [
-        after.added.name
-        for before, after in pairwise(state.extensions)
-        if after.added is not None
-        and left.index in after.added.candidate.term.reaches
-        and _taken(before, after)[left.index] < by_curve
-        and (is_transform(after.added.candidate.term) or _gain(context, before, after) < context.rules.small_gain)
+        score.name for score, pair in zip(state.accepted, pairwise(state.extensions), strict=True) if behind(*pair)
     ]
     if not names:
         return state

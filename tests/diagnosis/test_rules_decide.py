@@ -216,9 +216,12 @@ def test_it_is_said_where_the_recordings_held_out_lose_by_what_nearly_all_splits
 
 
 @pytest.mark.shows("at_bound")
-@pytest.mark.parametrize(("width", "doubted"), [(0.1015, False), (0.1007, True)])
-def test_a_value_on_its_bound_is_another_effect(width, doubted):
-    shape = Shape("rad", 0.1, 1.1)
+@pytest.mark.parametrize(
+    ("width", "sharp", "doubted"),
+    [(0.1015, False, False), (0.1007, False, True), (0.1, True, False), (1.1, True, True)],
+)
+def test_a_value_on_its_bound_is_another_effect_unless_it_is_its_sharpest_form(width, sharp, doubted):
+    shape = Shape("rad", 0.1, 1.1, sharp=sharp)
     entry = SimpleNamespace(term="stop:knee", name="stop:knee.w", shape=shape)
     fitted = SimpleNamespace(
         model=SimpleNamespace(shapes=[entry], parameters=[]), shape=[width], shapes=np.array([[width]]), linear=[]
