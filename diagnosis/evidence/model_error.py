@@ -94,6 +94,12 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
             "sensors, not the motion"
         )
         advice = _CHANGES
+    if last.verified and error[j] > rules.near_noise * last.train_rms[j]:
+        text += f". On fitted motion it keeps {last.train_rms[j]:.3g} {unit}: what this is, no fitted recording shows"
+        advice = (
+            "fit a recording of the motion that is held out now and hold out another: an end stop or a load that no "
+            "fitted recording meets cannot be named"
+        )
     return ModelError(joint, float(times[j]), text, advice, None if again is None else float(again.share[j]))
 
 

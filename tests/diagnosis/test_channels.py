@@ -264,6 +264,14 @@ def test_what_repeats_with_the_motion_is_told_from_what_does_not(other, share):
         assert error is not None and error.random and "no function of the motion" in error.sentence
 
 
+@pytest.mark.parametrize("everywhere", [False, True])
+def test_what_only_the_motion_held_out_meets_wants_that_motion_fitted(good, everywhere):
+    met = [with_torque(one, one.tau + 2.0 * np.sin(40.0 * one.q)) for one in good]
+    error = model_error(base(met[:2] if everywhere else good[:2], met[2:]))
+    assert error is not None and ("no fitted recording shows" in error.sentence) is not everywhere
+    assert error.advice.startswith("fit a recording of the motion that is held out") is not everywhere
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("folder", "thigh"), [("two_link_rig", 0.30), ("two_link_rig_c0", 0.20)])
 def test_real_rigs_raise_no_doubt_and_their_error_is_no_noise(shared_data, folder, thigh):
