@@ -10,7 +10,7 @@ import numpy as np
 from diagnosis.evidence.channels import doubts_before
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.library import build_library
-from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft
+from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
 from diagnosis.evidence.stretches import searched_stretches
 from diagnosis.results import Step
 from diagnosis.rules import Rules
@@ -85,9 +85,11 @@ class Question:
         if answer is not None:
             return Searched(prepared, base, context, Found(State((Extension(base),)), ()), answer)
         start = Extension(base) if part is prepared else context.fit(self.model)
+        seek_later(start.fitted, context.noise(start), rules)
+        first = tuple(context.rank(start, 1)[1])  # wanted in any case
         soft = plainly_soft(start.fitted, context.noise(start), rules)
         if soft is not None:
-            nothing = Found(State((start,)), tuple(context.rank(start, 1)[1]))
+            nothing = Found(State((start,)), first)
             return Searched(prepared, base, context, nothing, soft=soft)
         return Searched(prepared, base, context, run_search(context, start))
 

@@ -86,7 +86,8 @@ def with_chance(
     def settled(i: int, answer: None) -> None:
         tick((i + 1) / len(parts), scores[parts[i][0]].name)
 
-    share_out(chance, range(len(parts)), settled, np.array([score.share for score in scores]).tobytes())
+    order = sorted(range(len(parts)), key=lambda i: (not parts[i][1].own, -parts[i][1].nodes.size))
+    share_out(chance, order, settled, np.array([score.share for score in scores]).tobytes())
     own = [[good[i] for i, (whose, _) in enumerate(parts) if whose == k] for k in range(len(scores))]
     return [replace(s, p_value=p_value(evidence, found)) for s, found in zip(scores, own, strict=True)]
 

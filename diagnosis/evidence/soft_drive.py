@@ -14,7 +14,7 @@ predicts nothing, so this is no entry: it only says what the matter is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
-from ground.engines.workers import share_out
+from ground.engines.workers import postpone, share_out
 from ground.minimum import minimum
 from measurement.signals.compiled import solved_banded
 from measurement.signals.conditioning import derivatives
@@ -88,10 +88,8 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     `base` is the model the search began with, `noise` (J,) in N·m what nothing can explain. Not asked of a few seconds,
     which some compliance fits by chance.
     """
-    if fitted_seconds(base.prepared) < rules.least_seconds:
-        return None
     asked = last.evaluation_rms > rules.soft_asked * noise
-    if not asked.any() or swinging(last) is not None:  # of what swings by itself, a link on a spring takes up much
+    if not _may_be(base, last, noise, rules):
         return None
     found = []
     added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
@@ -113,6 +111,20 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
             ):
                 found.append(one)
     return min(found, key=lambda one: one.share, default=None)
+
+
+def seek_later(base: FittedModel, noise: Float, rules: Rules = RULES) -> None:
+    """Let soft drives behind `base` be sought with the work that is shared out next, where `plainly_soft` will ask."""
+    if base not in _BEST and _may_be(base, base, noise, rules):
+        _seek(base, postpone)
+
+
+def _may_be(base: FittedModel, last: FittedModel, noise: Float, rules: Rules) -> bool:
+    """Whether enough is left, and recorded, to ask for a soft drive; of what swings by itself, a link on a spring takes
+    up much.
+    """
+    asked = last.evaluation_rms > rules.soft_asked * noise
+    return bool(fitted_seconds(base.prepared) >= rules.least_seconds and asked.any() and swinging(last) is None)
 
 
 def plainly_soft(base: FittedModel, noise: Float, rules: Rules = RULES) -> SoftDrive | None:
@@ -144,11 +156,21 @@ def _best(fitted: FittedModel, joint: int) -> SoftDrive | None:
     all joints, shared with copies of this process.
     """
     if fitted not in _BEST:
-        found: dict[int, dict[str, Any] | None] = {}
-        joints = range(len(fitted.model.joints))
-        share_out(lambda k: _sought(fitted, k), joints, found.__setitem__)
-        _BEST[fitted] = {k: None if one is None else _drive(fitted, k, one) for k, one in found.items()}
+        _seek(fitted, share_out)
     return _BEST[fitted][joint]
+
+
+def _seek(fitted: FittedModel, share: Callable[..., None]) -> None:
+    """Find the best drive at every joint, shared out by `share`."""
+    found: dict[int, SoftDrive | None] = {}
+    joints = range(len(fitted.model.joints))
+
+    def heard(k: int, one: dict[str, Any] | None) -> None:
+        found[k] = None if one is None else _drive(fitted, k, one)
+        if len(found) == len(joints):
+            _BEST[fitted] = found
+
+    share(lambda k: _sought(fitted, k), joints, heard)
 
 
 def _sought(fitted: FittedModel, joint: int) -> dict[str, Any] | None:

@@ -171,34 +171,35 @@ class _Readings:
         """What is left (J,) with all torques changed, of every kind and at the seconds that are tried; shared with
         copies of this process.
         """
-        tried = [(kind, undo, value) for kind, (undo, values) in CHANGES.items() for value in values]
-        out: dict[str, dict[float, Float]] = {kind: {} for kind in CHANGES}
+        tried = [(kind, value) for kind, (_, values) in CHANGES.items() for value in values]
+        found = dict(zip(tried, self._each(tried, None, 1), strict=True))
+        return {kind: {value: found[kind, value] for value in sorted(values)} for kind, (_, values) in CHANGES.items()}
 
-        def heard(k: int, left: list[float]) -> None:
-            out[tried[k][0]][tried[k][2]] = np.array(left)
+    def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None, rounds: int) -> list[Float]:
+        """Return what is left (J,) with the torques of `which` changed in each of the ways `tried` (kind, seconds)."""
+        found: dict[int, Float] = {}
 
         def work(k: int) -> list[float]:
-            return [float(one) for one in self.left(*tried[k][1:], None, 1)]
+            kind, value = tried[k]
+            return self.left(CHANGES[kind][0], value, which, rounds).tolist()
 
-        share_out(work, range(len(tried)), heard)
-        return {kind: dict(sorted(found.items())) for kind, found in out.items()}
+        share_out(work, range(len(tried)), lambda k, left: found.update({k: np.array(left)}))
+        return [found[k] for k in range(len(tried))]
 
     def best(self, which: np.ndarray, rules: Rules) -> _Reading | None:
         """Return the reading of the joints `which` that leaves least; None where it leaves much of any of them."""
         most = rules.late_gain * self.now[which].sum()
-        fine = []
+        fine: list[tuple[str, float]] = []
         for kind, tried in self.coarse.items():
             place = min(tried, key=lambda v: float(tried[v][which].sum()))
-            if tried[place][which].sum() > 2.0 * most:
-                continue
-            for value in (factor * place for factor in (0.8, 0.9, 1.0, 1.12, 1.25)):
-                left = self.left(CHANGES[kind][0], value, which)[which]
-                fine.append(
-                    (float(left.sum()), kind, value, bool(np.all(left <= 2.0 * rules.late_gain * self.now[which])))
-                )
+            if tried[place][which].sum() <= 2.0 * most:
+                fine += [(kind, factor * place) for factor in (0.8, 0.9, 1.0, 1.12, 1.25)]
         if not fine:
             return None
-        least, kind, value, alike = min(fine)
+        least, kind, value, alike = min(
+            (float(left[which].sum()), *one, bool(np.all(left[which] <= 2.0 * rules.late_gain * self.now[which])))
+            for one, left in zip(fine, self._each(fine, which, 2), strict=True)
+        )
         return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
 
     def left(

@@ -102,14 +102,34 @@ def share_out(
     `state` is what must be the same everywhere for the answers to mean the same. Whatever `work` or `heard` raises here
     ends all copies.
     """
-    if not 1 < len(order) <= _MOST_PIECES or not _here() or allowed_processes() < 2 or (_TEAM and _TEAM[0].working):
+    if not 1 < len(order) <= _MOST_PIECES or not _apart():
         for k in order:
             heard(k, work(k))
         return
     with with_copies():
         team = _TEAM[0]
-        team.begin(zlib.crc32(repr(tuple(order)).encode() + state))
-        (team.follow if team.leader is not None else team.lead)(team.piece(work), order, heard)
+        postponed, team.postponed = team.postponed, []
+        pieces = [(work, k, heard) for k in order]
+        pieces[:0] = [(other, k, told) for other, places, told in postponed for k in places]
+        team.begin(zlib.crc32(repr([k for _, k, _ in pieces]).encode() + state))
+
+        def piece(place: int) -> Any:
+            return pieces[place][0](pieces[place][1])
+
+        def take(place: int, answer: Any) -> None:
+            pieces[place][2](pieces[place][1], answer)
+
+        (team.follow if team.leader is not None else team.lead)(team.piece(piece), len(pieces), take)
+
+
+def postpone(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object]) -> None:
+    """Let what would be shared out be done with what is shared out next, before it: by itself it would leave processes
+    idle. Where nobody shares, it is done now.
+    """
+    if _TEAM and _apart():
+        _TEAM[0].postponed.append((work, order, heard))
+    else:
+        share_out(work, order, heard)
 
 
 def first_passing(test: Callable[[int], bool], count: int) -> int | None:
@@ -123,6 +143,11 @@ def first_passing(test: Callable[[int], bool], count: int) -> int | None:
 
 def _here() -> bool:
     return threading.current_thread() is threading.main_thread()
+
+
+def _apart() -> bool:
+    """Whether work can be shared out here and now."""
+    return _here() and allowed_processes() > 1 and not (_TEAM and _TEAM[0].working)
 
 
 class _Copy:
@@ -168,6 +193,7 @@ class _Team:
         self.copies: list[_Copy] = []
         self.leader: _Line | None = None
         self.working = False
+        self.postponed: list[tuple[Callable[[int], Any], Sequence[int], Callable[[int, Any], object]]] = []
         self.stamp = [0, 0]
         self._begun = False
         self._todo = self._give = -1
@@ -195,8 +221,8 @@ class _Team:
 
         return done
 
-    def lead(self, work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object]) -> None:
-        """Share out, work, and tell everybody all answers."""
+    def lead(self, work: Callable[[int], Any], count: int, heard: Callable[[int, Any], object]) -> None:
+        """Share out `count` pieces, work, and tell everybody all answers."""
         answers: dict[int, Any] = {}
 
         def take(k: int, answer: Any) -> None:
@@ -205,15 +231,15 @@ class _Team:
 
         try:
             if self.copies:
-                self._gather(work, order, take)
+                self._gather(work, count, take)
             for one in self.copies:
                 one.line.tell(self.stamp, list(answers.items()))
         except ConnectionError:
             self.dissolve()
-        for k in [k for k in order if k not in answers]:
+        for k in [k for k in range(count) if k not in answers]:
             take(k, work(k))
 
-    def _gather(self, work: Callable[[int], Any], order: Sequence[int], take: Callable[[int, Any], object]) -> None:
+    def _gather(self, work: Callable[[int], Any], count: int, take: Callable[[int, Any], object]) -> None:
         """Work with all copies until nothing is left to do; ConnectionError where one is lost."""
         began = time.monotonic()
         waiting = {one.line.socket: one.line for one in self.copies}
@@ -228,10 +254,10 @@ class _Team:
                 else:
                     take(k, answer)
 
-        places = b"".join(place.to_bytes(_WIDTH, "big") for place in range(len(order)))
+        places = b"".join(k.to_bytes(_WIDTH, "big") for k in range(count))
         os.write(self._give, places + _END * (1 + len(self.copies)))
         while (place := os.read(self._todo, _WIDTH)) != _END:
-            k = order[int.from_bytes(place, "big")]
+            k = int.from_bytes(place, "big")
             take(k, work(k))
             listen(0.0)
         limit = time.monotonic() + PATIENCE + (time.monotonic() - began)
@@ -240,14 +266,14 @@ class _Team:
         if waiting:
             raise ConnectionError
 
-    def follow(self, work: Callable[[int], Any], order: Sequence[int], heard: Callable[[int, Any], object]) -> None:
+    def follow(self, work: Callable[[int], Any], count: int, heard: Callable[[int, Any], object]) -> None:
         """Work in a copy, and take in all answers; whatever goes wrong ends it, and its piece is done elsewhere."""
         try:
             assert self.leader is not None
             while (place := os.read(self._todo, _WIDTH)) != _END:
                 if not place:  # the pipe's other end is gone
                     os._exit(0)
-                k = order[int.from_bytes(place, "big")]
+                k = int.from_bytes(place, "big")
                 self.leader.tell(self.stamp, k, work(k))
             self.leader.tell(self.stamp, None, None)
             stamp, told = self.leader.hear()

@@ -143,6 +143,20 @@ def test_only_this_process_says_something(processes, tmp_path):
     assert said.read_text() == "abc"
 
 
+@pytest.mark.parametrize("many", [1, 3])
+def test_what_is_postponed_is_done_with_the_next_work(processes, many):
+    processes(many)
+    late, begun = {}, []
+    with workers.with_copies():
+        workers.postpone(lambda k: k / 7.0, range(3), late.__setitem__)
+        assert len(late) == (3 if many == 1 else 0)
+        assert answers(lambda k: begun.append(k) or k) == {k: k for k in range(40)}
+        assert late == {k: k / 7.0 for k in range(3)}
+        assert answers(lambda k: -k) == {k: -k for k in range(40)} and len(late) == 3
+    workers.postpone(lambda k: k, range(3, 5), late.__setitem__)  # nobody shares: now
+    assert late[3] == 3 and late[4] == 4
+
+
 def test_pieces_share_out_nothing_further(processes):
     processes(2)
     inner = answers(lambda k: sorted(answers(lambda i: os.getpid(), 5).values()), 6)
