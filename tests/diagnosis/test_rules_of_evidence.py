@@ -191,7 +191,8 @@ def test_the_best_dozen_gets_placebos(monkeypatch):
 
     monkeypatch.setattr(ranking, "weigh", weighs)
     monkeypatch.setattr(ranking, "agreed", lambda evidence, scores, *asked: scores)
-    monkeypatch.setattr(ranking, "searches", lambda evidence, score: [None])
+    part = placebo.PlaceboSearch(np.array([0]), False)
+    monkeypatch.setattr(ranking, "searches", lambda evidence, score: [part])
     monkeypatch.setattr(ranking, "as_good", lambda *asked: np.zeros(99, bool))
     numbers = {"linear": np.zeros(2), "shapes": np.zeros((1, 0))}
     fitted = SimpleNamespace(model=SimpleNamespace(terms=[]), prepared=None, **numbers)
