@@ -179,10 +179,13 @@ class _Line:
         return json.loads(self._exactly(int.from_bytes(self._exactly(8), "big")))
 
     def _exactly(self, count: int) -> bytes:
-        read = self.socket.recv(count, socket.MSG_WAITALL)
-        if len(read) < count:
-            raise ConnectionError
-        return read
+        parts = bytearray()
+        while len(parts) < count:
+            read = self.socket.recv(count - len(parts))
+            if not read:
+                raise ConnectionError
+            parts += read
+        return bytes(parts)
 
 
 class _Team:
