@@ -61,7 +61,7 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
 
 def stacked(prepared: Prepared, columns: list[Columns], count: int, node: int) -> np.ndarray:
     """Return the training samples (n, m) of one node, both joints, those a fit may use."""
-    parts = [c.full(node)[p.use.T] for c, p in zip(columns[:count], prepared.all[:count], strict=True)]
+    parts = [c.full(node)[p.used] for c, p in zip(columns[:count], prepared.all[:count], strict=True)]
     return np.concatenate(parts)
 
 
@@ -127,7 +127,7 @@ def run_case(case: Case) -> dict[str, Any]:
     now, count = fitted_model(fit, prepared), len(prepared.train)
     blocks = now.evidence(seed=0, draws=0).blocks
     base = np.concatenate([b.columns[b.use] for b in blocks[:count]])
-    y = np.concatenate([p.tau.T[p.use.T] for p in prepared.train])
+    y = np.concatenate([p.torque[p.used] for p in prepared.train])
     columns = {}
     for candidate in build_library(model, prepared.all).candidates:
         found = [*build_columns(candidate, now)]

@@ -113,10 +113,10 @@ class Comparison(AsJson):
         index = len(self.now.prepared.train) if self.now.prepared.verify else 0
         one = self.now.prepared.all[index]
         drawn = {
-            name: (model.torque(index).T, np.where(one.use, model.residuals[index].T, np.nan))
+            name: (model.torque(index).T, np.where(one.used, model.residuals[index], np.nan).T)
             for name, model in models.items()
         }
-        return over_time(one.name, one.t, one.tau, drawn, self.now.model.joints)
+        return over_time(one.name, one.t, one.torque.T, drawn, self.now.model.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
@@ -189,7 +189,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         fit=fit,
         rms=now.train_rms,
         verify_rms=now.verify_rms,
-        signal_rms=np.sqrt(mean_square([one.tau for one in shown], shown)),
+        signal_rms=np.sqrt(mean_square([one.torque.T for one in shown], shown)),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
         where=where_it_sits(now, curves),

@@ -67,7 +67,7 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
     parts = []
     recordings = now.prepared.train if train else now.prepared.all
     for number, (one, residual) in enumerate(zip(recordings, now.residuals, strict=False)):
-        used = one.use[:, j]
+        used = one.used[j]
         block = 1000 * number + np.arange(len(one.t)) // max(1, int(BLOCK * one.kept_rate))
         x, speed = signal_of(one, now, variable, j)[one.kept], one.motion.dq[one.kept, j]
         parts.append([column[used] for column in (x, residual[j], speed, np.full(len(block), number), block)])

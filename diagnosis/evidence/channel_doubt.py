@@ -33,11 +33,11 @@ def left_share(fitted: FittedModel) -> Float:
     joints = len(fitted.model.joints)
     out = np.full((len(parts), joints), np.nan)
     for joint in range(joints):
-        known = [p.tau[p.use[:, joint], joint] for p in fitted.prepared.all if p.driven[joint]]
+        known = [p.torque[joint, p.used[joint]] for p in fitted.prepared.all if p.driven[joint]]
         whole = float(np.concatenate(known).var()) if sum(t.size for t in known) else 0.0
         for row, part in enumerate(parts):
             pairs = zip(fitted.residuals[part], fitted.prepared.all[part], strict=True)
-            left = [r[joint][p.use[:, joint]] for r, p in pairs if p.driven[joint]]
+            left = [r[joint][p.used[joint]] for r, p in pairs if p.driven[joint]]
             if whole > 0.0 and sum(r.size for r in left):
                 out[row, joint] = np.mean(np.concatenate(left) ** 2) / whole
     seen = np.isfinite(out).any(axis=0)

@@ -120,12 +120,12 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
     still = [_at_rest(base, one) for one in train]
     left = []
     for joint in range(len(base.model.joints)):
-        seen = [one.use[:, joint] & one.driven[joint] for one in train]
+        seen = [one.used[joint] & one.driven[joint] for one in train]
         columns, tau, residual = (
             np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
             for parts in (
                 [columns[:, joint] for columns in still],
-                [one.tau[:, joint] for one in train],
+                [one.torque[joint] for one in train],
                 [each[joint] for each in base.residuals[: len(train)]],
             )
         )
@@ -255,7 +255,7 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     unseen = last.verify_rms
     if unseen is None:
         return None
-    used = [any(p.use[:, j].any() for p in last.prepared.verify) for j in range(len(unseen))]
+    used = [any(p.used[j].any() for p in last.prepared.verify) for j in range(len(unseen))]
     known = (last.train_rms > 0.0) & np.array(used)
     if not known.any():
         return None

@@ -84,7 +84,7 @@ class FittedModel:
     def _unseen(self) -> list[tuple[Float, np.ndarray]]:
         """Return residual (J, K) and use (J, K) of every verification recording, of the training ones without any."""
         count = len(self.prepared.train) if self.prepared.verify else 0
-        return [(r, p.use.T) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
+        return [(r, p.used) for r, p in zip(self.residuals[count:], self.prepared.all[count:], strict=True)]
 
     @property
     def unseen_scale(self) -> Float:
@@ -99,13 +99,13 @@ class FittedModel:
     @property
     def scale(self) -> Float:
         """Robust standard deviation (J,) of the residual of all recordings, N·m."""
-        return pooled_scale([(r, p.use.T) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
+        return pooled_scale([(r, p.used) for r, p in zip(self.residuals, self.prepared.all, strict=True)])
 
     def block_losses(self, scale: Float, rules: Rules = RULES) -> Float:
         """Return the Huber loss in blocks of time, recording after recording, in units of `scale` (J,)."""
         out = []
         for residual, one in zip(self.residuals, self.prepared.all, strict=True):
-            size = np.where(one.use.T, np.abs(residual), 0.0) / scale[:, None]
+            size = np.where(one.used, np.abs(residual), 0.0) / scale[:, None]
             loss = np.sum(huber_terms(size, rules.robust), axis=0)
             starts = np.arange(0, loss.size, max(1, int(rules.block_seconds * one.kept_rate)))
             out.append(np.add.reduceat(loss, starts))
@@ -133,7 +133,7 @@ class FittedModel:
 
     def block_of(self, one: PreparedRecording) -> RecordingEvidence:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""
-        residual = one.tau.T - _filtered_torque(self.model, one, self.linear, self.shape)
+        residual = one.torque - _filtered_torque(self.model, one, self.linear, self.shape)
         return _block(self.model, one, self.linear, self.shape, residual, 1)
 
     def on(self, prepared: Prepared) -> FittedModel:
@@ -163,7 +163,8 @@ def _slack(fit: Fit, model: Model) -> Float:
 
 def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -> tuple[Float, ...]:
     return tuple(
-        one.tau.T - _filtered_torque(model, one, linear, shape) for one, shape in zip(prepared.all, shapes, strict=True)
+        one.torque - _filtered_torque(model, one, linear, shape)
+        for one, shape in zip(prepared.all, shapes, strict=True)
     )
 
 
@@ -174,8 +175,8 @@ def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape:
 
 def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
     """Return the RMS (J,) of residuals (J, K) over the usable samples of several recordings."""
-    square = sum(np.sum(np.where(p.use.T, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
-    count = sum(p.use.sum(axis=0) for p in prepared)
+    square = sum(np.sum(np.where(p.used, r, 0.0) ** 2, axis=1) for r, p in zip(residuals, prepared, strict=True))
+    count = sum(p.used.sum(axis=1) for p in prepared)
     return np.sqrt(square / np.maximum(count, 1))
 
 
@@ -187,7 +188,7 @@ def _block(
     smooth = one.smooth_columns(np.concatenate(columns, axis=2))
     samples = smooth.shape[1]
     fold = np.arange(samples) * parts // samples
-    return RecordingEvidence(smooth, residual, one.use.T, one.motion.q[one.kept], one.kept_rate, fold)
+    return RecordingEvidence(smooth, residual, one.used, one.motion.q[one.kept], one.kept_rate, fold)
 
 
 def _slope(model: Model, one: PreparedRecording, linear: Float, shape: Float, index: int) -> Float:

@@ -134,7 +134,7 @@ def remainders(
     """
     common = [CurveData(evidence, tuple(range(len(evidence.blocks))))]
     owns = curve_data_per_recording(now, evidence)
-    seen = np.any([p.use.any(axis=0) for p in now.prepared.train], axis=0)
+    seen = np.any([p.used.any(axis=1) for p in now.prepared.train], axis=0)
     places = [k for k, name in enumerate(now.model.joint_names) if seen[k] and name in (joints or [name])]
     asked = [(place, variable, factor) for place in places for variable, factor in tried_curves(now.model.joints)]
     answers: dict[int, list[dict[str, Any]]] = {}

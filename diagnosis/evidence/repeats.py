@@ -57,7 +57,7 @@ def _periods(fitted: FittedModel, index: int) -> Pair | None:
     away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in close])
     if away.min() > ALIKE:
         return None
-    lag, rest, use = int(close[np.argmin(away)]), fitted.residuals[index], one.use.T
+    lag, rest, use = int(close[np.argmin(away)]), fitted.residuals[index], one.used
     return rest[:, :-lag], rest[:, lag:], use[:, :-lag] & use[:, lag:]
 
 
@@ -83,8 +83,8 @@ def _runs(fitted: FittedModel, a: int, b: int) -> Pair | None:
     if np.any(np.sqrt(np.mean((q - p) ** 2, axis=0)) > ALIKE * size):
         return None
     rest = np.array([np.interp(at, s, row) for row in fitted.residuals[b]])
-    use = np.array([np.interp(at, s, column.astype(float)) > 0.99 for column in other.use.T])
-    return fitted.residuals[a][:, inside], rest, one.use.T[:, inside] & use
+    use = np.array([np.interp(at, s, row.astype(float)) > 0.99 for row in other.used])
+    return fitted.residuals[a][:, inside], rest, one.used[:, inside] & use
 
 
 def _compared(pairs: list[Pair], what: str) -> Repeats:

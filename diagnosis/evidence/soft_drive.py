@@ -273,7 +273,7 @@ class _Link:
         link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
         columns = self.still.copy()
         columns[:, :, self.inertial] = self._smooth(self.bare.columns(link)[:, :, self.inertial])
-        return columns, self.one.tau.T - columns @ carrying(at, np.zeros(len(linear)))
+        return columns, self.one.torque - columns @ carrying(at, np.zeros(len(linear)))
 
 
 def _left(
@@ -284,7 +284,7 @@ def _left(
     linear = np.where(free, linear, 0.0)  # the twist is not in the model a second time
     for _ in range(rounds):
         pairs = [link.read(compliance, linear) for link in links]
-        weights = [link.one.use.T / scale[:, None] for link in links[:count]]
+        weights = [link.one.used / scale[:, None] for link in links[:count]]
         rows = [(x * w[:, :, None])[:, :, free].reshape(w.size, -1) for (x, _), w in zip(pairs, weights, strict=False)]
         right = [(y * w).ravel() for (_, y), w in zip(pairs, weights, strict=False)]
         factor = factorise(np.concatenate(rows))

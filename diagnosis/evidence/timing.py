@@ -155,7 +155,7 @@ class _Readings:
         reference = base.linear if model.needs_reference else None
         self.raw = [model.columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, self.raw, strict=True)]
-        self.use = np.concatenate([p.use for p in self.train]).T
+        self.use = np.concatenate([p.used for p in self.train], axis=1)
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
         factor = factorise(self.columns.reshape(-1, self.columns.shape[2]))
         self.solve = factor.backward @ factor.basis.T

@@ -188,7 +188,7 @@ def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     recordings = after.fitted.prepared.all
     for j in after.added.candidate.term.reaches:
         for one, old, new in zip(recordings, before.fitted.residuals, after.fitted.residuals, strict=True):
-            gained = np.where(one.use[:, j], old[j] ** 2 - new[j] ** 2, 0.0)
+            gained = np.where(one.used[j], old[j] ** 2 - new[j] ** 2, 0.0)
             far = ~widen(one.stuck[:, j], int(np.ceil(BESIDE * one.rate)))[one.kept]
             everywhere, beyond = everywhere + float(gained.sum()), beyond + float(gained[far].sum())
     if everywhere <= 0.0 or beyond > rules.beyond_standstill * everywhere:

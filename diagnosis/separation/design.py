@@ -106,7 +106,7 @@ def separate(
         trajectory=motion,
         apart=measure.motion(motion) if motion is not None else {},
         present=measure.recordings(prepared.train) if prepared is not None else None,
-        present_seconds=sum(len(one.tau) / one.kept_rate for one in prepared.train) if prepared else 0.0,
+        present_seconds=sum(len(one.kept) / one.kept_rate for one in prepared.train) if prepared else 0.0,
         usual={pair: float(np.median([one[pair] for one in usual])) for pair in measure.names},
         noise=noise,
         duration=asked.duration,

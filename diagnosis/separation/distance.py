@@ -86,8 +86,8 @@ def planned(
     return PreparedRecording(
         name="designed",
         motion=motion,
-        tau=np.zeros((len(kept), len(joints))),
-        use=~stuck[kept],
+        torque=np.zeros((len(joints), len(kept))),
+        used=~stuck[kept].T,
         kept=kept,
         cutoff=cutoff,
         rate=RATE,
@@ -130,12 +130,12 @@ def residual_noise(
 
 def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
-    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
-    told = [replace(one, tau=tau) for one, tau in zip(prepared, made, strict=True)]
+    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)).T for one in prepared]
+    told = [replace(one, torque=torque) for one, torque in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
     root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]
     weights = np.concatenate(
-        [np.tile(w[:, None], (1, len(one.tau))) for w, one in zip(root, prepared, strict=True)], axis=1
+        [np.tile(w[:, None], (1, len(one.kept))) for w, one in zip(root, prepared, strict=True)], axis=1
     )
 
     def weighted(data: LinearData) -> LinearData:

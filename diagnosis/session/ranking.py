@@ -128,7 +128,7 @@ class Ranking:
         each candidate would take away. Its numbers are those for all recordings: nothing is fitted to the selection.
         """
         parts = zip(selected, self.fitted.prepared.all, strict=True)
-        weight = [chosen * one.use.T / self.evidence.sigma[:, None] ** 2 for chosen, one in parts]
+        weight = [chosen * one.used / self.evidence.sigma[:, None] ** 2 for chosen, one in parts]
         before = sum(float(np.sum(w * r**2)) for w, r in zip(weight, self.fitted.residuals, strict=True))
         if not before > 0.0:
             return {}

@@ -257,7 +257,7 @@ class Watcher:
         assert self.estimator is not None
         width = self.estimator.linear.size
         columns = np.moveaxis(block.columns[:, :, :width], 0, 1)
-        self.estimator.steps(columns, one.tau, one.use)
+        self.estimator.steps(columns, one.torque.T, one.used.T)
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates

@@ -56,8 +56,8 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     return Window(
         name=name,
         motion=motion,
-        tau=weighted(samples.tau.T, samples.good.T, filters.common).T[kept],
-        use=total.T[kept] > LEAST_WEIGHT,
+        torque=weighted(samples.tau.T, samples.good.T, filters.common)[:, kept],
+        used=total[:, kept] > LEAST_WEIGHT,
         kept=kept,
         cutoff=filters.cutoff,
         rate=filters.working,
@@ -101,8 +101,8 @@ def _joined(group: Sequence[Window]) -> Window:
     return replace(
         first,
         motion=Motion(**moved),
-        tau=np.concatenate([one.tau for one in group]),
-        use=np.concatenate([one.use for one in group]),
+        torque=np.concatenate([one.torque for one in group], axis=1),
+        used=np.concatenate([one.used for one in group], axis=1),
         kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
         wide_tau=whole(one.wide_tau for one in group),
         stuck=whole(one.stuck for one in group),

@@ -44,9 +44,9 @@ class Assembly:
         self._smooth: list[Float | None] = [None] * len(self.prepared)
         self._at = [b""] * len(self.prepared)
         self._factors = Factors()
-        self._tau = np.concatenate([one.tau for one in self.prepared]).T
-        self._use = np.concatenate([one.use for one in self.prepared]).T
-        self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.tau) for one in self.prepared])
+        self._tau = np.concatenate([one.torque for one in self.prepared], axis=1)
+        self._use = np.concatenate([one.used for one in self.prepared], axis=1)
+        self._groups = np.repeat(np.arange(len(self.prepared)), [len(one.kept) for one in self.prepared])
 
     def data(self, shape: Float | None = None, reference: Float | None = None) -> LinearData:
         """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
@@ -100,7 +100,7 @@ class Assembly:
         """Return the filtered columns (V, J, K, m) at `places` (m,) that follow the shapes, at `nodes` (V, S)."""
         raw = self.model.following_columns(one.motion, places, nodes, reference)
         joints = np.flatnonzero(raw.any(axis=(0, 2, 3))).tolist()
-        out = np.zeros((*raw.shape[:2], len(one.tau), raw.shape[2]))
+        out = np.zeros((*raw.shape[:2], len(one.kept), raw.shape[2]))
         if not joints:  # zero at all nodes, as of a stop that is never met
             return out
         out[:, joints] = np.swapaxes(one.smooth_rows(raw[:, joints], joints, 1), 2, 3)
@@ -142,7 +142,7 @@ class Assembly:
     @property
     def _thinned(self) -> float:
         """Samples of the motion for each that is kept."""
-        return float(np.mean([len(one.motion) / max(1, len(one.tau)) for one in self.prepared]))
+        return float(np.mean([len(one.motion) / max(1, len(one.kept)) for one in self.prepared]))
 
 
 def assemble(model: Model, prepared: Sequence[PreparedRecording]) -> LinearData:

@@ -158,7 +158,7 @@ def _stages(assembly: Assembly, asked: FitSettings, possible: Physics | None, sa
 def _spacing(one: PreparedRecording) -> float:
     """Return s between the samples kept: those of the motion, or every second, third, ... of them."""
     t = one.motion.t
-    return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.tau))))
+    return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.kept))))
 
 
 def _prepared(model: Model, data: Sequence[PreparedRecording] | Sequence[Recording]) -> Sequence[PreparedRecording]:

@@ -80,8 +80,8 @@ def _own_losses(
     torques pass the filter, not columns: it is linear.
     """
     still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
-    use, own = one.use.T, list(joints)
-    rest = np.where(use, (one.tau - one.smooth(still)).T, 0.0)
+    use, own = one.used, list(joints)
+    rest = np.where(use, one.torque - one.smooth(still).T, 0.0)
     others = np.setdiff1d(np.arange(len(rest)), own)
     known = huber(rest[others], delta[others])
 

@@ -92,7 +92,7 @@ EDGE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class PreparedRecording:
-    """A recording ready to be fitted: `motion` at N working samples, `tau` and `use` (K, J) at the K kept ones.
+    """A recording ready to be fitted: `motion` at N working samples, `torque` and `used` (J, K) at the K kept ones.
 
     `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
     `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
@@ -106,8 +106,8 @@ class PreparedRecording:
 
     name: str
     motion: Motion
-    tau: Float
-    use: Bool
+    torque: Float
+    used: Bool
     kept: np.ndarray
     cutoff: float
     rate: float
@@ -142,7 +142,7 @@ class PreparedRecording:
 
         A are `joints`, all where none are given.
         """
-        joints = range(self.tau.shape[1]) if joints is None else joints
+        joints = range(len(self.torque)) if joints is None else joints
         rows = np.array(x.transpose(*range(1, x.ndim), 0), dtype=float, order="C")
         smooth = self.smooth_rows(rows, joints, 0)
         return np.ascontiguousarray(smooth.transpose(x.ndim - 1, *range(x.ndim - 1)))
@@ -229,8 +229,8 @@ def prepare_one(
     return PreparedRecording(
         name=name,
         motion=motion,
-        tau=np.ascontiguousarray(low_pass_at(np.ascontiguousarray(bridged(tau, stuck, rate).T), cutoff, rate, kept).T),
-        use=use,
+        torque=low_pass_at(np.ascontiguousarray(bridged(tau, stuck, rate).T), cutoff, rate, kept),
+        used=np.ascontiguousarray(use.T),
         kept=kept,
         cutoff=cutoff,
         rate=rate,

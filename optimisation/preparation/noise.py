@@ -56,6 +56,6 @@ def _torque_change(base: Model, beta: Float, one: PreparedRecording, q: Float, d
 def mean_square(change: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
     """Return the mean square (J,) of changes (K, J) over the usable samples of all recordings."""
     square = np.sum(
-        [np.sum(np.where(p.use, x, 0.0) ** 2, axis=0) for x, p in zip(change, prepared, strict=True)], axis=0
+        [np.sum(np.where(p.used.T, x, 0.0) ** 2, axis=0) for x, p in zip(change, prepared, strict=True)], axis=0
     )
-    return np.asarray(square / np.maximum(np.sum([p.use.sum(axis=0) for p in prepared], axis=0), 1))
+    return np.asarray(square / np.maximum(np.sum([p.used.sum(axis=1) for p in prepared], axis=0), 1))

@@ -55,8 +55,8 @@ def recording(name: str, seed: int, hidden: Hidden, noise: float = 0.1, scale: f
     return PreparedRecording(
         name=name,
         motion=path,
-        tau=low_pass_at(np.ascontiguousarray(tau.T), CUTOFF, RATE, kept).T,
-        use=np.ones((kept.size, 2), bool),
+        torque=low_pass_at(np.ascontiguousarray(tau.T), CUTOFF, RATE, kept),
+        used=np.ones((2, kept.size), bool),
         kept=kept,
         cutoff=CUTOFF,
         rate=RATE,

@@ -44,7 +44,7 @@ def test_a_declared_zero_is_a_fact_without_sensor_noise():
     prepared = prepare(Model.standard(), declared, cutoff=5.0)
     for one in prepared.train:
         assert not one.driven[1] and one.driven[0]
-        assert not one.tau[:, 1].any() and one.use[:, 1].any()
+        assert not one.torque[1].any() and one.used[1].any()
     fitted = fitted_model(identify(Model.standard(), prepared.train, optimisers=()), prepared)
     error = model_error(fitted)  # in units of a noise that is one, not of a sensor that read zero
     assert error is None or error.times < 100.0

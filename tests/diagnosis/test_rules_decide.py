@@ -147,7 +147,7 @@ def test_what_shows_only_beside_standstill_is_no_elastic_drive(elsewhere, doubte
     """The joint sticks for the first 0.5 s of 2 s at 100 Hz; of what is gained, a share is after 0.6 s."""
     rows = np.arange(200)
     stuck, kept = (rows < 50)[:, None], rows[50:]
-    one = SimpleNamespace(use=np.ones((150, 1), bool), stuck=stuck, kept=kept, rate=100.0)
+    one = SimpleNamespace(used=np.ones((1, 150), bool), stuck=stuck, kept=kept, rate=100.0)
     old = np.where(kept < 55, np.sqrt((1.0 - elsewhere) / 5), np.where(kept == 150, np.sqrt(elsewhere), 0.0))
     fitted = [SimpleNamespace(prepared=SimpleNamespace(all=(one,)), residuals=[r[None]]) for r in (old, 0.0 * old)]
     before, after = (SimpleNamespace(fitted=each) for each in fitted)

@@ -215,7 +215,7 @@ def long_recording(seconds: float):
     still, flags = np.zeros((count, 2)), np.ones((count, 2), bool)
     motion = Motion(np.arange(count) / one.rate, still, still, still, still)
     return replace(
-        one, motion=motion, tau=still, wide_tau=still, use=flags, stuck=~flags, kept=np.arange(count)
+        one, motion=motion, torque=still.T, wide_tau=still, used=flags.T, stuck=~flags, kept=np.arange(count)
     )  # fmt: skip
 
 

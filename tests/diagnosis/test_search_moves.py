@@ -194,7 +194,7 @@ def test_no_part_of_a_larger_unsteady_effect_is_accepted_in_its_place():
 def test_a_recording_without_a_usable_sample_says_nothing_and_stops_nothing():
     context = search(OFFSET, ["torque_offset:knee", "viscous_cubic:hip"])
     first, *others = context.prepared.train
-    unusable = replace(first, use=np.zeros_like(first.use))
+    unusable = replace(first, used=np.zeros_like(first.used))
     context = replace(context, prepared=replace(context.prepared, train=(unusable, *others)))
     _, scores = context.rank(state_with(context).last, 1)
     assert scores[0].name == "torque_offset:knee" and scores[0].share > 0.1

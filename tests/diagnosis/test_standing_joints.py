@@ -39,7 +39,7 @@ def test_one_joint_moves_in_each_file():
 def test_a_lock_that_carries_the_load_says_nothing_and_spoils_nothing():
     locked = runs(HIP, undriven=KNEE)
     prepared = prepare(Model.standard(), locked)
-    assert not any(one.use[:, 1].any() for one in prepared.train)
+    assert not any(one.used[1].any() for one in prepared.train)
     fit = identify(Model.standard(), prepared.train, optimisers=())
     assert fit.linear[2] == pytest.approx(BETA[2], rel=0.05)  # the hip still tells
     assert not any(f.check in ("inertia", "realisable") for f in fit.plausibility)
@@ -68,7 +68,7 @@ def test_a_creeping_joint_is_left_out():
     q[:, 1] += 0.012 * slow.t
     slow = type(slow)("creeping", slow.t, q, slow.tau)
     (one,) = prepare(Model.standard(), [slow]).train
-    assert one.standing[1] and not one.use[:, 1].any() and one.use[:, 0].any()
+    assert one.standing[1] and not one.used[1].any() and one.used[0].any()
 
 
 @pytest.mark.parametrize("derivative", ["savgol", "fourier"])

@@ -96,7 +96,7 @@ def test_what_holds_between_torque_and_columns_holds_after_the_weighted_filter()
     smooth = one.smooth(column)
     direct = one.smooth(column @ np.array([2.0, -1.5]))
     np.testing.assert_allclose(smooth @ np.array([2.0, -1.5]), direct, atol=1e-12)
-    assert one.use.any()
+    assert one.used.any()
     assert not weighted(made.q, np.zeros_like(made.q), 0.5).any()
 
 
@@ -210,8 +210,8 @@ def test_windows_that_follow_each_other_join_to_what_was_one() -> None:
     whole = window("w", made.part(0, lead + 3 * size), lead, filters)
     (one,) = joined_windows(parts, 3)
     np.testing.assert_array_equal(one.t, whole.t)
-    np.testing.assert_array_equal(one.use, whole.use)
-    np.testing.assert_allclose(one.tau, whole.tau, atol=1e-9)
+    np.testing.assert_array_equal(one.used, whole.used)
+    np.testing.assert_allclose(one.torque, whole.torque, atol=1e-9)
     np.testing.assert_allclose(one.smooth(one.motion.dq), whole.smooth(whole.motion.dq), atol=1e-9)
     assert [len(p.t) for p in joined_windows(parts, 2)] == [len(parts[0].t) + len(parts[1].t), len(parts[2].t)]
     assert len(joined_windows([parts[0], parts[2]], 2)) == 2  # a gap

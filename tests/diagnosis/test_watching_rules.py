@@ -135,8 +135,8 @@ def test_samples_made_of_holes_are_not_fitted(every: int, used: bool) -> None:
     made = one.push(stream())
     assert one.filters is not None
     good = np.repeat((np.arange(len(made)) % every == 0)[:, None], 2, axis=1).astype(float)
-    use = window("w", replace(made, good=good), one.filters.settled, one.filters).use
-    assert bool(use.all()) is used and bool(use.any()) is used
+    seen = window("w", replace(made, good=good), one.filters.settled, one.filters).used
+    assert bool(seen.all()) is used and bool(seen.any()) is used
 
 
 @pytest.mark.shows("alarm.LEAST_POWER")

@@ -24,7 +24,7 @@ def model_that_left(residual):
         q = np.column_stack([0.5 + 0.4 * np.sin(1.3 * t), -0.8 + 0.5 * np.sin(2.1 * t)])
         dq = np.column_stack([0.52 * np.cos(1.3 * t), 1.05 * np.cos(2.1 * t)])
         motion = Motion(t, q, dq, np.gradient(dq, 0.02, axis=0), np.sign(dq))
-        one = SimpleNamespace(t=t, motion=motion, use=np.ones(q.shape, bool), kept=slice(None), kept_rate=50.0)
+        one = SimpleNamespace(t=t, motion=motion, used=np.ones(q.T.shape, bool), kept=slice(None), kept_rate=50.0)
         recordings.append(one)
         left.append(np.stack([0.1 * RNG.standard_normal(len(t)), residual(motion) + 0.1 * RNG.standard_normal(len(t))]))
     prepared = SimpleNamespace(train=tuple(recordings), all=tuple(recordings), verify=())

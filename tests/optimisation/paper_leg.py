@@ -88,9 +88,13 @@ class Recorded:
     """A prepared recording without any filter."""
 
     motion: Motion
-    tau: np.ndarray
-    use: np.ndarray
+    torque: np.ndarray
+    used: np.ndarray
     name: str = "run"
+
+    @property
+    def kept(self):
+        return np.arange(len(self.motion))
 
     def smooth(self, x, joints=None):
         return x
@@ -110,4 +114,4 @@ def record(leg=None, linear=PAPER, shape=None, noise=1.0, outliers=0.0, seed=0, 
     tau = (leg.columns(motion, shape, linear) @ linear).T + rng.normal(0.0, noise, (samples, 2))
     knocked = rng.random(tau.shape) < outliers
     tau[knocked] += rng.normal(0.0, 30.0 * noise, int(knocked.sum()))
-    return Recorded(motion, tau, np.ones(tau.shape, dtype=bool))
+    return Recorded(motion, tau.T, np.ones(tau.T.shape, dtype=bool))

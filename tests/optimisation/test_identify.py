@@ -78,11 +78,11 @@ def test_light_mode_is_the_same_fit_without_nfo_and_ipopt(fit):
 
 def test_masked_samples_do_not_matter():
     clean = record(samples=600, step=0.05)
-    use = clean.use.copy()
-    use[100:200, 1] = False
-    tau = np.where(use, clean.tau, 1e6)
-    a = identify(Leg(), [replace(clean, use=use)], optimisers=())
-    b = identify(Leg(), [replace(clean, use=use, tau=tau)], optimisers=())
+    used = clean.used.copy()
+    used[1, 100:200] = False
+    torque = np.where(used, clean.torque, 1e6)
+    a = identify(Leg(), [replace(clean, used=used)], optimisers=())
+    b = identify(Leg(), [replace(clean, used=used, torque=torque)], optimisers=())
     assert np.array_equal(a.linear, b.linear)
     assert np.array_equal(a.rms, b.rms)
 

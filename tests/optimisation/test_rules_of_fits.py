@@ -166,7 +166,7 @@ SWING = 0.5 * np.sin(2.0 * T)
 @pytest.mark.parametrize(("speed", "used"), [(0.022, False), (0.042, True)])
 def test_a_joint_that_creeps_may_stick_and_is_not_fitted(speed, used):
     one = prepare_one(Model.standard(), "run", signals(SWING, speed * T), 5.0, None)
-    assert bool(one.use[:, 1].any()) is used
+    assert bool(one.used[1].any()) is used
 
 
 @pytest.mark.shows("filtering.STICK_REACH")

@@ -41,12 +41,12 @@ def motion_of(session: Session, index: int) -> bytes:
     one, base = _recording(session, index), session.fitted()
     motion = one.motion
     arrays = {
-        "torque": one.tau.T,
-        "use": one.use.T,
+        "torque": one.torque,
+        "use": one.used,
         "angle": motion.q[one.kept].T,
         "velocity": motion.dq[one.kept].T,
         "acceleration": motion.ddq[one.kept].T,
-        "load": np.stack([signal_of(one, base, "load", j)[one.kept] for j in range(one.tau.shape[1])]),
+        "load": np.stack([signal_of(one, base, "load", j)[one.kept] for j in range(len(one.torque))]),
     }
     return packed({"recording": index, **_clock(one)}, arrays)
 
@@ -96,7 +96,7 @@ def explained(
     selected = []
     for place, one in enumerate(session.searched.all):
         origin = session.origins[place]
-        chosen = np.zeros(one.use.T.shape, dtype=bool)
+        chosen = np.zeros(one.used.shape, dtype=bool)
         for recording, low, high in spans:
             if recording == origin:
                 chosen |= ((one.t >= low) & (one.t <= high))[None, :]
@@ -141,7 +141,7 @@ def _on_whole(session: Session, parts: Sequence[np.ndarray], index: int) -> np.n
     one = session.prepared.all[index]
     if session.searched is session.prepared:
         return parts[index]
-    out = np.full(one.use.T.shape, np.nan)
+    out = np.full(one.used.shape, np.nan)
     for place, origin in enumerate(session.origins):
         if origin == index:
             first = int(np.searchsorted(one.t, session.searched.all[place].t[0] - 1e-9))

@@ -96,7 +96,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     base = session.fitted()
     lengths, above = _lengths(session.model), parents(session.model.joints)
     shown = prepared.verify or prepared.train
-    signal = pooled_rms([one.tau.T for one in shown], shown)
+    signal = pooled_rms([one.torque for one in shown], shown)
     return {
         "joints": [
             {
