@@ -27,7 +27,7 @@ class Filtered:
         front = FrontEnd(2)
         made = Samples.joined([front.push(rows[k : k + 5000]) for k in range(0, len(rows), 5000)])
         one = window("all", made, front.filters.settled, front.filters)
-        columns = one.smooth(np.moveaxis(Model.standard().columns(one.motion), 0, 1))
+        columns = np.moveaxis(one.smooth_columns(Model.standard().columns(one.motion)), 0, 1)
         return cls(one.t, columns, one.torque.T, one.used.T)
 
     def residual(self, learn: float = 120.0) -> np.ndarray:

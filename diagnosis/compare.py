@@ -189,7 +189,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         fit=fit,
         rms=now.train_rms,
         verify_rms=now.verify_rms,
-        signal_rms=np.sqrt(mean_square([one.torque.T for one in shown], shown)),
+        signal_rms=np.sqrt(mean_square([one.torque for one in shown], shown)),
         noise_floor=prepared.noise_floor,
         sse_verify_rms=None if unseen is None else unseen.sse,
         where=where_it_sits(now, curves),

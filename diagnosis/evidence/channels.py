@@ -124,7 +124,7 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
         columns, tau, residual = (
             np.concatenate([part[use] for part, use in zip(parts, seen, strict=True)])
             for parts in (
-                [columns[:, joint] for columns in still],
+                [columns[joint] for columns in still],
                 [one.torque[joint] for one in train],
                 [each[joint] for each in base.residuals[: len(train)]],
             )
@@ -147,11 +147,11 @@ def _follows_the_angles(base: FittedModel, rules: Rules) -> Doubt | None:
 
 
 def _at_rest(base: FittedModel, one: PreparedRecording) -> Float:
-    """Return what a recording's postures alone make: columns (K, J, P) without velocity and acceleration, and a one."""
+    """Return what a recording's postures alone make: columns (J, K, P) without velocity and acceleration, and a one."""
     zero = np.zeros(one.motion.q.shape)
     held = replace(one.motion, dq=zero, ddq=zero, sign=zero)
-    columns = np.moveaxis(base.model.base().columns(held), 1, 0)
-    return one.smooth(np.concatenate([columns, np.ones((*columns.shape[:2], 1))], axis=2))
+    columns = base.model.base().columns(held)
+    return one.smooth_columns(np.concatenate([columns, np.ones((*columns.shape[:2], 1))], axis=2))
 
 
 def _wrong_length(base: FittedModel, last: FittedModel, rules: Rules) -> Doubt | None:

@@ -116,6 +116,6 @@ def _made(now: FittedModel, variable: str, joint: int, factor: str, knots: int) 
         raw = design(signal)
         if factor:
             raw = raw * (one.motion.sign if factor == "sign" else one.motion.dq)[:, [joint]]
-        out.append(Columns((joint,), one.smooth(raw[:, None], (joint,))[:, 0][None, None]))
+        out.append(Columns((joint,), one.smooth_columns(raw[None], (joint,))[None]))
     grid = np.linspace(low, high, 121)
     return Splines(tuple(out), grid, design(grid))

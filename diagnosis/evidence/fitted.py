@@ -170,7 +170,7 @@ def _residuals(model: Model, linear: Float, shapes: Float, prepared: Prepared) -
 
 def _filtered_torque(model: Model, one: PreparedRecording, linear: Float, shape: Float) -> Float:
     """Return the model's torque (J, K) after the common filter, N·m."""
-    return np.asarray(one.smooth(model.torque(one.motion, linear, shape)).T)
+    return one.smooth(model.torque(one.motion, linear, shape))
 
 
 def pooled_rms(residuals: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:

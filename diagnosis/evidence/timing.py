@@ -212,7 +212,8 @@ class _Readings:
         """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
         linear, square, size = self.linear, np.zeros(len(self.use)), np.zeros(len(self.use))
         for _ in range(rounds):  # outliers are judged beside the model, which is fitted without them
-            tau = np.concatenate([self._read(k, linear, change, seconds, which) for k in range(len(self.train))]).T
+            parts = [self._read(k, linear, change, seconds, which) for k in range(len(self.train))]
+            tau = np.concatenate(parts, axis=1)
             linear = self.solve @ (tau * self.use).ravel()
             square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
             size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])

@@ -130,7 +130,7 @@ def residual_noise(
 
 def distance(truth: Rival, rival: Model, prepared: Sequence[PreparedRecording], noise: Noise, start: Float) -> float:
     """Return D of `rival` from `truth` on prepared motions; `start` (S,) are shape values to begin from."""
-    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)).T for one in prepared]
+    made = [one.smooth(truth.model.torque(one.motion, truth.linear, truth.shape)) for one in prepared]
     told = [replace(one, torque=torque) for one, torque in zip(prepared, made, strict=True)]
     assembly = Assembly(rival, told)
     root = [np.sqrt(noise.weight / one.kept_rate) for one in prepared]

@@ -81,7 +81,7 @@ def _own_losses(
     """
     still, joints, moving = model.moving_torque(one.motion, linear, shape, index)
     use, own = one.used, list(joints)
-    rest = np.where(use, one.torque - one.smooth(still).T, 0.0)
+    rest = np.where(use, one.torque - one.smooth(still), 0.0)
     others = np.setdiff1d(np.arange(len(rest)), own)
     known = huber(rest[others], delta[others])
 

@@ -97,7 +97,7 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     payload = any(one.motion.payload is not None for one in prepared.train)
     if prepared.misread or model.chain or COUPLING not in names or payload:
         return None
-    weight = np.concatenate([_weight(one) for one in prepared.train]).T[:, :, None]
+    weight = np.concatenate([_weight(one) for one in prepared.train], axis=1)[:, :, None]
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
     with_zeros = _data(fit, zeros, "zero")
     data = _data(fit, np.concatenate([zeros, weight], axis=2), "zero")
@@ -146,6 +146,6 @@ def _fieller(coupling: float, weight: float, area: Float, gravity: float) -> tup
 
 
 def _weight(one: PreparedRecording) -> Float:
-    """Return the column (K, J) of a weight at the shank, filtered like the torque."""
+    """Return the column (J, K) of a weight at the shank, filtered like the torque."""
     column = np.sin(one.motion.q.sum(axis=1))
     return one.smooth(np.repeat(column[:, None], one.motion.q.shape[1], axis=1))

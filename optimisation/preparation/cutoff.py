@@ -214,7 +214,7 @@ class _Trials:
 def _torque_of_slower(
     base: Model, beta: Float, slow: Sequence[PreparedRecording], fast: Sequence[PreparedRecording]
 ) -> list[Float]:
-    """Return for each recording what slower angles get wrong of the model's torque, (K, J) N·m: faster ones show it."""
+    """Return for each recording what slower angles get wrong of the model's torque, (J, K) N·m: faster ones show it."""
     out = []
     for one, other in zip(slow, fast, strict=True):
         right, own = base.torque(other.motion, beta), base.torque(one.motion, beta)

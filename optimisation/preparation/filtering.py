@@ -137,20 +137,15 @@ class PreparedRecording:
         motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload, old.base)
         return replace(self, motion=motion)
 
-    def smooth(self, x: Float, joints: Sequence[int] | None = None) -> Float:
-        """Bridge and filter `x` (N, A, ...) exactly as the torque was; return the kept samples (K, A, ...).
+    def smooth(self, x: Float) -> Float:
+        """Bridge and filter torques `x` (N, J) exactly as the measured one was; return the kept samples (J, K)."""
+        return self.smooth_columns(x.T[:, :, None])[:, :, 0]
 
-        A are `joints`, all where none are given.
-        """
-        joints = range(len(self.torque)) if joints is None else joints
-        rows = np.array(x.transpose(*range(1, x.ndim), 0), dtype=float, order="C")
-        smooth = self.smooth_rows(rows, joints, 0)
-        return np.ascontiguousarray(smooth.transpose(x.ndim - 1, *range(x.ndim - 1)))
-
-    def smooth_columns(self, x: Float) -> Float:
-        """Do the same to columns (J, N, P) of all joints and return (J, K, P)."""
+    def smooth_columns(self, x: Float, joints: Sequence[int] | None = None) -> Float:
+        """Do the same to columns (A, N, P) of `joints`, all where none are given, and return (A, K, P)."""
         rows = np.array(x.transpose(0, 2, 1), dtype=float, order="C")
-        return np.ascontiguousarray(self.smooth_rows(rows, range(len(x)), 0).transpose(0, 2, 1))
+        smooth = self.smooth_rows(rows, range(len(x)) if joints is None else joints, 0)
+        return np.ascontiguousarray(smooth.transpose(0, 2, 1))
 
     def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
         """Do the same to `x` (..., N), which is bridged in place, and return (..., K), in `out` where that is given."""

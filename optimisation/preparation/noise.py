@@ -25,7 +25,7 @@ def noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
 
 
 def torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
-    """Return for each recording what filter and derivatives get wrong, (K, J) N·m: the model's torque once more with
+    """Return for each recording what filter and derivatives get wrong, (J, K) N·m: the model's torque once more with
     the angles filtered twice and differentiated more exactly.
     """
     out = []
@@ -39,7 +39,7 @@ def torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecord
 
 
 def torque_of_noise(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
-    """Return for each recording what noise of the angles makes in the model's torque, (K, J) N·m."""
+    """Return for each recording what noise of the angles makes in the model's torque, (J, K) N·m."""
     out = []
     for index, one in enumerate(prepared):
         other = one.noisier(np.random.default_rng(index)).motion
@@ -54,8 +54,8 @@ def _torque_change(base: Model, beta: Float, one: PreparedRecording, q: Float, d
 
 
 def mean_square(change: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:
-    """Return the mean square (J,) of changes (K, J) over the usable samples of all recordings."""
+    """Return the mean square (J,) of changes (J, K) over the usable samples of all recordings."""
     square = np.sum(
-        [np.sum(np.where(p.used.T, x, 0.0) ** 2, axis=0) for x, p in zip(change, prepared, strict=True)], axis=0
+        [np.sum(np.where(p.used, x, 0.0) ** 2, axis=1) for x, p in zip(change, prepared, strict=True)], axis=0
     )
     return np.asarray(square / np.maximum(np.sum([p.used.sum(axis=1) for p in prepared], axis=0), 1))

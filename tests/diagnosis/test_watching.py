@@ -93,7 +93,7 @@ def test_what_holds_between_torque_and_columns_holds_after_the_weighted_filter()
     assert front.filters is not None
     one = window("w", made, front.filters.settled, front.filters)
     column = np.stack([made.dq, made.q], axis=2)
-    smooth = one.smooth(column)
+    smooth = one.smooth_columns(np.moveaxis(column, 0, 1))
     direct = one.smooth(column @ np.array([2.0, -1.5]))
     np.testing.assert_allclose(smooth @ np.array([2.0, -1.5]), direct, atol=1e-12)
     assert one.used.any()
