@@ -139,9 +139,9 @@ def run_case(case: Case) -> dict[str, Any]:
     best = {n: nodes[n][v] for n, v in chosen.items()}
     last = prepared.verify[0]
     unseen_x = np.hstack(
-        [blocks[count].columns[last.use.T], *(columns[n][count].full(v)[last.use.T] for n, v in chosen.items())]
+        [blocks[count].columns[last.used], *(columns[n][count].full(v)[last.used] for n, v in chosen.items())]
     )
-    named = {"bic": bic(base, y, nodes), "sindy": sindy(base, y, best, (unseen_x, last.tau.T[last.use.T]))}
+    named = {"bic": bic(base, y, nodes), "sindy": sindy(base, y, best, (unseen_x, last.torque[last.used]))}
     return {"case": case.name, "kind": case.kind, "hidden": [h.name for h in hidden], "named": named}
 
 
