@@ -35,11 +35,9 @@ from diagnosis.evidence.columns import Columns  # noqa: E402
 from diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
 from diagnosis.evidence.library import build_library  # noqa: E402
 from diagnosis.grading import match  # noqa: E402
-from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
-from measurement.bench.leg import random_leg  # noqa: E402
+from diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
-from symbolic.model import Model  # noqa: E402
 
 MOST = 6
 THRESHOLDS = np.geomspace(0.01, 0.5, 12)
@@ -118,10 +116,9 @@ def sindy(base: np.ndarray, y: np.ndarray, best: dict[str, np.ndarray], unseen: 
 def run_case(case: Case) -> dict[str, Any]:
     """Return what the baselines name in one leg."""
     rng = np.random.default_rng(case.number)
-    leg = random_leg(rng)
-    hidden, runs = simulated(case, leg, rng)
+    model, leg = subject(case, rng)
+    hidden, runs = simulated(case, model, leg, rng)
     recordings = [run.recording for run in runs]
-    model = Model.standard(thigh_length=leg.thigh_length)
     prepared = prepare(model, recordings[:3], recordings[3:])
     fit = identify(model, prepared.train, optimisers=())
     now, count = fitted_model(fit, prepared), len(prepared.train)

@@ -80,11 +80,11 @@ def write_hours(folder: Path, hours: float, formats: list[str]) -> None:
     import pyarrow.parquet
 
     from measurement.bench.sensors import Sensors
-    from measurement.bench.simulation import Bench, run
+    from measurement.bench.simulation import Bench, run_bench
     from measurement.trajectories.trajectory import random_trajectory
 
     path = random_trajectory(np.random.default_rng(3), period=PERIOD)
-    true = run(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
+    true = run_bench(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
     rng = np.random.default_rng(4)
     clean = np.hstack([true.motion.q, true.torque])
     noise = np.array([2e-4, 2e-4, 0.3, 0.2])

@@ -36,13 +36,11 @@ from diagnosis.results import Diagnosis  # noqa: E402
 from diagnosis.rules import RULES, Rules  # noqa: E402
 from diagnosis.settings import DiscoverySettings  # noqa: E402
 from diagnosis.thresholds import every_threshold  # noqa: E402
-from diagnosis.trials.cases import KINDS, Case, cases, simulated  # noqa: E402
+from diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
 from ground.suggest import did_you_mean  # noqa: E402
 from ground.thresholds import Rule, Threshold  # noqa: E402
-from measurement.bench.leg import random_leg  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
 from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
-from symbolic.model import Model  # noqa: E402
 
 FACTORS = (0.5, 2.0)
 PREPARING = ("whole_seconds", "stretch_seconds", "searched_seconds")
@@ -54,11 +52,10 @@ class Trial:
 
     def __init__(self, case: Case) -> None:
         rng = np.random.default_rng(case.number)
-        leg = random_leg(rng)
-        hidden, runs = simulated(case, leg, rng)
+        self.model, leg = subject(case, rng)
+        hidden, runs = simulated(case, self.model, leg, rng)
         self.name = case.name
         self.hidden = [one.name for one in hidden]
-        self.model = Model.standard(thigh_length=leg.thigh_length)
         self.recordings: list[Recording] = [run.recording for run in runs]
         self.prepared: Prepared = prepare(self.model, self.recordings[:3], self.recordings[3:])
         self.usual = self.answer(RULES)
