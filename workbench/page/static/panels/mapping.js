@@ -15,7 +15,8 @@ export function offerMapping(files) {
   const solved = waiting && !files.some((one) => one.id === waiting.id && one.error);
   if (solved && waiting.dialog) waiting.dialog.close();
   if (solved) waiting = null;
-  if (document.querySelector("dialog[open]")) return;
+  const opening = waiting && !waiting.dialog;
+  if (opening || document.querySelector("dialog[open]")) return;
   const file = files.find((one) => one.error && !offered.has(one.id));
   if (!file) return;
   waiting = { id: file.id, dialog: null };
@@ -25,7 +26,11 @@ export function offerMapping(files) {
 export async function openMapping(id) {
   offered.add(id);
   const table = await doing(ask("/api/columns", { file: id }));
-  if (!table || (!table.error && waiting && waiting.id === id)) return;
+  const own = waiting && waiting.id === id;
+  if (!table || (!table.error && own)) {
+    if (own) waiting = null;
+    return;
+  }
   const error = h("div", { role: "alert", "data-testid": "map-error" });
   const showError = (problem) => error.replaceChildren(...(problem ? [h("div", { class: "finding refused" }, h("p", {}, problem.what), problem.remedy && h("p", { class: "remedy" }, problem.remedy || ""))] : []));
   showError(table.error);
