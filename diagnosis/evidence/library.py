@@ -75,7 +75,8 @@ class Library:
         """
         sizes = [self._size(one, fitted) for one in candidates]
         lasting = [_lasting(one) for one in candidates]  # apart: memory goes as a whole
-        memory, used = [np.frombuffer(shared(sum(sizes)), dtype=float) for _ in range(2)], [0, 0]
+        wanted = [sum(s for s, lasts in zip(sizes, lasting, strict=True) if lasts == group) for group in (False, True)]
+        memory, used = [np.frombuffer(shared(count), dtype=float) for count in wanted], [0, 0]
         out = []
         for one, size, place in zip(candidates, sizes, lasting, strict=True):
             out.append(self._room(one, fitted, memory[place][used[place] : used[place] + size]))

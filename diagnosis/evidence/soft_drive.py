@@ -89,7 +89,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
     which some compliance fits by chance.
     """
     asked = last.evaluation_rms > rules.soft_asked * noise
-    if not _may_be(base, last, noise, rules):
+    if not _may_be(base, last, asked, rules):
         return None
     found = []
     added = {term.name for term in last.model.terms} - {term.name for term in base.model.terms}
@@ -115,15 +115,14 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
 
 def seek_later(base: FittedModel, noise: Float, rules: Rules = RULES) -> None:
     """Let soft drives behind `base` be sought with the work that is shared out next, where `plainly_soft` will ask."""
-    if base not in _BEST and _may_be(base, base, noise, rules):
+    if base not in _BEST and _may_be(base, base, base.evaluation_rms > rules.soft_asked * noise, rules):
         _seek(base, postpone)
 
 
-def _may_be(base: FittedModel, last: FittedModel, noise: Float, rules: Rules) -> bool:
-    """Whether enough is left, and recorded, to ask for a soft drive; of what swings by itself, a link on a spring takes
-    up much.
+def _may_be(base: FittedModel, last: FittedModel, asked: np.ndarray, rules: Rules) -> bool:
+    """Whether enough is left (`asked` (J,), where), and recorded, to ask for a soft drive; of what swings by itself, a
+    link on a spring takes up much.
     """
-    asked = last.evaluation_rms > rules.soft_asked * noise
     return bool(fitted_seconds(base.prepared) >= rules.least_seconds and asked.any() and swinging(last) is None)
 
 

@@ -48,7 +48,7 @@ def allowed_processes() -> int:
     given = os.environ.get(PROCESSES, "")
     if given and not (given.isascii() and given.isdigit() and int(given) > 0):
         raise ExoidError(f"{PROCESSES} is {given!r}", remedy="give a number of processes, 1 or more")
-    if sys.platform != "linux" or threading.current_thread() is not threading.main_thread():
+    if sys.platform != "linux" or not _here():
         return 1
     return int(given) if given else min(MOST, len(os.sched_getaffinity(0)))
 
@@ -134,7 +134,7 @@ def postpone(work: Callable[[int], Any], order: Sequence[int], heard: Callable[[
 
 def first_passing(test: Callable[[int], bool], count: int) -> int | None:
     """Return the first of the numbers below `count` that passes the `test`, None where none does."""
-    if allowed_processes() < 2:
+    if not _apart():
         return next((k for k in range(count) if test(k)), None)
     passed: list[int] = []
     share_out(lambda k: bool(test(k)), range(count), lambda k, good: passed.append(k) if good else None)
@@ -147,7 +147,7 @@ def _here() -> bool:
 
 def _apart() -> bool:
     """Whether work can be shared out here and now."""
-    return _here() and allowed_processes() > 1 and not (_TEAM and _TEAM[0].working)
+    return allowed_processes() > 1 and not (_TEAM and _TEAM[0].working)
 
 
 class _Copy:
