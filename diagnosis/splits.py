@@ -13,6 +13,7 @@ from diagnosis.results import Possible
 from diagnosis.write_up import estimates_in
 from ground.errors import NotEnoughDataError
 from ground.progress import Progress, silent
+from ground.ties import ascending
 from measurement.recording import Recording
 from symbolic.quantity import Estimate
 
@@ -65,4 +66,4 @@ def from_scratch(
         if name not in accepted
     ]
     never = {name: Agreement(0, count, {}, tuple(dict.fromkeys(lost[name]))) for name in accepted if name not in found}
-    return agreements | never, tuple(sorted(possible, key=lambda p: -(p.agreement.share or 0.0)))
+    return agreements | never, tuple(ascending(possible, lambda p: -(p.agreement.share or 0.0), 1.0))

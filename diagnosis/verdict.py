@@ -17,6 +17,7 @@ from diagnosis.evidence.swinging import Swing, swinging
 from diagnosis.results import Accepted, Possible
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import too_short
+from ground.ties import index_of_greatest, least_of
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from symbolic.catalogue import every_effect
@@ -183,7 +184,7 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     """Return that the error is far above the noise on fitted motion alone, where an entry explains part; "" if not."""
     floor = np.maximum(sensor_noise(last.prepared), 1e-6)
     times = last.train_rms / floor
-    j = int(np.argmax(times))
+    j = index_of_greatest(times)
     told = max((one.explained_share for one in possible), default=0.0) >= rules.small_gain
     unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
     if not last.verified or not told or unseen or times[j] <= rules.near_noise:
@@ -268,8 +269,10 @@ def within_filter_error(base: FittedModel) -> Conclusion:
 
 def _nearest(possible: Sequence[Possible], rules: Rules) -> str:
     """Return which entry of the catalogue comes nearest to what is left, and why it was not accepted; "" for none."""
-    best = max(possible, key=lambda one: one.explained_share, default=None)
-    if best is None or best.explained_share < rules.nearest:
+    if not possible:
+        return ""
+    best = least_of(possible, lambda one: -one.explained_share, 1.0)
+    if best.explained_share < rules.nearest:
         return ""
     return f" Nearest in the catalogue: {best.name}, {100 * best.explained_share:.0f} % of the error; {best.reason}."
 

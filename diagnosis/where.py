@@ -17,6 +17,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.remainder import Remainder
 from ground.plain import AsJson
 from ground.thresholds import Threshold
+from ground.ties import ascending
 from symbolic.motion import Float
 
 Int = NDArray[np.int64]
@@ -78,7 +79,7 @@ def samples_of(now: FittedModel, joint: str, variable: str, *, train: bool = Fal
 def where_it_sits(now: FittedModel, curves: Sequence[Remainder]) -> tuple[Where, ...]:
     """Return the ranked list: curves that predict unseen error, and the regions in which the error gathers."""
     found = [one for joint in now.model.joint_names for one in _at_joint(now, joint, curves)]
-    return tuple(sorted(found, key=lambda w: -w.share))
+    return tuple(ascending(found, lambda w: -w.share, 1.0))
 
 
 def _at_joint(now: FittedModel, joint: str, curves: Sequence[Remainder]) -> list[Where]:

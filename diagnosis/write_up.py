@@ -22,6 +22,7 @@ from diagnosis.rules import Rules
 from diagnosis.search.doubt import too_short
 from diagnosis.search.state import Extension
 from diagnosis.verdict import Conclusion, biased_parameters, sentence_of
+from ground.ties import ascending
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.thigh_length import wanted_thigh_length
@@ -42,7 +43,7 @@ def possible_beside(
     ]
     names = {one.name for one in accepted}
     both = [*given_up, *(one for one in possible if one.name not in names)]
-    return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
+    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
 def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> tuple[Possible, ...]:
@@ -50,7 +51,7 @@ def possible_with(sway: OwnSway, possible: Sequence[Possible], rules: Rules) -> 
     reason = f"the base sways {sway.words}: no model of the motion alone can predict that"
     found = Possible(SWAY, None, Agreement(), sway.parameters, sway.share, reason)
     both = [found, *(one for one in possible if one.effect != SWAY)]
-    return tuple(sorted(both, key=lambda one: -one.explained_share)[: rules.most_possible])
+    return tuple(ascending(both, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
 def estimates_in(fit: Fit, name: str) -> dict[str, Estimate]:

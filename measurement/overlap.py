@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import RecordingError
+from ground.ties import index_of_greatest
 from measurement.auditing.channels import step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
@@ -248,7 +249,7 @@ def _shift(part: Float, long: _Even, channel: int, same: float) -> int | None:
     product = product[: power.size - part.size]
     energy = (power[part.size :] - power[: -part.size]) * float(part @ part)
     likeness = np.abs(product) / np.sqrt(np.maximum(energy, 1e-12 * max(float(energy.max()), 1e-300)))
-    best = int(np.argmax(likeness))
+    best = index_of_greatest(likeness, 1.0)
     return best if likeness[best] >= same - 0.05 else None
 
 

@@ -19,6 +19,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Gram
 from diagnosis.evidence.score import Score, weigh
+from ground.ties import TIED, least_of
 from optimisation.fitting.shapes import from_unit, to_unit
 from symbolic.motion import Float
 
@@ -37,7 +38,8 @@ def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score
         if np.any(own[0, chosen] != other):
             begin = own.copy()
             begin[:, chosen] = other
-            best = max(best, _refined(evidence, score, begin, fitted), key=lambda pair: pair[0].share)
+            found = _refined(evidence, score, begin, fitted)
+            best = least_of([best, found], lambda pair: -pair[0].share, 1.0)
     return best
 
 
@@ -59,7 +61,7 @@ def _refined(evidence: Evidence, score: Score, chosen: Float, fitted: FittedMode
                 trial[:, index] = [from_unit(entry, to_unit(entry, float(value)) + step) for value in middle]
                 trial_columns = columns_at(candidate, trial, fitted)
                 found = _one_node(evidence, candidate, trial, trial_columns, score)
-                if found.share > best.share:
+                if found.share > best.share + TIED:
                     best, chosen, columns = found, trial, trial_columns
             reach *= 0.5
     return best, columns

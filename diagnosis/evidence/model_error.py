@@ -10,6 +10,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.repeats import Repeats, repeats
 from diagnosis.rules import RULES, Rules
 from ground.plain import AsJson
+from ground.ties import index_of_greatest
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 
@@ -59,13 +60,13 @@ def model_error(last: FittedModel, rules: Rules = RULES) -> ModelError | None:
     error = last.evaluation_rms
     # A floor of zero is that of a joint without samples or without noise; there the filter's own error is one.
     times = np.where(error > 0.0, error / np.maximum(floor, 1e-6), 0.0)
-    j = int(np.argmax(times))
+    j = index_of_greatest(times)
     few = last.verified and fitted_seconds(last.prepared) < rules.least_seconds
     if few and np.all(last.train_rms <= rules.near_noise * floor):
         return None
     beyond = np.where(error > 0.0, error / np.maximum(sensors, 1e-6), 0.0)
     if times[j] <= rules.near_noise:
-        worst = int(np.argmax(beyond))
+        worst = index_of_greatest(beyond)
         return (
             None if again is None or beyond[worst] <= rules.near_noise else _random(last, again, worst, beyond[worst])
         )

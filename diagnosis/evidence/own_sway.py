@@ -22,6 +22,7 @@ from diagnosis.evidence.fitted import FittedModel, pooled_rms
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.evidence.swinging import advice_at, swinging
 from diagnosis.rules import RULES, Rules
+from ground.ties import least_of
 from optimisation.fitting.phases import phases_of
 from symbolic.catalogue import find_effect
 from symbolic.motion import Float
@@ -109,10 +110,10 @@ def own_sway(last: FittedModel, noise: Float, rules: Rules = RULES) -> OwnSway |
     known = {float(f): _read(last, blocks, candidate, float(f)).known for f in tried}
     if not known:
         return None
-    found = _read(last, blocks, candidate, min(known, key=lambda f: known[f][0]))
+    found = _read(last, blocks, candidate, least_of(known, lambda f: known[f][0]))
     for finer in (step / 3.0, step / 9.0):
         about = [_read(last, blocks, candidate, found.hertz + side * finer) for side in (-1.0, 1.0)]
-        found = min([found, *about], key=lambda one: one.cost)
+        found = least_of([found, *about], lambda one: one.cost)
     for _ in range(ROUNDS - 1):
         numbers = replace(last.fit, linear=last.linear + found.change[: len(last.linear)])
         found = _read(replace(last, fit=numbers), blocks, candidate, found.hertz)

@@ -24,6 +24,7 @@ from diagnosis.evidence.score import Score, harmless, weigh
 from diagnosis.evidence.stability import Splits
 from ground.engines.workers import share_out, shared
 from ground.progress import Progress, silent
+from ground.ties import ascending
 
 
 def rank(
@@ -36,7 +37,7 @@ def rank(
     present = {term.name for term in fitted.model.terms}
     todo = [c for c in library.candidates if c.name not in present]
     scores, columns = weigh_all(evidence, library, fitted, todo, lambda done, text: tick(0.6 * done, text))
-    scores = agreed(evidence, sorted(scores, key=lambda s: -s.share), columns, fitted)
+    scores = agreed(evidence, ascending(scores, lambda s: -s.share, 1.0), columns, fitted)
     promising = [s for s in scores if s.eligible][: evidence.rules.placebo_for]
     tested = with_chance(evidence, promising, columns, lambda done, text: tick(0.6 + 0.4 * done, text))
     known = {s.name: s for s in tested}

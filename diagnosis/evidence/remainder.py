@@ -22,6 +22,7 @@ from diagnosis.plots import curve
 from diagnosis.rules import RULES, Rules
 from ground.engines.workers import share_out
 from ground.html import bullets, lines
+from ground.ties import ascending, index_of_greatest
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
@@ -154,7 +155,7 @@ def remainders(
             one = Remainder(joint, variable, factor, p_value=None, joints=now.model.joints, **{**answer, **arrays})
             found.append(one)
     # A curve of its own for each recording must earn that freedom.
-    found.sort(key=lambda one: -one.share * (evidence.rules.own_handicap if one.own else 1.0))
+    found = ascending(found, lambda one: -one.share * (evidence.rules.own_handicap if one.own else 1.0), 1.0)
     telling = [k for k, one in enumerate(found[:placebos]) if one.share >= evidence.rules.curve_share]
 
     def chance(k: int) -> float:
@@ -225,7 +226,7 @@ def _weigh(parts: Sequence[CurveData], splines: Splines, index: int, own: bool) 
         fresh = [(float(g.total[0]), float(j.evidence.fold_losses.sum())) for g, j in zip(gains, parts, strict=True)]
         unseen = sum(f for (f, _), j in zip(fresh, parts, strict=True) if not j.trained)
         against = sum(w for (_, w), j in zip(fresh, parts, strict=True) if not j.trained)
-        best = max(range(len(parts)), key=lambda i: fresh[i][0])
+        best = index_of_greatest([fall for fall, _ in fresh])
     else:
         unseen, against, best = float(gains[0].unseen[0]), parts[0].evidence.unseen_loss, 0
     share = fall / loss if loss else 0.0

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
+from ground.ties import index_of_least
 from symbolic.motion import Float
 
 ALIKE = 0.05
@@ -57,7 +58,7 @@ def _periods(fitted: FittedModel, index: int) -> Pair | None:
     away = np.array([np.sqrt(np.mean((q[lag:] - q[:-lag]) ** 2, axis=0)).max() for lag in close])
     if away.min() > ALIKE:
         return None
-    lag, rest, use = int(close[np.argmin(away)]), fitted.residuals[index], one.used
+    lag, rest, use = int(close[index_of_least(away, 1.0)]), fitted.residuals[index], one.used
     return rest[:, :-lag], rest[:, lag:], use[:, :-lag] & use[:, lag:]
 
 

@@ -15,6 +15,7 @@ from diagnosis.evidence.columns import Columns, LateColumns
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Gain, Gram
 from diagnosis.rules import Rules
+from ground.ties import TIED, index_of_greatest, tied
 from symbolic.effect import Coefficient, Shape
 from symbolic.motion import Float
 
@@ -104,15 +105,14 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
             candidate, nodes, 0.0, blank, 0.0, np.zeros(grams.h.shape[1]), float(novelty.max()), caution=text
         )
     best: tuple[np.ndarray, Gain] | None = None
-    wrong = 0.0
+    wrong, whole = 0.0, float(evidence.fold_losses.sum())
     for nodes, gain in _choices(evidence, candidate, grams, alive):
         right = admissible(candidate, gain.coefficients, rules)[0]
         total = float(gain.total[0])
-        if right and (best is None or total > best[1].total[0]):
+        if right and (best is None or total > best[1].total[0] + TIED * whole):
             best = nodes, gain
         elif not right:
             wrong = max(wrong, total)
-    whole = float(evidence.fold_losses.sum())
     if best is None or wrong > 2.0 * max(float(best[1].total[0]), 0.0):
         nodes, gain = best or next(iter(_choices(evidence, candidate, grams, alive)))
         text = "fits best with a sign that this effect cannot have" if wrong > rules.least_share * whole else ""
@@ -245,7 +245,7 @@ def _choices(evidence: Evidence, candidate: Candidate, grams: Gram, alive: np.nd
     out = []
     for side in (common[right], common[~right]):
         if side.size:
-            v = int(side[np.argmax(gain.total[side])])
+            v = int(side[index_of_greatest(gain.total[side], float(evidence.fold_losses.sum()))])
             out.append((np.full(recordings, v), gain.entry(v)))
     groups = groups_of(candidate)
     if groups:
@@ -268,8 +268,9 @@ def own_nodes(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.ndarr
         chosen = [_best_alone(evidence, candidate, grams.entries(slice(None), part)) for part in parts]
         return np.concatenate(chosen, axis=1)
     step: Float = np.zeros((len(evidence.prior), 1))
+    loss = float(evidence.fold_losses.sum())
     for _ in range(ROUNDS):
-        nodes = np.argmax(evidence.gains_once(grams, step[:, None]), axis=1)
+        nodes = np.argmax(tied(-evidence.gains_once(grams, step[:, None]), loss, axis=1), axis=1)
         step = evidence.step_beside(evidence.pick(grams, nodes))
     return np.asarray(nodes)
 
@@ -280,4 +281,5 @@ def _best_alone(evidence: Evidence, candidate: Candidate, grams: Gram) -> np.nda
     flat = Gram(grams.rows.reshape(*grams.rows.shape[:-2], -1))
     coefficients, gain = evidence.recording_gains(flat)
     right = [admissible(candidate, each.T, evidence.rules) for each in coefficients]
-    return np.asarray(np.argmax(np.where(right, gain, -np.inf).reshape(-1, *shape), axis=1))
+    best = tied(-np.where(right, gain, -np.inf).reshape(-1, *shape), float(evidence.fold_losses.sum()), axis=1)
+    return np.asarray(np.argmax(best, axis=1))

@@ -28,6 +28,7 @@ from diagnosis.evidence.swinging import swinging
 from diagnosis.rules import RULES, Rules
 from ground.engines.workers import postpone, share_out
 from ground.minimum import minimum
+from ground.ties import least_of
 from measurement.signals.compiled import solved_banded
 from measurement.signals.conditioning import derivatives
 from optimisation.fitting.identify import identify
@@ -110,7 +111,7 @@ def soft_drive(base: FittedModel, last: FittedModel, noise: Float, rules: Rules 
                 one.after <= one.before * (1.0 + ~asked)
             ):
                 found.append(one)
-    return min(found, key=lambda one: one.share, default=None)
+    return least_of(found, lambda one: one.share, 1.0) if found else None
 
 
 def seek_later(base: FittedModel, noise: Float, rules: Rules = RULES) -> None:

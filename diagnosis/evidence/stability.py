@@ -22,6 +22,7 @@ from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.gram import Fits, inverse_of
 from diagnosis.evidence.score import Score, admissible
 from diagnosis.rules import Rules
+from ground.ties import order_of
 from symbolic.motion import Float
 
 MOST_AGAINST = 3
@@ -132,7 +133,7 @@ class Splits:
         least = self.rules.split_shows
         tells = (expected >= least * expected.mean()) & (seen >= least * seen.mean()) & (expected > 0.0)
         agrees = gain >= np.maximum(self.rules.split_keeps * expected, 0.0)
-        order = np.argsort(gain)
+        order = order_of(gain)
         worst = [k for k in order[:MOST_AGAINST] if tells[k] and gain[k] < 0.0]
         against = tuple(dict.fromkeys(r for k in worst for r in self.held_out[k]))
         told, recordings = int(tells.sum()), len({r for held in self.held_out for r in held})

@@ -10,6 +10,7 @@ import numpy as np
 
 from diagnosis.evidence.curves import split_variable, variables
 from diagnosis.evidence.remainder import Remainder, Suggestion
+from ground.ties import ascending, index_of_least, least_of
 from symbolic.joints import UNITS
 from symbolic.motion import Float
 
@@ -61,7 +62,7 @@ def suggest(one: Remainder) -> tuple[Suggestion, ...]:
         per = f"{torque}·s/{speed}" if one.factor == "speed" else torque
         per += f"/({unit}){power[text.split('- m)')[1][:3]]}" if "/w" not in text else ""
         out.append(Suggestion(text, share, {"c": per}, values))
-    return tuple(sorted((s for s in out if s.share > 0.3), key=lambda s: -s.share))
+    return tuple(ascending((s for s in out if s.share > 0.3), lambda s: -s.share, 1.0))
 
 
 def _least_squares(misfit: Callable[[Float], Float], low: Float, high: Float) -> tuple[Float, float]:
@@ -75,9 +76,9 @@ def _least_squares(misfit: Callable[[Float], Float], low: Float, high: Float) ->
     valleys = []
     for part in parts:
         grid = np.array(list(itertools.product(PLACES, WIDTHS[part])))[:, : len(low)] * (high - low) + low
-        start = grid[np.argmin(np.sum(misfit(grid.T) ** 2, axis=1))]
+        start = grid[index_of_least(np.sum(misfit(grid.T) ** 2, axis=1))]
         valleys.append(_valley(misfit, start, low, high))
-    return min(valleys, key=lambda found: found[1])
+    return least_of(valleys, lambda found: found[1])
 
 
 def _valley(misfit: Callable[[Float], Float], start: Float, low: Float, high: Float) -> tuple[Float, float]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
+from ground.ties import index_of_greatest, least_of
 from symbolic.motion import Float
 
 SLOWEST = 0.3
@@ -68,7 +69,7 @@ def swinging(last: FittedModel) -> Swing | None:
             )
         )
     ]
-    return max(found, key=lambda one: one.share, default=None)
+    return least_of(found, lambda one: -one.share, 1.0) if found else None
 
 
 def common_line(left: Sequence[Float], torque: Sequence[Float], rates: Sequence[float]) -> tuple[float, float] | None:
@@ -85,7 +86,7 @@ def common_line(left: Sequence[Float], torque: Sequence[Float], rates: Sequence[
         np.array([_shares(x, rate, step, grid) for x, rate in zip(some, rates, strict=True)]) for some in (left, torque)
     )
     least = np.where(own.max(axis=0) < MOST, rest.min(axis=0), 0.0)
-    best = int(np.argmax(least))
+    best = index_of_greatest(least, 1.0)
     return (float(grid[best]), float(least[best])) if least[best] >= LEAST else None
 
 

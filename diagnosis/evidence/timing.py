@@ -13,6 +13,7 @@ from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
 from ground.engines.workers import share_out
+from ground.ties import index_of_least, least_of
 from measurement.signals.conditioning import median_outliers
 from optimisation.linear.factor import factorise
 from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
@@ -115,9 +116,9 @@ def filtered(without: FittedModel, late: Sequence[int], rules: Rules = RULES) ->
             return _Reading(kind, value, float(np.mean(readings.left(change, value, which)[seen] / now[seen])), which)
 
         whose = (seen, own) if (seen & ~own).any() else (own,)
-        best = min((at(value, which) for value in FAST for which in whose), key=lambda one: one.share)
+        best = least_of((at(value, which) for value in FAST for which in whose), lambda one: one.share, 1.0)
         finer = [best, *(at(factor * best.value, best.which) for factor in (0.85, 1.18))]
-        return min(finer, key=lambda one: one.share)
+        return least_of(finer, lambda one: one.share, 1.0)
 
     delay, lag = least("delay"), least("lag")
     if lag.share > rules.as_late * delay.share or 1.0 - lag.share < rules.close * (1.0 - delay.share):
@@ -191,7 +192,7 @@ class _Readings:
         most = rules.late_gain * self.now[which].sum()
         fine: list[tuple[str, float]] = []
         for kind, tried in self.coarse.items():
-            place = min(tried, key=lambda v: float(tried[v][which].sum()))
+            place = list(tried)[index_of_least([left[which].sum() for left in tried.values()])]
             if tried[place][which].sum() <= 2.0 * most:
                 fine += [(kind, factor * place) for factor in (0.8, 0.9, 1.0, 1.12, 1.25)]
         if not fine:

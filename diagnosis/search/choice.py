@@ -20,10 +20,8 @@ from diagnosis.search.containing import EXACT, contains, is_within
 from diagnosis.search.context import SearchContext
 from diagnosis.search.doubt import on_bound, undetermined
 from diagnosis.search.state import Extension
+from ground.ties import ascending, least_of
 from symbolic.motion import Float
-
-ROUNDED = 9
-"""Digits to which the shares of two candidates differ by more than rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +88,8 @@ def shortlist(
 ) -> tuple[list[Score], Collection[str]]:
     """Refine the shape values of `scores`; return those worth a refit, best first, and the look-alikes of the best."""
     refined = [context.refined(evidence, extension, s) for s in scores]
-    # Which of two with the same torque comes first must not hang on rounding.
-    refined.sort(key=lambda pair: (-round(pair[0].share, ROUNDED), *_plainness(pair[0])))
+    # Of two with the same torque the plainer comes first.
+    refined = ascending(sorted(refined, key=lambda pair: _plainness(pair[0])), lambda pair: -pair[0].share, 1.0)
     alike = look_alikes(evidence, refined[0], refined[1:])
     least = context.rules.near * refined[0][0].share
     return [p[0] for p in refined if p[0].name in alike or p[0].share >= least], alike
@@ -111,7 +109,7 @@ def refitted(
     if not tried:
         return None
     losses = {score.name: found.fitted.block_losses(scale, rules) for score, found in tried}
-    least = min(losses.values(), key=np.sum)
+    least = least_of(losses.values(), np.sum)
     behind_best = {name: lag(loss, least) for name, loss in losses.items()}
     score, found = min(
         ((s, f) for s, f in tried if behind_best[s.name] < rules.tied),

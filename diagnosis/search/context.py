@@ -24,6 +24,7 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import Objection, doubt
 from diagnosis.search.state import Extension, State
 from ground.progress import Progress, silent
+from ground.ties import least_of
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared
 from symbolic.model import Model
@@ -110,7 +111,7 @@ class SearchContext:
         waiting = [e for e in state.extensions if e.added is not None and e.added.name in names]
         while waiting:
             tried = [(self.with_term(out[-1], e.added), e) for e in waiting if e.added is not None]
-            found, old = max(tried, key=lambda pair: self.unseen_gain(out[-1], pair[0]))
+            found, old = least_of(tried, lambda pair: -self.unseen_gain(out[-1], pair[0]), 1.0)
             out.append(replace(found, alike=old.alike, never=old.never))
             waiting = [e for e in waiting if e is not old]
         return state.grown(*out)

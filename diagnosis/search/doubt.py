@@ -10,6 +10,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.rules import Rules
 from diagnosis.search.state import Extension
+from ground.ties import index_of_greatest
 from measurement.signals.conditioning import widen
 from optimisation.fitting.shapes import to_unit
 from optimisation.preparation.prepare import Prepared
@@ -147,7 +148,7 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
         taken = np.maximum(taken, np.sqrt(np.maximum(before.fitted.train_rms**2 - after.fitted.train_rms**2, 0.0)))
     if np.any(taken > rules.filter_error * wrong) or not np.any(wrong > 0.0):
         return ""
-    j = int(np.argmax(taken / np.maximum(wrong, 1e-300)))
+    j = index_of_greatest(taken / np.maximum(wrong, 1e-300))
     joint = after.fitted.model.joints[j]
     return (
         f"takes {taken[j]:.2g} {joint.unit('tau')} off the error of the {joint.name}, where filter and derivatives "
@@ -169,7 +170,7 @@ def small_while_far(before: Extension, after: Extension, floor: Float, rules: Ru
     farther = 1.0 if score.repeats(rules) else rules.farther ** np.log10(times)
     if times < 1.0 or share >= rules.small_gain * farther:
         return ""
-    joint = after.fitted.model.joint_names[int(np.argmax(ratio))]
+    joint = after.fitted.model.joint_names[index_of_greatest(ratio)]
     return (
         f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise: "
         "something larger is missing, and small terms may only take up part of it"

@@ -9,6 +9,7 @@ from diagnosis.evidence.score import Score
 from diagnosis.search.choice import lag
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import Extension, State
+from ground.ties import ascending
 
 
 def drop_dependent(context: SearchContext, state: State) -> State:
@@ -38,7 +39,7 @@ def _without_it(context: SearchContext, state: State, extension: Extension, scor
     weighed = context.all_weighed(without, evidence, [context.library.find(name) for name in names])
     scale = state.last.fitted.scale
     both = state.last.fitted.block_losses(scale, context.rules)
-    helping = sorted((one for one in weighed if one.helps and not one.caution), key=lambda one: -one.share)
+    helping = ascending((one for one in weighed if one.helps and not one.caution), lambda one: -one.share, 1.0)
     for rival in helping[: context.rules.refitted]:
         other = context.with_term(without, rival)
         if lag(other.fitted.block_losses(scale, context.rules), both) >= context.rules.clear:

@@ -12,6 +12,7 @@ from diagnosis.evidence.stability import Splits
 from diagnosis.search.context import SearchContext
 from diagnosis.search.doubt import on_bound, undetermined
 from diagnosis.search.state import State
+from ground.ties import least_of
 
 
 def drop_unsteady(context: SearchContext, state: State) -> State:
@@ -30,7 +31,7 @@ def drop_unsteady(context: SearchContext, state: State) -> State:
     weak = [name for name, agreement in found.items() if not agreement.enough(context.rules)]
     if not weak:
         return state
-    return _without(context, state, min(weak, key=lambda name: found[name].share or 0.0))
+    return _without(context, state, least_of(weak, lambda name: found[name].share or 0.0, 1.0))
 
 
 def _without(context: SearchContext, state: State, name: str, reason: str = "") -> State:

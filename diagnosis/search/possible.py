@@ -12,6 +12,7 @@ from diagnosis.evidence.stability import Splits
 from diagnosis.results import Possible
 from diagnosis.search.context import SearchContext
 from diagnosis.search.state import State
+from ground.ties import ascending
 from symbolic.quantity import Estimate
 
 DRAWS_AT_LEVEL = 10
@@ -55,7 +56,7 @@ def possible_of(context: SearchContext, state: State, several: bool) -> tuple[Po
         ):
             if tested.p_value is not None and tested.p_value <= rules.false_discovery_rate:
                 out.append(_possible(score, agreement, reason))
-    return tuple(sorted(out, key=lambda one: -one.explained_share)[: rules.most_possible])
+    return tuple(ascending(out, lambda one: -one.explained_share, 1.0)[: rules.most_possible])
 
 
 def _too_few(score: Score, several: bool) -> str:

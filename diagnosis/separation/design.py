@@ -23,6 +23,7 @@ from diagnosis.separation.settings import SeparationOptions, SeparationSettings
 from ground.errors import ExoidError
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
+from ground.ties import least_of, order_of
 from measurement.bench.simulation import bench_machine
 from measurement.recording import Recording
 from measurement.trajectories.extremes import bounds, uses
@@ -97,7 +98,7 @@ def separate(
     if pairs:
         found = _search(space, measure, asked.generations, asked.seed, say)
         say(0.85, "evaluating the motions")
-        motion = max(found, key=lambda one: min(measure.motion(one).values()))
+        motion = least_of(found, lambda one: -min(measure.motion(one).values()))
     usual = [measure.motion(one) for one in drawn] if pairs else []
     return Separation(
         model=base,
@@ -177,7 +178,7 @@ def _truths(
         truths.append(Rival(term.name, model, linear, np.array(fit.shape), source))
     if not fits or prepared is None:
         return tuple(truths), None
-    best = min(fits, key=lambda fit: fit.loss)
+    best = least_of(fits, lambda fit: fit.loss)
     rate = prepared.train[0].kept_rate
     data = best.data
     noise = residual_noise(best.residual, data.use, data.groups, rate, prepared.choice.cutoff, base.joints)
@@ -232,4 +233,4 @@ def _search(space: MotionSpace, measure: Distances, generations: int, seed: int,
         ),
     )
     last = run.state
-    return stretched(np.concatenate([run.x[None], last.x[np.argsort(last.f)[1:FINALISTS]]]))
+    return stretched(np.concatenate([run.x[None], last.x[order_of(last.f)[1:FINALISTS]]]))

@@ -22,6 +22,7 @@ from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
+from ground.ties import ascending
 from symbolic.motion import Float
 
 FIRST_DRAWS = 99
@@ -75,7 +76,7 @@ class Ranking:
     @property
     def scores(self) -> list[Score]:
         """Those weighed so far, best first."""
-        return sorted(self._scores.values(), key=lambda score: -score.share)
+        return ascending(self._scores.values(), lambda score: -score.share, 1.0)
 
     @property
     def weighed(self) -> float:
@@ -138,7 +139,7 @@ class Ranking:
             if trial is not None:
                 after = sum(float(np.sum(w * r**2)) for w, r in zip(weight, trial.residuals, strict=True))
                 out[name] = 1.0 - after / before
-        return dict(sorted(out.items(), key=lambda pair: -pair[1]))
+        return dict(ascending(out.items(), lambda pair: -pair[1], 1.0))
 
     def _best(self, score: Score) -> list[Columns]:
         """Return the columns of a candidate at its best shape values."""

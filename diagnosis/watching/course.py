@@ -8,6 +8,7 @@ import numpy as np
 
 from diagnosis.watching.result import Course
 from ground.thresholds import Threshold
+from ground.ties import index_of_least
 from symbolic.motion import Float
 
 SURE = Threshold(
@@ -44,7 +45,7 @@ def onset(course: Course, after: float = -np.inf) -> Onset:
     t, wants, power = course.t[order], course.wants[order], course.power[order]
     edges = np.concatenate([t[:1] - 1.0, 0.5 * (t[1:] + t[:-1]), t[-1:] + 1.0])
     jumps = np.array([_loss((t >= edge).astype(float), wants, power) if edge > after else np.inf for edge in edges])
-    best = int(np.argmin(jumps))
+    best = index_of_least(jumps)
     variance = max(float(jumps[best]) / max(len(t) - 2, 1), 1e-300)
     near = np.flatnonzero(jumps <= jumps[best] + SURE * variance)
     ramps = [

@@ -29,6 +29,7 @@ from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_block
 from diagnosis.watching.questions import Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
+from ground.ties import ascending
 from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -133,7 +134,7 @@ class BeforeAfter:
         # An error that was there all along has to show nothing but that it explains as much: where something leads,
         # only what comes near it can.
         least = self.rules.close * changes[0].share if good and changes else 0.0
-        scores = sorted([*changes, *self._old(evidence, [s for s in changes if s.share >= least])], key=_by_share)
+        scores = _by_share([*changes, *self._old(evidence, [s for s in changes if s.share >= least])])
         if not good:
             errors = [s for s in scores if s.eligible and _asked(s).always and s.share >= OLD_ERROR]
             self.old = tuple(_asked(s).label for s in errors[:1])
@@ -162,7 +163,7 @@ class BeforeAfter:
     def _changes(self, evidence: Evidence, taken: set[str]) -> list[Score]:
         """Return all changes that are asked about, best first, those that promise something with placebos."""
         asked = [c for c in self._asked(taken) if not c.always]
-        changes = sorted(self._weighed(evidence, asked), key=_by_share)
+        changes = _by_share(self._weighed(evidence, asked))
         for score in [s for s in changes if s.eligible][: self.rules.placebo_for]:
             columns = self.questions.columns(score.candidate, self.now)
             changes[changes.index(score)] = placebo(evidence, score, columns)
@@ -305,8 +306,8 @@ class BeforeAfter:
         return Course(*np.concatenate(rows, axis=1))
 
 
-def _by_share(score: Score) -> float:
-    return -score.share
+def _by_share(scores: Sequence[Score]) -> list[Score]:
+    return ascending(scores, lambda score: -score.share, 1.0)
 
 
 def _asked(score: Score) -> Asked:

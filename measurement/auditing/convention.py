@@ -16,6 +16,7 @@ import numpy as np
 
 from ground.minimum import minimum
 from ground.thresholds import Threshold
+from ground.ties import ascending, index_of_least, order_of
 from measurement.auditing.channels import place
 from measurement.auditing.hypotheses import (
     BEAM,
@@ -125,7 +126,7 @@ def better_reading(recordings: Sequence[Recording], weighs: bool = True) -> Bett
     left = np.zeros(0)
     still = all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still):
-        more = stage([kinds[k] for k in np.argsort(left, kind="stable")[:BEAM]])
+        more = stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]])
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
@@ -135,7 +136,7 @@ def better_reading(recordings: Sequence[Recording], weighs: bool = True) -> Bett
         return None
     as_good = [k for k in range(len(kinds)) if left[k] <= AS_GOOD * best]
     few = min(cost_of(kinds[k]) for k in as_good)
-    chosen = sorted((k for k in as_good if cost_of(kinds[k]) == few), key=lambda k: float(left[k]))
+    chosen = ascending((k for k in as_good if cost_of(kinds[k]) == few), lambda k: left[k], 1.0)
     others = tuple(kinds[k] for k in chosen[1:4])
     if any(one.name.count("-motor") for one in kinds[chosen[0]].names):
         return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
@@ -165,7 +166,7 @@ def _refined(sets: Sequence[Sequence[Smooth]], one: ConventionHypothesis) -> Con
         return float(power_left(sets, [at(float(np.exp(x)))])[0])
 
     left = [share(float(x)) for x in grid]
-    near, wide = float(grid[int(np.argmin(left))]), float(grid[1] - grid[0])
+    near, wide = float(grid[index_of_least(left, 1.0)]), float(grid[1] - grid[0])
     change, least = minimum(share, near - wide, near + wide, 1e-5)
     best = at(float(np.exp(change)))
     rounded = _rounded(best, joints)

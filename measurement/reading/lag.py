@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ground.ties import index_of_least, order_of
 from measurement.signals.butterworth import both_ways, low_pass_filter
 from symbolic.motion import Float
 
@@ -58,7 +59,7 @@ def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = 
     left = np.array([_left(_sums(ta, columns, tb, signals, lag, shortest)) for lag in tried])
     if not np.isfinite(left).any():
         return nothing
-    best = int(np.nanargmin(left))
+    best = index_of_least(left, 1.0)
     around = tried[best] + np.arange(-0.06, 0.0601, 0.004)
     sums = [_sums(ta, columns, tb, signals, lag, shortest) for lag in around]
     value = _lowest(around, np.array([_left(one) for one in sums]))
@@ -75,7 +76,7 @@ def lag_between(t: Float, q: Float, other_t: Float, other: Float, most: float = 
     if least > FITS:
         why = f"the motion explains only {1 - least:.0%} of what the other file holds"
     elif rivals.size:
-        shown = ", ".join(f"{tried[k]:.2f} s" for k in rivals[np.argsort(left[rivals])][:3])
+        shown = ", ".join(f"{tried[k]:.2f} s" for k in rivals[order_of(left[rivals], 1.0)][:3])
         why = f"the motion repeats itself: lags of {value:.2f} s and of {shown} fit alike"
     elif 2 * half > SHARP:
         why = f"the lag is known only to {half:.2f} s"
@@ -150,7 +151,7 @@ def _left(sums: Sums | None) -> float:
 
 def _lowest(lags: Float, left: Float) -> float:
     """Return where the parabola through the least of `left` and its neighbours is lowest."""
-    k = int(np.nanargmin(np.where(np.isfinite(left), left, np.inf)))
+    k = index_of_least(left, 1.0)
     if not 0 < k < lags.size - 1 or not np.isfinite(left[k - 1 : k + 2]).all():
         return float(lags[k])
     below, here, above = left[k - 1 : k + 2]

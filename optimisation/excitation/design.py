@@ -17,6 +17,7 @@ import numpy as np
 
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
+from ground.ties import CONVERGED, least_of
 from measurement.trajectories.extremes import bounds, margin, uses
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
 from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
@@ -73,7 +74,7 @@ def design(
     if asked.starts > 0 and not asked.printed and not memory_operations(model):
         say(0.6, "IPOPT")
         references = search.reference(asked.starts)
-    best = min([found, *references], key=lambda one: one.value)
+    best = least_of([found, *references], lambda one: one.value, within=CONVERGED)
     say(0.95, "evaluating the motion")
     cautions = _cautions(model, asked)
     task = _Task(model, asked.criterion, room, aim, at, asked.offsets, asked.rest, asked.seed)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ground.frames import pandas
 from ground.plain import AsJson
+from ground.ties import least_of
 from measurement.trajectories.extremes import Use
 from measurement.trajectories.trajectory import Fourier
 from measurement.trajectories.trajectory_file import trajectory_content
@@ -119,14 +120,14 @@ class Excitation(AsJson):
         for one in self.candidates:
             status = f", {one.status}" if one.status else ""
             lines.append(f"  {one.name:<10} {one.value:10.4f}  {one.evaluations} steps, {one.seconds:.1f} s{status}")
-        tightest = max(self.uses, key=lambda use: use.share)
+        tightest = least_of(self.uses, lambda use: -use.share, 1.0)
         word = "inside all limits at all times" if self.feasible else "OUTSIDE its limits"
         lines.append(
             f"  {word}; most used: {tightest.joint} {tightest.quantity}, {100 * tightest.share:.2f} % of the limit"
         )
         known = [one for one in self.precision if one.relative is not None]
         if known:
-            worst = max(known, key=lambda one: one.relative or 0.0)
+            worst = least_of(known, lambda one: -(one.relative or 0.0))
             lines.append(
                 f"  worst known after {self.duration:g} s: {worst.name}, ±{100 * (worst.relative or 0.0):.3g} % (1 σ; "
                 f"noise: {self.noise})"

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from ground.progress import Progress, silent
+from ground.ties import CONVERGED, ascending, index_of_least
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
@@ -132,7 +133,7 @@ class MotionSearch:
         rng = np.random.default_rng(seed)
         x = self.stretched(rng.uniform(-1.0, 1.0, (self.asked.individuals, self.space.size)))
         value = self.value(x)
-        first = x[int(np.argmin(value))]
+        first = x[index_of_least(value)]
 
         def form(y: Float) -> Float:
             return self.stretched(self.space.aligned(y, first) if self.shiftable else y)
@@ -151,7 +152,7 @@ class MotionSearch:
                 value = np.full(len(x), np.nan)
         if not np.isfinite(value).all():
             value = self.value(x)
-        best = int(np.argmin(value))
+        best = index_of_least(value)
         return x[best], float(value[best])
 
     def _stage(
@@ -165,7 +166,7 @@ class MotionSearch:
 
         price = -(-_differences(self.space.size) // self.asked.individuals)
         if stage.whitened and price + 1 <= DEAREST * generations:
-            best = x[int(np.argmin(proxy(x)))]
+            best = x[index_of_least(proxy(x))]
             axes = _whitening(proxy, best)
             edge = self._edge(WIDE)
 
@@ -212,7 +213,7 @@ class MotionSearch:
             out.append(
                 DesignedMotion(f"IPOPT {k + 1}", motion, float(value), ended.iterations[k], each, ended.statuses[k])
             )
-        return sorted(out, key=lambda one: one.value if np.isfinite(one.value) else np.inf)
+        return ascending(out, lambda one: one.value if np.isfinite(one.value) else np.inf, within=CONVERGED)
 
     @property
     def shiftable(self) -> bool:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ground.ties import tied
 from measurement.trajectories.trajectory import CENTRE, LONGEST_PERIOD, SHORTEST_PERIOD, Fourier, TrajectoryError
 from optimisation.excitation.settings import OFFSETS
 from symbolic.codegen.information import largest_factor
@@ -76,7 +77,7 @@ class MotionSpace:
         wanted = _waves(to[: joints * width].reshape(1, joints, 2, self.harmonics))[0]
         both = np.stack([waves, -np.conj(waves)], axis=1)  # backwards: sines change sign
         alike = np.einsum("idjk,sk,jk->ids", both, turns, np.conj(wanted), optimize=True).real.reshape(count, -1)
-        way, shift = np.divmod(alike.argmax(axis=1), SHIFTS)
+        way, shift = np.divmod(tied(-alike, axis=1).argmax(axis=1), SHIFTS)
         best = both[np.arange(count), way] * turns[shift][:, None, :]
         out = y.copy()
         out[:, : joints * width] = np.stack([best.real, best.imag], axis=2).reshape(count, joints * width)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.minimum import minimum
+from ground.ties import index_of_least
 from optimisation.linear.loss import huber, huber_terms
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -67,7 +68,7 @@ def _fit_own(
             path = one.motion.q[:, joint] if entry.spacing == "position" else np.array([entry.min, entry.max])
             trials = np.linspace(max(entry.min, path.min()), min(entry.max, path.max()), 24)
             losses = _own_losses(model, one, linear, best, index, delta)
-            k = int(np.argmin(losses(trials)))
+            k = index_of_least(losses(trials))
             low, high = trials[max(k - 1, 0)], trials[min(k + 1, len(trials) - 1)]
             best[index] = minimum(_one_by_one(losses), low, high, NUDGE * (high - low))[0]
     return best

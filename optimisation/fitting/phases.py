@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ground.ties import index_of_greatest, index_of_least
 from optimisation.fitting.assemble import Assembly
 from optimisation.fitting.shapes import grid
 from optimisation.linear.factor import factorise
@@ -22,7 +23,7 @@ def phases_of(parts: Float) -> Float:
     arrows = parts[:, ::2] + 1j * parts[:, 1::2]
     turned, _, common = np.linalg.svd(arrows, full_matrices=False)
     sines = float(np.angle(np.sum(common[0] ** 2))) / 2.0
-    if np.real(common[0] * np.exp(-1j * sines))[np.argmax(np.abs(common[0]))] < 0.0:
+    if np.real(common[0] * np.exp(-1j * sines))[index_of_greatest(np.abs(common[0]))] < 0.0:
         sines += np.pi
     return np.asarray(np.angle(turned[:, 0] * np.exp(1j * sines)))
 
@@ -47,7 +48,7 @@ def with_phases(assembly: Assembly, begun: Float, reference: Float, searched: bo
             nodes = np.tile(begun, (len(tried := grid([model.shapes[k].shape for k in own])), 1))
             nodes[:, own] = tried
             nodes[:, index] = 0.0
-            rows[:, own] = nodes[np.argmin(_left(assembly, nodes, reference))][own]
+            rows[:, own] = nodes[index_of_least(_left(assembly, nodes, reference))][own]
         rows[:, index] = 0.0
         rows[:, index] = phases_of(_alone(assembly, rows, reference)[0][:, places])
     return rows

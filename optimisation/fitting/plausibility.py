@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ground.ties import index_of_least
 from measurement.finding import Finding
 from optimisation.linear.links import nearest_links
 from symbolic.model import Model
@@ -104,7 +105,7 @@ def _inertia(model: Model, linear: Float, shape: Float | None) -> list[Finding]:
     smallest = np.linalg.eigvalsh(0.5 * (mass + mass.transpose(0, 2, 1)))[:, 0]
     if np.all(smallest > 0.0):
         return []
-    worst = int(np.argmin(smallest))
+    worst = index_of_least(smallest)
     moved = list(model.joints)[1:]
     where = f"in {np.mean(smallest <= 0.0):.0%} of all postures"
     if len(moved) == 1:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.minimum import minimum
+from ground.ties import TIED, index_of_least, least_of, order_of
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import Optimiser, minimise
 from symbolic.effect import Shape
@@ -126,8 +127,8 @@ def _valleys(values: Float, shapes: Sequence[Shape], lengths: Sequence[int]) -> 
             inner = [slice(None)] * table.ndim
             for side in (slice(None, -2), slice(2, None)):
                 inner[axis] = side
-                lowest &= table <= padded[tuple(inner)]
-    return [int(k) for k in np.argsort(values, kind="stable") if lowest.flat[k]]
+                lowest &= table <= padded[tuple(inner)] + TIED * np.abs(table)
+    return [k for k in order_of(values) if lowest.flat[k]]
 
 
 @dataclass(frozen=True)
@@ -171,17 +172,17 @@ def search_shape(
         chosen = _apart(nodes, values, shapes, method)
     if at_once and starts is None:
         values[chosen] = [evaluate(nodes[index]) for index in chosen]
-    known = chosen or [int(np.argmin(values))]
-    best, value = min(((nodes[k], float(values[k])) for k in known), key=lambda pair: pair[1])
+    known = chosen or [index_of_least(values)]
+    best, value = least_of(((nodes[k], float(values[k])) for k in known), lambda pair: pair[1])
     ends, reached = [], []
     for rank, index in enumerate(chosen[: method.refined or method.starts]):
         rough = rank > 0 and method.apart <= 0.0
         found, low = _refine(evaluate, shapes, nodes[index], float(values[index]), ROUGH if rough else PRECISION)
-        if rough and low < value:
+        if rough and low < value - TIED * abs(value):
             found, low = _refine(evaluate, shapes, nodes[index], float(values[index]))
         ends.append(found)
         reached.append(low)
-        if low < value:
+        if low < value - TIED * abs(value):
             best, value = found, low
     places = np.array(ends).reshape(len(ends), len(shapes))
     return ShapeSearch(best, value, nodes, values, nodes[chosen], places, np.array(reached))
@@ -216,7 +217,7 @@ def _value(shape: Shape, unit: float) -> float:
 
 def _apart(nodes: Float, values: Float, shapes: Sequence[Shape], method: ShapeMethod) -> list[int]:
     """Return the best nodes that are far enough from each other to be starts of their own."""
-    order = [int(k) for k in np.argsort(values, kind="stable")]
+    order = order_of(values)
     if method.apart <= 0.0:
         return order[: method.starts]
     places = np.array(

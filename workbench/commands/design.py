@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from ground.ties import least_of
 from workbench.command_line.deliver import deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import (
@@ -111,7 +112,7 @@ def _design(args: argparse.Namespace) -> int:
     missed = args.target is not None and not found.value <= args.target
     if missed:
         screen.say(f"{found.value:.5g} is above the target of {args.target:g}", "bad")
-    tightest = max(found.uses, key=lambda use: use.share)
+    tightest = least_of(found.uses, lambda use: -use.share, 1.0)
     answer = (
         f"cond(Ȳ) = {found.condition:.1f}; most used limit: {tightest.joint} {tightest.quantity}, "
         f"{100 * tightest.share:.1f} %."

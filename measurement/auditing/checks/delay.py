@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ground.thresholds import Threshold
+from ground.ties import index_of_least
 from measurement.auditing.channels import place
 from measurement.auditing.rough import smooth, unexplained
 from measurement.finding import Finding
@@ -30,7 +31,7 @@ def check(recording: Recording) -> list[Finding]:
     if now > FITS or now == 0.0:
         return []
     left = unexplained(motion, TRIED.tolist(), most=(1.0 - GAIN) * now).sum(axis=1)
-    best = int(np.argmin(left))
+    best = index_of_least(left, 1.0)
     delay, gain = float(TRIED[best]), 1.0 - float(left[best]) / now
     if gain < GAIN or best in (0, TRIED.size - 1):
         return []

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ground.thresholds import Threshold
+from ground.ties import index_of_least, least_of
 from measurement.auditing.channels import place
 from measurement.auditing.rough import Smooth, smooth, unexplained
 from measurement.finding import Finding
@@ -72,15 +73,15 @@ def _factor(motions: Sequence[Smooth], where: str, only_plain: bool = False) -> 
     if now.sum() < DOUBT:
         return []
     if only_plain:
-        near = SPARSE[int(np.argmin([_left(motions[:1], factor).sum() for factor in SPARSE]))]
+        near = SPARSE[index_of_least([_left(motions[:1], factor).sum() for factor in SPARSE], 1.0)]
         if not _is_plain(near**2):  # half way to a plain one
             return []
     left = [_left(motions, factor).sum() for factor in TRIED]
-    best = int(np.argmin(left))
+    best = index_of_least(left, 1.0)
     if not 0 < best < TRIED.size - 1:
         return []
     fine = np.geomspace(TRIED[best - 1], TRIED[best + 1], 13)
-    least, wanted = min(((_left(motions, factor), float(factor)) for factor in fine), key=lambda one: one[0].sum())
+    least, wanted = least_of(((_left(motions, one), float(one)) for one in fine), lambda one: one[0].sum(), 1.0)
     far = now.sum() > TIMES * least.sum()
     # A knee torque that is far too small leaves the shank no mass: only the hip shows that, and only a little.
     alone = _is_plain(wanted) and np.any((now > TIMES * least) & (now - least > SHOWN))
