@@ -16,7 +16,7 @@ import numpy as np
 
 from ground.minimum import minimum
 from ground.thresholds import Threshold
-from ground.ties import ascending, index_of_least, order_of
+from ground.ties import ascending, index_of_least, order_of, tied
 from measurement.auditing.channels import place
 from measurement.auditing.hypotheses import (
     BEAM,
@@ -54,12 +54,16 @@ AS_GOOD = Threshold(
 
 @dataclass(frozen=True, eq=False)
 class Better:
-    """A reading that fits far better: shares of the torques' power (of 2.0) left `now` and `then`; what fits alike."""
+    """A reading that fits far better: shares of the torques' power (of 2.0) left `now` and `then`; what fits alike.
+
+    Of the `rivals` those that are the `same` leave as much to rounding: another machine that moves alike.
+    """
 
     reading: ConventionHypothesis
     now: float
     then: float
     rivals: tuple[ConventionHypothesis, ...]
+    same: tuple[ConventionHypothesis, ...] = ()
 
 
 def check_conventions(recordings: Sequence[Recording], weighs: bool = True) -> tuple[Finding, ...]:
@@ -90,7 +94,7 @@ def _file(recording: Recording) -> str:
 
 
 def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> Finding:
-    option = ",".join(one.name for one in found.reading.names)
+    option, *same = (",".join(one.name for one in reading.names) for reading in (found.reading, *found.same))
     joints = recordings[0].joints
     machine = "leg" if is_leg(joints) else "machine"
     text = f"it looks as if {found.reading.what}" + "".join(f", or {rival.what}" for rival in found.rivals)
@@ -102,7 +106,8 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
         place(recordings[0]) if len(recordings) == 1 else f"{len(recordings)} recordings together",
         found.now,
         LEAST,
-        f"if so, give --convention {file}{option}" if option else "if so, leave --convention away",
+        (f"if so, give --convention {file}{option}" if option else "if so, leave --convention away")
+        + (f"; no motion distinguishes it from {' or '.join(same)}: look at the machine" if same else ""),
         consequence="every parameter is wrong",
         confidence="possible" if found.rivals or found.then > DOUBT else "likely",
     )
@@ -140,7 +145,9 @@ def better_reading(recordings: Sequence[Recording], weighs: bool = True) -> Bett
     others = tuple(kinds[k] for k in chosen[1:4])
     if any(one.name.count("-motor") for one in kinds[chosen[0]].names):
         return Better(_refined(sets, kinds[chosen[0]]), now, float(left[chosen[0]]), ())
-    return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others)
+    least, *more = left[chosen[:4]]
+    same = tuple(one for one, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
+    return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others, same)
 
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:
