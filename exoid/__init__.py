@@ -20,11 +20,11 @@ bad input        `ExoidError`: what is wrong, where, what to do
 `diagnosis`, which can be imported from as well, and is loaded at its first use: `import exoid` itself costs nothing.
 """
 
-from typing import TYPE_CHECKING
-
-from exoid.own_packages import check_own_packages
+from exoid.own_packages import check_own_packages  # first: it takes the current folder, and its `typing.py`, away
 
 check_own_packages()
+
+from typing import TYPE_CHECKING  # noqa: E402
 
 from ground.lazy import lend  # noqa: E402 - after the check: another package would fail without saying why
 

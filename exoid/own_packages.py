@@ -6,8 +6,29 @@ wins, and two installed into one environment overwrite each other's files.
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-from pathlib import Path
+import os
+import sys
+
+
+def leave_out_folder_of_m() -> None:
+    """Take back what `python -m exoid` put first on the path, the current folder, unless exoid lies there: a checkout.
+
+    A `pathlib.py` beside the recordings would be imported from it.
+    """
+    if sys.argv[:1] != ["-m"] or sys.flags.safe_path:  # "-m" stands there while Python looks for what it is to run
+        return
+    try:
+        here = os.path.realpath(os.getcwd())
+    except OSError:  # removed meanwhile: nothing can be imported from it
+        return
+    if os.path.realpath(sys.path[0]) == here != os.path.dirname(os.path.dirname(os.path.realpath(__file__))):
+        del sys.path[0]
+
+
+leave_out_folder_of_m()
+
+from importlib.util import find_spec  # noqa: E402
+from pathlib import Path  # noqa: E402
 
 OWN = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench")
 MARK = {"ground": "Knows nothing of legs."}

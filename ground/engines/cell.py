@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ground.engines.workers import PROCESSES
+from ground.import_path import environment_of_workers
 from ground.plain import AsJson
 
 MOST_JOBS = 500
@@ -111,8 +112,7 @@ class Cell:
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
             self.close()
-            path = os.pathsep.join([p for p in sys.path if p] + [os.getcwd()])
-            environment = {**BESIDE_OTHERS, **os.environ, "PYTHONPATH": path}
+            environment = {**BESIDE_OTHERS, **os.environ, **environment_of_workers()}
             self._process = subprocess.Popen(
                 [sys.executable, "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment,
                 start_new_session=True,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 from ground.engines.engine import Engine, EngineError, not_installed
+from ground.import_path import workers_import_alike
 
 PATIENCE = 30.0
 """Seconds to wait for a scheduler, and for its first worker."""
@@ -20,10 +22,12 @@ def dask(address: str, jobs: int = 0) -> Engine:
     except ImportError as error:
         raise not_installed("Dask", "dask") from error
     owned: list[Any] = []
+    started = contextlib.ExitStack()  # the cluster starts workers anew as long as it lives
     try:
         if address == "local":
             from joblib import cpu_count
 
+            started.enter_context(workers_import_alike())
             cluster = LocalCluster(
                 n_workers=jobs or cpu_count(), threads_per_worker=1, processes=True, dashboard_address=None,
                 silence_logs=50,
@@ -38,6 +42,7 @@ def dask(address: str, jobs: int = 0) -> Engine:
     except (OSError, ValueError, TimeoutError) as error:
         for cluster in owned:
             cluster.close()
+        started.close()
         raise EngineError(
             f"no Dask cluster with a worker answers within {PATIENCE:g} s ({error})",
             where=f"--dask {address}",
@@ -56,6 +61,7 @@ def dask(address: str, jobs: int = 0) -> Engine:
         client.close()
         for cluster in owned:
             cluster.close()
+        started.close()
 
     where = "on this machine" if address == "local" else f"at {address}"
     return Engine(

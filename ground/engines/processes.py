@@ -7,10 +7,12 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from multiprocessing import resource_tracker as of_python
 from typing import Any
 
 from ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
 from ground.engines.engine import AHEAD, Engine
+from ground.import_path import SAFE, workers_import_alike
 
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""
@@ -63,9 +65,13 @@ def alone() -> Engine:
 
 def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD) -> Engine:
     from joblib.externals.loky import ProcessPoolExecutor
+    from joblib.externals.loky.backend import resource_tracker as of_loky
 
+    with workers_import_alike():  # helpers, else started with the first worker, which take no environment
+        of_loky.ensure_running()
+        of_python.ensure_running()
     executor = ProcessPoolExecutor(
-        count, timeout=IDLE, env=environment, initializer=end_with, initargs=(os.getpid(),)
+        count, timeout=IDLE, env={**environment, SAFE: "1"}, initializer=end_with, initargs=(os.getpid(),)
     )
 
     def close(wait: bool) -> None:

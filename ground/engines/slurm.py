@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import shlex
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -9,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.engines.engine import Engine, EngineError, not_installed
+from ground.import_path import environment_of_workers, workers_import_alike
 
 POLL = 0.5
 """Seconds between two looks at whether tasks have ended."""
@@ -77,11 +80,16 @@ def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = N
     inner = submitit.AutoExecutor(folder=folder / "%j", cluster="local" if here else None)
     minutes = MINUTES if seconds is None else max(1, int(2 * seconds / 60) + 5)
     inner.update_parameters(timeout_min=minutes, cpus_per_task=1, name="exoid")
-    if not here:
-        inner.update_parameters(slurm_partition=partition)
+    started = contextlib.ExitStack()
+    if here:
+        started.enter_context(workers_import_alike())
+    else:  # in the task itself: a cluster may pass no environment on
+        setup = [f"export {name}={shlex.quote(value)}" for name, value in environment_of_workers().items()]
+        inner.update_parameters(slurm_partition=partition, slurm_setup=setup)
     executor = _Submitted(inner)
 
     def close(wait: bool) -> None:
         executor.shutdown(cancel_futures=not wait)
+        started.close()
 
     return Engine(f"Slurm, partition {partition}, {count} tasks at a time", executor, lambda: count, list, close)

@@ -15,6 +15,7 @@ import numpy as np
 
 from optimisation.excitation.criteria import Aim
 from optimisation.excitation.space import MotionSpace
+from optimisation.linear.reference import ALONE
 from symbolic.codegen.information import Information
 from symbolic.codegen.information_code import products
 from symbolic.motion import Float
@@ -26,9 +27,7 @@ SQUARINGS = (2, 4, 6)
 SHRINK = 0.98
 """Starts are drawn in from the limits by this much, where an interior-point method begins."""
 OPTIONS: Any = {
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "print_time": False,
+    **ALONE,
     "show_eval_warnings": False,
     "ipopt.max_iter": 150,
     "ipopt.tol": 1e-6,

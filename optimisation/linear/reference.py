@@ -18,10 +18,15 @@ from optimisation.linear.loss import huber
 from optimisation.linear.problem import LinearData
 from symbolic.motion import Float
 
-OPTIONS: Any = {
+ALONE: Any = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": False,
+    "ipopt.option_file_name": "",
+}
+"""IPOPT says nothing, and reads no `ipopt.opt` of the current folder, which could load a library or write files."""
+OPTIONS: Any = {
+    **ALONE,
     "ipopt.tol": 1e-11,
     "ipopt.acceptable_tol": 1e-11,
     "ipopt.max_iter": 200,
