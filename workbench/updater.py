@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from diagnosis.watching.estimator import ROBUST, Estimator, constants
 from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, filled
-from diagnosis.watching.front import COMMON_ORDER, HALF, ORDER, SIGN_WIDTH, SPIKE, Filters
+from diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
 from diagnosis.watching.window import LEAST_WEIGHT
 from ground.text import in_comment
+from measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.model import Model, require_still_base
@@ -54,6 +55,8 @@ def write_updater(
         "HALF": HALF, "RING": 2 * HALF + 1, "SPIKE": repr(SPIKE), "ORDER": ORDER, "COMMON": COMMON_ORDER,
         "KEEP": repr(filters.keep), "SECOND": repr(filters.common), "FACTOR": filters.factor,
         "STRIDE": filters.stride, "STICK": repr(STICK), "REACH": repr(filters.reach), "SIGN": repr(SIGN_WIDTH),
+        "RINGING": filters.ringing, "ABSURD": repr(ABSURD), "LATEST": repr(LATEST), "FASTEST": repr(FASTEST),
+        "FARTHEST": repr(FASTEST * sample_time), "LASTING": repr(LASTING), "LONGEST": int(LONGEST_HOLE / sample_time),
         "LEAST": repr(LEAST_WEIGHT), **constants(start), "DELAY": f"{filters.delay:.3g}",
         "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.forget),
         "UNIT": _list(unit), "BODY": _body(function, joints),

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.signal import sosfilt
 
+from ground.errors import ExoidError
 from ground.thresholds import Threshold
 from optimisation.preparation.filtering import STICK, WORKING_RATE
 from symbolic.motion import Float
@@ -42,6 +43,14 @@ LONGEST_HOLE = Threshold(
     1.0,
     "s of missing samples after which the filters start anew: motion invented across the hole",
 )
+LEAST_RATE = Threshold(
+    5.0,
+    "samples in a period of the cut-off: with three, a third of the intervals miss the truth",
+)
+HIGHEST_RATE = 1e6
+"""Hz; no machine is sampled faster, so the clock has lost its meaning."""
+RINGING = 14.0
+"""Time constants of a pole after which the first filter has forgotten a hole, to 1e-3."""
 FIRST = 50
 """Samples from which the rate is told."""
 
@@ -49,11 +58,24 @@ FIRST = 50
 @dataclass(frozen=True)
 class Filters:
     """The two filters at a sampling `rate` in Hz for a `cutoff` in Hz; every `factor`-th sample is worked with, of
-    these every `stride`-th is kept for fits.
+    these every `stride`-th is kept for fits. ExoidError where the rate is too low for the cut-off, or absurd.
     """
 
     rate: float
     cutoff: float = CUTOFF
+
+    def __post_init__(self) -> None:
+        least = LEAST_RATE * self.cutoff
+        if not least <= self.rate * (1.0 + 1e-3) <= HIGHEST_RATE:
+            slow = self.rate < least
+            raise ExoidError(
+                f"a sampling rate of {self.rate:.4g} Hz is too {'low' if slow else 'high'} for a cut-off of "
+                f"{self.cutoff:g} Hz: no number would be true",
+                remedy=f"sample at {least:g} Hz at least" + (
+                    f", or give a lower cut-off ({self.rate / LEAST_RATE:.2g} Hz at most); if the time is not in s, "
+                    "say so: --units t=ms" if slow else f" and {HIGHEST_RATE:g} Hz at most, in s"
+                ),
+            )  # fmt: skip
 
     @property
     def factor(self) -> int:
@@ -84,6 +106,11 @@ class Filters:
     def reach(self) -> float:
         """Seconds over which the first filter blurs a reversal of the motion."""
         return 2.0 * float(np.sqrt(ORDER * self.keep)) / ((1.0 - self.keep) * self.rate)
+
+    @property
+    def ringing(self) -> int:
+        """Samples after a hole for which the first filter still rings."""
+        return int(np.ceil(RINGING / -np.log(self.keep)))
 
     @property
     def delay(self) -> float:
@@ -157,6 +184,8 @@ class FrontEnd:
     state: Float | None = None
     before: Float = field(default_factory=lambda: np.zeros((0, 0)))
     seen: int = 0
+    unsettled: int = 0
+    """Samples for which the first filter still rings from a hole."""
     restarts: int = 0
     late: int = 0
     """Samples passed over because their time is not after that of those before."""
@@ -210,7 +239,7 @@ class FrontEnd:
     def begin_at(self, filters: Filters, t: float) -> None:
         """Begin with a known rate, at `t` s."""
         self.filters, self.begin, self.count, self.seen = filters, t, 0, 0
-        self.raw, self.state = np.zeros((0, 2 + 2 * self.joints)), None
+        self.raw, self.state, self.unsettled = np.zeros((0, 2 + 2 * self.joints)), None, 0
         self.before = np.zeros((0, 1 + 3 * self.joints))
 
     def _on_clock(self, samples: Float) -> Samples:
@@ -254,7 +283,7 @@ class FrontEnd:
             self.state = np.repeat(x[:1], ORDER, axis=0)
         rows_of, self.state = poles(x.T, filters.keep, self.state)
         smooth = rows_of.T
-        good = np.repeat(middle[:, -1:] == 0.0, joints, axis=1)
+        good = np.repeat(self._settled(middle[:, -1] != 0.0)[:, None], joints, axis=1)
         rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good])])
         self.before = rows[-2:]
         if len(rows) < 3:
@@ -266,8 +295,16 @@ class FrontEnd:
         dq = 0.5 * filters.rate * (q[at + 1] - q[at - 1])
         ddq = filters.rate**2 * (q[at + 1] - 2.0 * q[at] + q[at - 1])
         moves = np.abs(dq) > STICK + filters.reach * np.abs(ddq)
-        usable = rows[at, 1 + 2 * joints :] * moves
+        usable = rows[at, 1 + 2 * joints :] * rows[at + 1, 1 + 2 * joints :] * moves
         return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable)
+
+    def _settled(self, hole: Bool) -> Bool:
+        """Return where (N,) the first filter has forgotten the last hole."""
+        assert self.filters is not None
+        place = np.arange(len(hole))
+        ends = np.maximum.accumulate(np.where(hole, place + self.filters.ringing + 1, self.unsettled))
+        self.unsettled = max(0, int(ends[-1]) - len(hole))
+        return np.asarray(place >= ends)
 
 
 def despiked(tau: Float) -> Float:

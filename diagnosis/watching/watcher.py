@@ -19,6 +19,7 @@ from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.rules import Rules
 from diagnosis.watching.alarm import SPANS, Detector, Deviation
+from diagnosis.watching.bad_samples import Gate
 from diagnosis.watching.differences import MOST, QUICK, BeforeAfter
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.events import Event, clock
@@ -31,6 +32,7 @@ from diagnosis.watching.window import Window, joined_windows, prepared, window
 from diagnosis.watching.wording import change_event, nameless_event, reference_event, start_event, summary_event
 from ground.errors import ExoidError
 from ground.thresholds import Threshold
+from measurement.reading.columns import required
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
 from symbolic.model import Model, require_still_base
@@ -116,6 +118,7 @@ class Watcher:
 
     def __post_init__(self) -> None:
         require_still_base(self.model, "watching")
+        self.gate = Gate(required(self.model.joints))
         self.front = FrontEnd(len(self.model.joints), self.settings.cutoff)
         self.waiting = Samples.none(len(self.model.joints))
         self.rng = np.random.default_rng(self.settings.seed)
@@ -126,7 +129,7 @@ class Watcher:
         self.reference: _Reference | None = None
         self.estimator: Estimator | None = None
         self.pending: _Pending | None = None
-        self.restarts = self.blocks = self.quiet_since = self.not_finite = 0
+        self.restarts = self.blocks = self.quiet_since = 0
         self.started = -1
         self.named: Event | None = None
         self.counts: dict[str, int] = {}
@@ -138,29 +141,32 @@ class Watcher:
     def push(self, samples: Float) -> list[Event]:
         """Take samples and return the events they cause."""
         rows = np.atleast_2d(np.asarray(samples, dtype=float))
+        if not rows.size:
+            return []
         width = 1 + 2 * len(self.model.joints)
         if rows.shape[1] != width:
             raise ExoidError(
                 f"a sample has {rows.shape[1]} numbers; this machine has {width}: t, q and tau of each joint",
                 remedy="give rows t, q1, ..., tau1, ...",
             )
-        finite = np.isfinite(rows).all(axis=1)
-        self.not_finite += int(np.sum(~finite))
-        events = self._note(self.front.push(rows[finite]))
+        events = self._note(self.front.push(self.gate.take(rows)))
         if self.front.filters is not None and self.front.restarts != self.started:
             self.started = self.front.restarts
             needed = self.settings.learn * self.settings.block
             events.insert(0, start_event(self.front, self.model.joint_names, needed))
-        return self._count(events)
+        return self._count(self.gate.told() + events)
 
     def finish(self) -> list[Event]:
         """Return what the end of the stream still causes, the summary last."""
-        events = self._note(self.front.finish())
+        events = self.gate.finish() + self._note(self.front.finish())
         if self.named is not None:
             events += self._refined()
         self._count(events)
         seconds = 0.0 if self.first is None else self.last - self.first
-        lost = {"not_finite": self.not_finite, "not_later": self.front.late, "restarts": self.front.restarts}
+        lost = {
+            "not_finite": self.gate.not_finite, "not_credible": self.gate.not_credible, "not_later": self.front.late,
+            "restarts": self.front.restarts,
+        }  # fmt: skip
         estimates = () if self.estimator is None else self.estimator.estimates()
         known = self.reference is not None
         summary = summary_event(self.last, seconds, self.blocks, known, self.counts, lost, estimates)

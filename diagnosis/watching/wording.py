@@ -77,6 +77,7 @@ def nameless_event(t: float, joints: Sequence[str], answer: Differences, grown: 
 
 LOST = {
     "not_finite": "samples passed over that are not finite",
+    "not_credible": "samples passed over that no sensor can have measured",
     "not_later": "samples passed over that are not later than those before",
     "restarts": "jumps of the clock",
 }

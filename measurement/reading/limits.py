@@ -1,5 +1,5 @@
-"""What every format has in common: how much a recording may take, held to before anything is allocated, and how a file
-is refused that is damaged or needs a package.
+"""What every format has in common, and samples that come live as well: how large a number may be, how much a recording
+may take, held to before anything is allocated, and how a file is refused that is damaged or needs a package.
 
 What a file claims costs nothing: a few kilobytes can stand for any number of cells. So every reader adds up what it is
 going to unpack, and asks first.
@@ -13,14 +13,30 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ground.errors import RecordingError, refused
+import numpy as np
 
+from ground.errors import RecordingError, refused
+from symbolic.motion import Float
+
+ABSURD = 1e12
+"""No quantity of a leg in any of its units comes near; larger numbers are treated like infinity."""
+LATEST = 1e19
+"""The same for times: nanoseconds since 1970 have eighteen digits."""
+FASTEST = 1000.0
+"""rad/s (m/s) by which no joint moves from one sample to the next: motor shafts turn at a few hundred."""
+LASTING = 0.03
+"""Part of that by which it goes on while samples are missing: a wrong angle that stays is not soon believed."""
 MOST_BYTES = 2_000_000_000
 """Of one recording, as its numbers lie in memory: five columns of fifty million samples."""
 MOST_ENTRIES = 100_000
 """Variables, datasets or columns of one file."""
 TEXT = 64
 """Bytes that a cell of text takes at least."""
+
+
+def credible(values: Float, *, time: bool = False) -> np.ndarray:
+    """Return where numbers can be what was measured: finite, and no larger than any in its unit."""
+    return np.asarray(np.abs(values) <= (LATEST if time else ABSURD))
 
 
 @dataclass(eq=False)

@@ -1,78 +1,105 @@
 """Samples as they are written: lines of CSV, or one JSON object per line, from a file that grows or a pipe.
 
-The first line says which columns there are, in the names and units a recording may have; without names the columns are
-t, q1, ..., tau1, ... A line that is no sample is passed over, and why is told.
+Which columns there are is said by the lines above the first row of numbers, in the names and units a recording may
+have; without names they are t, q1, ..., tau1, ... A logger that starts again says so anew, and is believed. A line that
+is no sample is passed over, and why is told.
 """
 
 from __future__ import annotations
 
-import codecs
 import json
-import math
-import os
-import select
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import IO
 
 import numpy as np
 
 from ground.errors import RecordingError
+from measurement.reading import clock
 from measurement.reading.columns import assign, required
 from measurement.reading.mapping import StatedMapping
-from measurement.reading.raw import RawColumn, RawTable, split_unit
+from measurement.reading.names import recognise
+from measurement.reading.raw import MISSING, RawColumn, RawTable, split_unit
+from measurement.reading.sniff import COMMENTS, HEAD_LINES, LONGEST_LINE, sniff, split_line
+from measurement.reading.units import is_unit
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
-LONGEST_LINE = 100_000
-"""Characters; a longer line is no sample."""
-POLL = 0.05
-"""s between looks at a file that may grow."""
-AT_ONCE = 1 << 16
-"""Bytes read at a time."""
-RECENT = 5.0
-"""A file written to within so many seconds may still grow."""
 TOLD = 5
 """Lines that are no samples which are told one by one."""
+CLOCK_ROWS = 20
+"""Samples from which the unit of a clock is told that nobody stated."""
+SLOW = 0.5
+"""Step of the clock from which its unit is in question: fewer samples in a second say nothing of a motion."""
 
 
 @dataclass(frozen=True)
-class Skipped:
-    """A line that is no sample: its number, and why."""
+class LineNote:
+    """What is to be told of a line: that it is no sample ("skipped"), or that it says anew what the columns are
+    ("columns").
+    """
 
     line: int
-    why: str
+    what: str
+    event: str = "skipped"
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Where the numbers of a sample stand: `places` are keys of a JSON object, or indices of the `width` cells of a
+    line, with factors to SI; `said` is that in words.
+    """
+
+    places: tuple[tuple[int | str, float], ...]
+    said: str
+    delimiter: str = ""
+    comma: bool = False
+    width: int = 0
+    clock_told: bool = False
 
 
 @dataclass(eq=False)
 class Lines:
-    """Turns text into samples; the columns are known from its first line on."""
+    """Turns text into samples; `notes` are what is to be told of its lines."""
 
     joints: Sequence[Joint] = LEG
     told: StatedMapping = field(default_factory=StatedMapping)
     where: str = "standard input"
     number: int = 0
     rest: str = ""
-    separator: str = ""
-    places: list[tuple[int | str, float]] = field(default_factory=list)
-    as_json: bool | None = None
-    skipped: list[Skipped] = field(default_factory=list)
+    layout: _Layout | None = None
+    lost: str = ""
+    """Why no line can be read until the columns are named again."""
+    above: list[tuple[int, str]] = field(default_factory=list)
+    """Lines without numbers, with their own: names and units of the rows that follow, or nothing."""
+    held: list[list[float]] = field(default_factory=list)
+    per_second: float | None = None
+    """s in one unit of the clock; None until that is known."""
+    notes: list[LineNote] = field(default_factory=list)
     skipped_count: int = 0
     overlong: bool = False
 
     def again(self) -> None:
-        """Begin another file: its first line says anew which columns there are."""
-        self.rest, self.places, self.as_json, self.number, self.overlong = "", [], None, 0, False
+        """Begin another file: it says anew which columns there are."""
+        self.rest, self.number, self.overlong = "", 0, False
+        self.layout, self.lost, self.above, self.held, self.per_second = None, "", [], [], None
+
+    @property
+    def none(self) -> Float:
+        """No samples."""
+        return np.zeros((0, 1 + 2 * len(self.joints)))
+
+    def taken(self) -> list[LineNote]:
+        """Return what is to be told, once."""
+        notes, self.notes = self.notes, []
+        return notes
 
     def feed(self, text: str, *, last: bool = False) -> Float:
         """Return the samples (N, 1 + 2 J: t, q, tau in SI units) of whole lines; a partial one waits for its end.
 
-        RecordingError where the columns do not tell what a sample needs.
+        What a cell marks as missing, or as no finite number, is NaN or infinite. RecordingError where the columns do
+        not tell what a sample needs, or the clock cannot be read.
         """
-        whole = self.rest + text
-        lines = whole.split("\n")
+        lines = (self.rest + text).split("\n")
         self.rest = "" if last else lines.pop()
         if len(self.rest) > LONGEST_LINE:
             self.rest, self.overlong = "", True
@@ -86,78 +113,232 @@ class Lines:
             row = self._row(line.strip("\r \t\ufeff\0"))
             if row is not None:
                 rows.append(row)
-        return np.array(rows) if rows else np.zeros((0, 1 + 2 * len(self.joints)))
+        if last:
+            self._pass_over()
+        return self._timed(rows, last)
 
     def _row(self, line: str) -> list[float] | None:
-        if not line or line.startswith(("#", "//")):
-            return None
         if len(line) > LONGEST_LINE:
             self._skip("the line is too long")
             return None
-        if self.as_json is None:
-            self.as_json = line.startswith("{")
+        if not line:
+            return None
         try:
-            return self._json(line) if self.as_json else self._csv(line)
-        except (ValueError, TypeError, KeyError, IndexError, RecursionError) as error:
+            return self._json(line) if line.startswith("{") else self._csv(line)
+        except (ValueError, TypeError, KeyError, IndexError, RecursionError, ArithmeticError) as error:
             why = f"{error} is missing" if isinstance(error, KeyError) else str(error) or "it cannot be read"
             self._skip(why)
             return None
 
-    def _skip(self, why: str) -> None:
+    def _skip(self, why: str, line: int | None = None) -> None:
         self.skipped_count += 1
-        if len(self.skipped) < TOLD:
-            self.skipped.append(Skipped(self.number, why[:120]))
+        if self.skipped_count <= TOLD:
+            self.notes.append(LineNote(line or self.number, why[:120]))
+
+    def _pass_over(self) -> None:
+        """Tell lines without numbers that named nothing."""
+        for number, line in self.above:
+            if not line.startswith(COMMENTS):
+                self._skip("it is no sample, and names no columns", number)
+        self.above = []
+
+    # -- one JSON object per line -----------------------------------------------------------------------------
 
     def _json(self, line: str) -> list[float] | None:
         found = json.loads(line)
         if not isinstance(found, dict):
             raise ValueError("it is no JSON object")
-        if not self.places:
-            numbers = {k: v for k, v in _flat(found).items() if isinstance(v, (int, float)) and not isinstance(v, bool)}
-            self._columns(list(numbers), [float(v) for v in numbers.values()])
         flat = _flat(found)
-        return self._finite([(flat[str(at)], factor) for at, factor in self.places])
+        own = self.layout if self.layout is not None and not self.layout.delimiter else None
+        if own is None or any(key not in flat for key, _ in own.places):
+            names = [k for k, v in flat.items() if v is None or (_is_number(v))]
+            if not self._settle(names, [""] * len(names), _Layout((), "")):
+                lacking = next((key for key, _ in own.places if key not in flat), "") if own else ""
+                raise KeyError(lacking) if lacking else ValueError(self.lost or "it names no columns of a sample")
+            own = self.layout
+        assert own is not None
+        row = []
+        for key, factor in own.places:
+            value = flat[str(key)]
+            if value is not None and not _is_number(value):
+                raise ValueError(f"{key} is no number")
+            row.append(np.nan if value is None else float(value) * factor)  # type: ignore[arg-type]
+        return row
+
+    # -- rows of cells ----------------------------------------------------------------------------------------
 
     def _csv(self, line: str) -> list[float] | None:
-        if not self.separator or not self.places:
-            self.separator = next((s for s in (";", "\t", ",") if s in line), " ")
-        cells = [c.strip().strip('"') for c in (line.split() if self.separator == " " else line.split(self.separator))]
-        if not self.places:
-            values = [_number(cell, self.separator) for cell in cells]
-            if any(v is not None for v in values):
-                names = list(required(self.joints))
-                if len(cells) < len(names):
-                    raise ValueError(f"{len(cells)} numbers and no names of columns; {', '.join(names)} are needed")
-                self.places = [(k, 1.0) for k in range(len(names))]
-            else:
-                self._columns(cells, [0.0] * len(cells))
-                return None
-        if len(cells) <= max(int(at) for at, _ in self.places):
-            raise ValueError(f"it has {len(cells)} cells")
-        return self._finite([(_number(cells[int(at)], self.separator), factor) for at, factor in self.places])
-
-    def _columns(self, names: list[str], values: list[float]) -> None:
-        """Settle which column is which, as in any recording."""
-        by_json = bool(self.as_json)
-        split = [split_unit(name) for name in names]
-        table = RawTable(
-            tuple(RawColumn(n, np.array([v, v + 1.0]), u) for (n, u), v in zip(split, values, strict=True)),
-            np.array([1, 2]),
-        )
-        given = {c.name: k for k, c in enumerate(table.columns)}
-        chosen = assign(table, self.told, where=self.where, joints=self.joints)
-        self.places = [
-            (names[given[chosen[n].column.name]] if by_json else given[chosen[n].column.name], chosen[n].factor)
-            for n in required(self.joints)
-        ]
-
-    def _finite(self, cells: list[tuple[object, float]]) -> list[float]:
-        row = []
-        for cell, factor in cells:
-            if not isinstance(cell, (int, float)) or isinstance(cell, bool) or not math.isfinite(cell):
-                raise ValueError("a number is missing or not finite")
-            row.append(float(cell) * factor)
+        own = self.layout if self.layout is not None and self.layout.delimiter else None
+        comment = line.startswith(COMMENTS)
+        if own is not None and not self.above and not comment:
+            row = self._numbers(line, own)
+            if row is not None:
+                return row
+        if comment or not _is_row(line):
+            self._keep(line, comment)
+            return None
+        if own is None or self.above:
+            self._begin(line)
+            own = self.layout if self.layout is not None and self.layout.delimiter else None
+        if own is None:
+            raise ValueError(self.lost or "it names no columns of a sample")
+        row = self._numbers(line, own)
+        if row is None:
+            cells = len(split_line(line, own.delimiter))
+            differ = f"it has {cells} cells where there are {own.width} columns"
+            raise ValueError(differ if cells != own.width else "a number cannot be read")
         return row
+
+    def _keep(self, line: str, comment: bool) -> None:
+        """Keep a line without numbers that may name the columns of the rows that follow."""
+        known = _known(line, self.joints)
+        if comment and known < 2:
+            return
+        cells = _most_cells(line)
+        if len(cells) < len(required(self.joints)) and not known and not all(map(is_unit, cells)):
+            self._skip("it is no sample, and names no columns")
+            return
+        self.above.append((self.number, line))
+        if len(self.above) > HEAD_LINES:
+            self._pass_over()
+
+    def _begin(self, line: str) -> None:
+        """Read the names above a row of numbers, as those above a table; without any, all stays as it was."""
+        known = self.layout is not None or bool(self.lost)
+        # A comment that names columns stands for all above it; it counts only where it is the last that does.
+        naming = [text for _, text in self.above if _known(text, self.joints) >= 2]
+        if naming and naming[-1].startswith(COMMENTS):
+            above = naming[-1:]
+        else:
+            above = [text for _, text in self.above if not text.startswith(COMMENTS)]
+        try:
+            found = sniff("\n".join([*above, line, ""]), where=self.where)
+        except RecordingError as error:
+            if not known:
+                raise
+            self.layout, self.lost, self.above = None, str(error), []
+            return
+        plain = _Layout((), "", found.delimiter, found.decimal == ",", len(found.names))
+        named = not all(name.isdecimal() for name in found.names)
+        if named or (self.told.columns and not known):
+            if self._settle(list(found.names), list(found.units), plain) or self.lost:
+                self.above = []
+            elif not known:
+                raise ValueError("it names no columns of a sample")
+        elif not known:
+            wanted = required(self.joints)
+            if len(found.names) < len(wanted):
+                raise ValueError(f"{len(found.names)} numbers and no names of columns; {', '.join(wanted)} are needed")
+            self._become(plain, tuple((k, 1.0) for k in range(len(wanted))), "", told=False)
+        self._pass_over()
+
+    def _numbers(self, line: str, own: _Layout) -> list[float] | None:
+        """Return the numbers of a row, None where a cell of it is something else or it has other cells."""
+        cells = split_line(line, own.delimiter)
+        while len(cells) > own.width and not cells[-1]:
+            cells.pop()
+        if len(cells) != own.width:
+            return None
+        row = []
+        for at, factor in own.places:
+            value = _number(cells[int(at)], own.comma or own.delimiter != ",")
+            if value is None:
+                return None
+            row.append(value * factor)
+        return row
+
+    # -- which column is which --------------------------------------------------------------------------------
+
+    def _settle(self, names: list[str], units: list[str], plain: _Layout) -> bool:
+        """Settle which column is which, as in any recording; False where these are no names of columns.
+
+        RecordingError where they are, do not suffice, and nothing has been read before.
+        """
+        split = [split_unit(name) for name in names]
+        columns = (
+            RawColumn(n, np.array([0.0, 1.0]), unit or u) for (n, u), unit in zip(split, units, strict=True)
+        )
+        table = RawTable(tuple(columns), np.array([1, 2]))
+        given = {id(c): k for k, c in enumerate(table.columns)}
+        try:
+            chosen = assign(table, self.told, where=self.where, joints=self.joints)
+        except RecordingError as error:
+            meant = sum(recognise(n, tuple(self.joints)) is not None for n, _ in split) >= 2
+            if self.layout is None and not self.lost and (meant or plain.delimiter):
+                raise
+            if meant and plain.delimiter:
+                self.layout, self.lost = None, str(error)
+            return False
+        wanted = required(self.joints)
+        at = [given[id(chosen[n].column)] for n in wanted]
+        places = tuple((k if plain.delimiter else names[k], chosen[n].factor) for k, n in zip(at, wanted, strict=True))
+        said = ", ".join(f"{n} from {names[k]!r} in {chosen[n].unit}" for k, n in zip(at, wanted, strict=True))
+        self._become(plain, places, said, told=chosen["t"].told)
+        return True
+
+    def _become(
+        self, plain: _Layout, places: tuple[tuple[int | str, float], ...], said: str, *, told: bool
+    ) -> None:
+        """Read by this layout from here on; tell so where another one was read by before."""
+        before = self.layout
+        self.layout = _Layout(places, said, plain.delimiter, plain.comma, plain.width, told)
+        if self.lost or (before is not None and before != self.layout):
+            self.notes.append(LineNote(self.number, f"the columns are named anew: {said}", "columns"))
+            self.per_second, self.held = None, []
+        self.lost = ""
+
+    # -- the clock --------------------------------------------------------------------------------------------
+
+    def _timed(self, rows: list[list[float]], last: bool) -> Float:
+        """Return samples with their time in s; they wait while the unit of the clock is in question."""
+        rows = self.held + rows
+        self.held = []
+        out = np.array(rows) if rows else self.none
+        if self.layout is not None and self.layout.clock_told:
+            return out
+        if self.per_second is None:
+            usable = out[np.isfinite(out).all(axis=1)]
+            step = np.abs(np.diff(usable[:, 0]))
+            if step.size and step.min() < SLOW:
+                self.per_second = 1.0
+            elif len(usable) < CLOCK_ROWS and len(rows) < 50 * CLOCK_ROWS and not last:
+                self.held = rows
+                return out[:0]
+            elif len(usable) > 2:
+                self.per_second = self._clock(usable)
+        out[:, 0] *= self.per_second or 1.0
+        return out
+
+    def _clock(self, rows: Float) -> float:
+        unit, scale = clock.epoch_unit(rows[:, 0]) or clock.clock_unit(rows[:, 0], rows[:, 1 : 1 + len(self.joints)])
+        if unit == "index":
+            raise RecordingError(
+                "the time counts 0, 1, 2, ...: milliseconds at 1 kHz or row numbers?", where=self.where,
+                remedy="say what one count is: --units t=ms, or --units 't=10 ms' for a row every 10 ms",
+            )  # fmt: skip
+        if unit != "s":
+            step = float(np.median(np.diff(rows[:, 0])))
+            what = f"the time steps by {step:.4g}, impossible in seconds for these angles: it is read in {unit}"
+            self.notes.append(LineNote(self.number, what, "columns"))
+        return scale
+
+
+def _most_cells(line: str) -> list[str]:
+    return max((split_line(line.lstrip(" #%/"), delimiter) for delimiter in (",", ";", "\t", "|", " ")), key=len)
+
+
+def _known(line: str, joints: Sequence[Joint]) -> int:
+    """Return how many cells of a line are names of columns that a recording may have."""
+    return sum(recognise(split_unit(cell)[0], tuple(joints)) is not None for cell in _most_cells(line))
+
+
+def _is_row(line: str) -> bool:
+    """Whether most cells of a line are numbers, with any delimiter."""
+    try:
+        sniff(line + "\n", where="")
+    except RecordingError:
+        return False
+    return True
 
 
 def _flat(found: Mapping[str, object]) -> dict[str, object]:
@@ -171,86 +352,17 @@ def _flat(found: Mapping[str, object]) -> dict[str, object]:
     return out
 
 
-def _number(text: str, separator: str) -> float | None:
-    """Return a plain number, None where the text is none; a decimal comma counts where it separates nothing."""
-    if separator != "," and "," in text and "." not in text:
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _number(text: str, comma: bool) -> float | None:
+    """Return a number, NaN where it is said to be missing, None where it is text; a decimal `comma` may count."""
+    if comma and "," in text and "." not in text:
         text = text.replace(",", ".")
-    if "_" in text or not text.isascii():
-        return None
     try:
+        if "_" in text or not text.isascii():
+            return None
         return float(text)
     except ValueError:
-        return None
-
-
-def piped(stream: IO[bytes]) -> Iterator[str]:
-    """Yield the text of an open pipe as it comes, until it is closed; "" now and then while nothing comes."""
-    descriptor = stream.fileno()
-    decode = _decoder()
-    while True:
-        if not select.select([descriptor], [], [], 0.5)[0]:
-            yield ""
-            continue
-        found = os.read(descriptor, AT_ONCE)
-        if not found:
-            return
-        yield decode(found)
-
-
-def grown(path: str | Path, follow: bool | None = None, idle: float = 2.0) -> Iterator[str | None]:
-    """Yield the text of a file, and what is added to it; None where another file has taken its name (rotation).
-
-    `follow` True goes on for ever, False ends at the end of the file, None where it has not grown for `idle` s and was
-    not written to lately.
-    """
-    target = Path(path)
-    decode = _decoder()
-    stream: IO[bytes] = target.open("rb")
-    try:
-        last = time.monotonic()
-        recent = time.time() - target.stat().st_mtime < RECENT
-        while True:
-            found = stream.read(AT_ONCE)
-            if found:
-                last = time.monotonic()
-                yield decode(found)
-                continue
-            if follow is False or (follow is None and (not recent or time.monotonic() - last > idle)):
-                return
-            fresh = _other(target, stream)
-            if fresh is not None:
-                stream.close()
-                stream, decode, last = fresh, _decoder(), time.monotonic()
-                yield None
-                continue
-            time.sleep(POLL)
-            yield ""
-    finally:
-        stream.close()
-
-
-def _other(path: Path, stream: IO[bytes]) -> IO[bytes] | None:
-    """Return the file that has taken the place of `stream`, None where it is still the same and no shorter."""
-    try:
-        there, open_ = path.stat(), os.fstat(stream.fileno())
-    except OSError:
-        return None  # between two files; the next look will tell
-    if (there.st_dev, there.st_ino) == (open_.st_dev, open_.st_ino) and there.st_size >= stream.tell():
-        return None
-    try:
-        return path.open("rb")
-    except OSError:
-        return None
-
-
-def _decoder() -> Callable[[bytes], str]:
-    return codecs.getincrementaldecoder("utf-8")("replace").decode
-
-
-def check_text(path: str | Path) -> None:
-    """Refuse what cannot be followed line by line; RecordingError."""
-    with Path(path).open("rb") as stream:
-        if b"\0" in stream.read(4096):
-            raise RecordingError(
-                "this is no text, so it cannot be followed line by line", where=str(path), remedy="leave --follow out"
-            )
+        return np.nan if text.lower() in MISSING else None

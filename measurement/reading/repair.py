@@ -16,6 +16,7 @@ from ground.errors import RecordingError
 from measurement.finding import Finding, row_ranges
 from measurement.reading import angles, clock
 from measurement.reading.columns import UNIT_OF, Assigned
+from measurement.reading.limits import credible
 from measurement.reading.names import kind_of
 from measurement.reading.raw import RawTable
 from measurement.reading.units import is_product
@@ -23,8 +24,6 @@ from measurement.recording import BASE_COLUMNS, Recording, Source
 from symbolic.joints import LEG, Joint
 from symbolic.motion import Float
 
-ABSURD = 1e12
-"""No quantity of a leg in any of its units comes near; larger cells are treated like infinity."""
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
 UNUSED = "none: the rows do not enter the fit"
@@ -139,8 +138,7 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     valid = draft.valid.copy()
     reported: dict[bytes, list[str]] = {}
     for name, values in draft.columns.items():
-        endless = np.isinf(values) | (np.abs(values) > (ABSURD if name != "t" else 1e19))
-        bad = endless | np.isnan(values)
+        bad = ~credible(values, time=name == "t")
         if bad.any():
             reported.setdefault(np.packbits(bad).tobytes(), []).append(name)
             columns[name] = np.where(bad, np.nan, values)
@@ -166,8 +164,8 @@ def _bad_cells(
     (N,) that is.
     """
     values = np.column_stack([draft.columns[name] for name in names])
-    endless = np.isinf(values) | (np.abs(values) > ABSURD)
-    bad = np.isnan(values[:, 0]) | endless[:, 0] if names != ["t"] else ~(np.abs(values[:, 0]) <= 1e19)
+    endless = ~credible(values) & ~np.isnan(values)
+    bad = ~credible(values[:, 0], time=names == ["t"])
     text = sum(assigned[name].column.text_count for name in names)
     missing = int(np.isnan(values).sum()) - text
     counts = (

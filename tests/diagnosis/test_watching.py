@@ -18,10 +18,9 @@ from diagnosis.watching.result import Course
 from diagnosis.watching.watched import Watched
 from diagnosis.watching.watcher import Settings, Watcher
 from diagnosis.watching.window import joined_windows, prepared, weighted, window
-from ground.errors import RecordingError
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
-from measurement.reading.live import Lines, grown
+from measurement.reading.growing import grown
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import random_trajectory
 from optimisation.fitting.identify import identify
@@ -150,31 +149,6 @@ def test_the_course_tells_a_jump_from_a_drift(slow: bool) -> None:
         assert abs(found.t - 150.0) < 5.0
 
 
-def test_lines_of_csv_come_in_pieces_and_bad_ones_are_told() -> None:
-    lines = Lines()
-    text = "time;hip_angle [deg];knee_angle [deg];hip_torque;knee_torque\n0,0;10;20;1;2\nrubbish\n0,01;10;20;1"
-    first = lines.feed(text)
-    assert first.shape == (1, 5)
-    assert first[0, 1] == pytest.approx(np.deg2rad(10.0))
-    second = lines.feed(",5;2\n0,02;nan;1;1;1\n")
-    assert second[0, 3] == pytest.approx(1.5)
-    assert [one.line for one in lines.skipped] == [3, 5]
-
-
-def test_json_lines_may_hold_lists_and_names_in_any_order() -> None:
-    lines = Lines()
-    rows = lines.feed(
-        '{"tau": [1, 2], "q": [0.1, 0.2], "t": 0.5}\n{"t": 1}\n[1]\n{"t": 1, "q": [1, null], "tau": [0, 0]}\n'
-    )
-    np.testing.assert_allclose(rows, [[0.5, 0.1, 0.2, 1.0, 2.0]])
-    assert lines.skipped_count == 3
-
-
-def test_columns_that_are_not_there_are_refused() -> None:
-    with pytest.raises(RecordingError, match="tau"):
-        Lines().feed("t,q1,q2\n")
-
-
 def test_a_file_that_is_rotated_is_read_on(tmp_path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "log.csv"
     path.write_text("t,q1,q2,tau1,tau2\n0,0,0,0,0\n")
@@ -261,8 +235,8 @@ def test_what_is_passed_over_is_said_in_the_end() -> None:
     rows[1200:, 0] += 3600.0
     watcher = Watcher(Model.standard())
     events = [e for k in range(0, len(rows), 70) for e in watcher.push(rows[k : k + 70])] + watcher.finish()
-    assert [e.event for e in events] == ["start", "start", "summary"]
-    assert "jumped" in events[1].sentence
+    assert [e.event for e in events] == ["start", "bad_samples", "bad_samples", "start", "summary"]
+    assert "jumped" in events[3].sentence
     more = events[-1].more
     assert (more["not_finite"], more["not_later"], more["restarts"]) == (1, 1, 1)
     assert "jumps of the clock: 1" in events[-1].sentence

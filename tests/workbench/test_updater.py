@@ -69,3 +69,52 @@ def test_what_cannot_be_followed_is_refused():
     model = Model.standard().with_effect("hysteresis", "knee")
     with pytest.raises(ExoidError, match="memory"):
         write_updater(model, NUMBERS, name="leg", sample_time=0.01, cutoff=CUTOFF)
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """The estimator of the leg at 100 Hz, and a struct for it."""
+    folder = tmp_path_factory.mktemp("updater")
+    for name, text in write_updater(Model.standard(), NUMBERS, name="leg", sample_time=0.01, cutoff=CUTOFF).items():
+        (folder / name).write_text(text, "utf-8")
+    flags = ["-std=c99", "-O1", "-g", "-fsanitize=undefined", "-fno-sanitize-recover", "-shared", "-fPIC"]
+    made = [str(COMPILER), *flags, "leg_updater.c", "-o", "leg.so", "-lm"]
+    if subprocess.run(made, cwd=folder, capture_output=True).returncode:
+        made = [word for word in made if "sanitize" not in word]
+        subprocess.run(made, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "leg.so"))
+
+
+def followed(c, run, bad=slice(0, 0), column=0, value=0.0):
+    """Return the numbers after a run, and how many steps said what; `value` in the samples `bad` of one column."""
+    state, pair = (ctypes.c_double * 20000)(), ctypes.c_double * 2
+    c.leg_updater_init(state)
+    rows = np.column_stack([run.q, run.tau])
+    rows[bad, column] = value
+    said = {-1: 0, 0: 0, 1: 0}
+    for k, row in enumerate(rows.tolist()):
+        said[c.leg_updater_step(state, ctypes.c_double(k / 100.0), pair(*row[:2]), pair(*row[2:]))] += 1
+    return np.array(state[:8]), said
+
+
+@pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+@pytest.mark.parametrize("value", [1e308, -1e308, np.nan, np.inf, 1e12, 1e6, 60.0])
+@pytest.mark.parametrize("column", [0, 1, 3])
+def test_samples_that_cannot_be_true_are_refused_and_poison_nothing_in_c(compiled, value, column):
+    run = simulate(bench=Bench(duration=12.0, rate=100.0), seed=3)
+    clean, said = followed(compiled, run)
+    assert said[-1] == 0
+    numbers, said = followed(compiled, run, slice(600, 650), column, value)
+    if column == 3 and abs(value) <= 1e12:  # what is taken for a torque is weighed by Huber
+        assert np.isfinite(numbers).all()
+        return
+    assert said[-1] == 50
+    np.testing.assert_allclose(numbers, clean, rtol=0.05, atol=0.05)
+    first, _ = followed(compiled, run, slice(0, 300), column, value)  # from the first sample on, and for long
+    assert np.isfinite(first).all()
+
+
+def test_a_period_that_no_loop_has_is_refused():
+    for period in (1e9, 0.06, 1e-9, float("nan"), -0.01):
+        with pytest.raises(ExoidError, match="sampling rate"):
+            write_updater(Model.standard(), NUMBERS, name="leg", sample_time=period, cutoff=CUTOFF)

@@ -44,7 +44,7 @@ def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: 
     try:
         wait_for(out, '"start"', 1, process)
         with log.open("a", encoding="utf-8") as stream:  # the end of the partial line, and two that are none
-            stream.write("8,1,1.5\n{broken\n3.01,nan,-0.8,1,1\n" + rows(302, 400))
+            stream.write("8,1,1.5\n{broken\n3.01,oops,-0.8,1,1\n3.011,nan,-0.8,1,1\n" + rows(302, 400))
         wait_for(out, '"skipped"', 2, process)
         log.rename(tmp_path / "log.1")
         log.write_text(HEADER + "rotated\n" + rows(400, 500), encoding="utf-8")
@@ -64,6 +64,8 @@ def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: 
     assert events[-1]["event"] == "summary"
     assert events[-1]["seconds"] > 4.5  # what was written after the rotation was watched too
     assert [e["line"] for e in events if e["event"] == "skipped"] == [303, 304, 2, 2]
+    assert all("t" in e for e in events)
+    assert [e["channels"] for e in events if e["event"] == "bad_samples"] == [["q1"], ["q1"]]  # begins, and is over
 
 
 def test_standard_input_that_is_closed_is_refused(
@@ -87,3 +89,53 @@ def test_numbers_of_a_model_file_are_said_not_to_be_used_and_a_result_is_no_mode
     assert "too little to say what is usual" in said
     assert main(["watch", str(result), str(run)]) == 2
     assert "exoid identify --write" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="signals of Unix")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+@pytest.mark.parametrize("piped", [False, True])
+def test_whatever_ends_it_there_is_a_summary(tmp_path: Path, name: str, piped: bool) -> None:
+    log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
+    log.write_text(HEADER + rows(0, 800), encoding="utf-8")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    source = ["-"] if piped else ["--follow", str(log)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "exoid", "watch", "standard", *source, "--json", str(out)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    signal.signal(signal.SIGINT, before)
+    assert process.stdin is not None
+    try:
+        if piped:
+            process.stdin.write(log.read_text(encoding="utf-8"))
+            process.stdin.flush()
+        wait_for(out, '"start"', 1, process)
+        process.send_signal(getattr(signal, name))
+        complaints = process.communicate(timeout=120)[1]
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+    assert process.returncode == 0, complaints
+    assert json.loads(out.read_text(encoding="utf-8").splitlines()[-1])["event"] == "summary"
+
+
+def test_a_slow_stream_is_refused_in_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(HEADER + "".join(f"{k},{k * 0.37 % 1.2},-0.8,{k % 7},1.5\n" for k in range(90)), encoding="utf-8")
+    assert main(["watch", "standard", str(log)]) == 2
+    said = capsys.readouterr()
+    assert "too low for a cut-off" in " ".join(said.err.split())
+    assert "Phi1" not in said.out
+
+
+def test_a_logger_that_starts_again_in_degrees_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log, out = tmp_path / "log.csv", tmp_path / "out.jsonl"
+    again = "Logger restarted\nt,q2 [deg],q1 [deg],tau1,tau2\n"
+    log.write_text(f"Logger started\n{HEADER}{rows(0, 300)}{again}{rows(300, 600)}", encoding="utf-8")
+    main(["watch", "standard", str(log), "--json", str(out)])
+    events = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
+    assert [e["event"] for e in events] == ["skipped", "skipped", "columns", "start", "summary"]
+    assert "q1 from 'q1' in deg" in events[2]["sentence"]
+    assert "named anew" in capsys.readouterr().err

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
+import signal
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+from ground.errors import ExoidError
 from workbench.command_line.options import add_columns, add_common, positive_number, whole_number
 from workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
     from diagnosis.watching.events import Event
-    from measurement.reading.live import Lines
+    from measurement.reading.live import LineNote, Lines
     from symbolic.model import Model
+    from symbolic.motion import Float
 
 HELP = """follow a machine while it runs: numbers with intervals, and what changed, named
 
@@ -76,19 +81,50 @@ def run(args: argparse.Namespace) -> int:
             report.note(f"the numbers in {given} are not used: the first {args.learn:g} s say what is usual")
     try:
         try:
-            for samples, skipped in _samples(args, model):
-                for one in skipped:
-                    report.skipped(one.line, one.why)
-                if samples is not None:
+            with _stopped_by_signals() as stopped:
+                for samples, notes in _samples(args, model):
+                    for one in notes:
+                        report.line(one, watcher.last)
                     report.all(watcher.push(samples))
-        except KeyboardInterrupt:
-            report.note("interrupted")
+                    if stopped:
+                        report.note("interrupted")
+                        break
+        except ExoidError:
+            if watcher.blocks:  # what was seen is summed up, whatever ends it
+                report.all(watcher.finish())
+            raise
         report.all(watcher.finish())
     finally:
         report.close()
     if args.out:
         report.write(args.out)
     return 1 if report.alarms else 0
+
+
+@contextlib.contextmanager
+def _stopped_by_signals() -> Iterator[list[int]]:
+    """Yield what Ctrl-C, SIGTERM and SIGHUP that come write themselves into; the second one ends at once.
+
+    A signal that whoever started this process has set to be ignored stays ignored (nohup, jobs in the background).
+    """
+    got: list[int] = []
+
+    def stop(number: int, _: object) -> None:
+        if got:
+            raise KeyboardInterrupt
+        got.append(number)
+
+    before = {}
+    if threading.current_thread() is threading.main_thread():  # elsewhere, whoever runs it decides about signals
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+                before[number] = signal.signal(number, stop)
+    try:
+        yield got
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 class _Report:
@@ -115,9 +151,12 @@ class _Report:
             self._object(one.to_json())
         sys.stdout.flush()
 
-    def skipped(self, line: int, why: str) -> None:
-        warn(f"line {line} is passed over: {why}")
-        self._object({"schema": "exoid.watch/1", "event": "skipped", "line": line, "sentence": why})
+    def line(self, one: LineNote, t: float) -> None:
+        """Tell what is to be said of a line that came after `t` s."""
+        from diagnosis.watching.events import Event
+
+        warn(f"line {one.line}{' is passed over' if one.event == 'skipped' else ''}: {one.what}")
+        self._object(Event(one.event, t, one.what, more={"line": one.line}).to_json())
 
     def note(self, text: str) -> None:
         self.screen.say(text, "faint")
@@ -140,11 +179,12 @@ class _Report:
         write_json(str(make_folder(folder) / "result.json"), {"schema": "exoid.watch/1", "events": self.events})
 
 
-def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list[Any]]]:
-    """Yield samples (N, 1 + 2 J) as they come, and the lines passed over."""
+def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float, Sequence[LineNote]]]:
+    """Yield samples (N, 1 + 2 J) as they come, now and then none, and what is to be told of lines."""
     import numpy as np
 
-    from measurement.reading.live import Lines, check_text, grown, piped
+    from measurement.reading.growing import check_text, grown, piped
+    from measurement.reading.live import Lines
     from measurement.reading.mapping import StatedMapping
     from workbench.command_line.inputs import read
     from workbench.command_line.options import merged
@@ -168,12 +208,12 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Any, list
     for one in read(args.source, told, quiet=args.quiet):
         rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
         for first in range(0, len(rows), 1000):
-            yield rows[first : first + 1000], []
+            yield rows[first : first + 1000], ()
 
 
 def _may_grow(source: str) -> bool:
     """Whether the file is text by its name and was written to a moment ago."""
-    from measurement.reading.live import RECENT
+    from measurement.reading.growing import RECENT
 
     path = Path(source)
     texts = (".csv", ".tsv", ".txt", ".log", ".jsonl", ".json", ".ndjson")
@@ -181,25 +221,15 @@ def _may_grow(source: str) -> bool:
     return path.suffix.lower() in texts[3:] or (path.suffix.lower() in texts and young)
 
 
-def _lines(lines: Lines, texts: Iterator[str | None]) -> Iterator[tuple[Any, list[Any]]]:
-    from measurement.reading.live import TOLD, Skipped
-
-    told = 0
-
-    def new() -> list[Any]:
-        nonlocal told
-        fresh = lines.skipped[told:]
-        told = len(lines.skipped)
-        return fresh
+def _lines(lines: Lines, texts: Iterator[str | None]) -> Iterator[tuple[Float, Sequence[LineNote]]]:
+    from measurement.reading.live import TOLD, LineNote
 
     for text in texts:
+        rows = lines.feed(text or "", last=text is None)
         if text is None:
-            last = lines.feed("", last=True)
             lines.again()
-            yield last, new()
-        elif text:
-            yield lines.feed(text), new()
-    yield lines.feed("", last=True), new()
+        yield rows, lines.taken()
+    yield lines.feed("", last=True), lines.taken()
     more = lines.skipped_count - TOLD
     if more > 0:
-        yield None, [Skipped(lines.number, f"{more} further lines were no samples either")]
+        yield lines.none, [LineNote(lines.number, f"{more} further lines were no samples either")]
