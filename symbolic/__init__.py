@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from symbolic.effect import Coefficient as Coefficient
     from symbolic.effect import Effect as Effect
     from symbolic.effect import Shape as Shape
+    from symbolic.equations import equations as equations
+    from symbolic.equations import regressor as regressor
     from symbolic.joints import Joint as Joint
     from symbolic.mechanics.payload import Payload as Payload
-    from symbolic.mechanics.regressor import regressor as regressor
     from symbolic.model import Limits as Limits
     from symbolic.model import Model as Model
     from symbolic.model_file import read_model as read_model

@@ -19,7 +19,7 @@ from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
 from symbolic.mechanics.mechanism import leg
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
-from symbolic.mechanics.regressor import compare_with_printed, regressor
+from symbolic.mechanics.regressor import compare_with_printed, derive_regressor
 from symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def _energy(mechanism: Mechanism, motion: Dynamics) -> Check:
 def _regressor(mechanism: Mechanism, motion: Dynamics) -> Check:
     from sympy import Matrix, expand
 
-    form = regressor(mechanism)
+    form = derive_regressor(mechanism)
     difference = (form.matrix * Matrix(form.parameters) + form.known - motion.torque).applyfunc(expand)
     return _zero("Y Φ is the torque", difference, f"{len(form.names)} base parameters: {', '.join(form.names)}")
 

@@ -17,7 +17,7 @@ from symbolic.codegen.equation import Expressions, model_expressions
 from symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
 from symbolic.codegen.layout import state_names, widths
 from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.regressor import regressor
+from symbolic.mechanics.regressor import derive_regressor
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -174,7 +174,7 @@ def inertial(model: Model) -> dict[str, str]:
     if model.chain:
         found = base_parameters(model.chain, model.gravity, model.moving_base)
         return {p.name: base.formula(model.chain) for p, base in zip(model.inertial, found, strict=True)}
-    form = regressor(model.mechanism)
+    form = derive_regressor(model.mechanism)
     return {name: str(formula) for name, formula in zip(form.names, form.parameters, strict=True)}
 
 

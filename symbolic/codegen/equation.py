@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ground.errors import EffectError
 from symbolic.codegen.layout import BASE_STATE, STEMS, state_names
 from symbolic.codegen.translate import casadi_from_sympy
-from symbolic.codegen.tree_columns import tree_columns
+from symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
 from symbolic.language.deflection import STATES
 from symbolic.language.instant import split_memory
 from symbolic.language.lower import to_casadi, to_sympy
@@ -77,17 +77,20 @@ class Expressions:
     reach: Any
 
 
-def model_expressions(model: Model) -> Expressions:
+def model_expressions(model: Model, symbols: Mapping[str, Any] | None = None) -> Expressions:
     """Return the model's equation of motion in CasADi; EffectError where a torque is not linear in a
     coefficient.
+
+    With `symbols` it is one to be read rather than computed: Lagrange's for any number of joints, and with the SX
+    symbols `a_th` and `g` among them for the leg's thigh length and gravity, which are numbers otherwise.
     """
-    return _Builder(model).expressions()
+    return _Builder(model, symbols).expressions()
 
 
 class _Builder:
     """Collects symbols, columns and memories while walking over the terms once."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, symbols: Mapping[str, Any] | None = None) -> None:
         import casadi
 
         self.ca = casadi
@@ -103,11 +106,12 @@ class _Builder:
         self.memories: list[MemorySignal] = []
         self.columns: list[tuple[int, int, Any]] = []
         self.words: dict[str, Any] = dict(self.state)
+        self.sizes = {"a_th": casadi.SX(model.thigh_length), "g": casadi.SX(model.gravity), **(symbols or {})}
+        self.longest = LONGEST_SYMBOLIC if symbols is None else len(model.joints)
 
     def expressions(self) -> Expressions:
         ca = self.ca
-        known = {"a_th": ca.SX(self.model.thigh_length), "g": ca.SX(self.model.gravity)}
-        rigid_torque = self._rigid({**self.state, **self.numbers, **known})
+        rigid_torque = self._rigid({**self.state, **self.numbers, **self.sizes})
         for term in friction(self.model.joints):
             self._text(term, {"c": term.name})
         base = self._sum(self.columns)
@@ -175,7 +179,7 @@ class _Builder:
         if model.moving_base:
             angle, rate, turning, ax, az = (self.state[name] for name in BASE_STATE)
             base = BaseMotion(angle, rate, turning, base.forward + ax, base.upward + az)
-        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base)
+        found = tree_columns(joints, model.gravity, q, dq, ddq, base, across, model.moving_base, self.longest)
         own = [self.numbers[p.name] for p in model.parameters if p.term in {term.name for term in model.derived}]
         for p, column in enumerate(found[:inertial]):
             rest = [self._without(entry, own) for entry in column]

@@ -1,6 +1,7 @@
-"""SymPy expression -> CasADi expression, by walking the tree; no text is generated and nothing is executed.
+"""SymPy expression -> CasADi expression, and back; no text is generated and nothing is executed.
 
-Shared subexpressions are translated once, and CasADi merges what is equal afterwards.
+There by walking the tree: shared subexpressions are translated once, and CasADi merges what is equal afterwards. Back
+by walking CasADi's list of instructions.
 """
 
 from __future__ import annotations
@@ -54,6 +55,56 @@ def _functions(casadi: Any) -> Mapping[str, Callable[..., Any]]:
         "Min": fold(casadi.fmin),
         **{name: getattr(casadi, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sign")},
     }
+
+
+def sympy_from_casadi(wanted: Sequence[Any], inputs: Sequence[Any], values: Sequence[Any]) -> list[list[Any]]:
+    """Return the entries of each CasADi SX in `wanted`, row by row, in SymPy; `values` stand for the SX `inputs`.
+
+    KeyError where an operation has no form in SymPy.
+    """
+    import casadi
+
+    flat = [casadi.densify(casadi.vec(casadi.SX(one).T)) for one in wanted]
+    function = casadi.Function("expressions", list(inputs), flat, {"cse": False})
+    table = _back(casadi)
+    held: dict[int, Any] = {}
+    out: list[list[Any]] = [[0] * one.numel() for one in flat]
+    for step in range(function.n_instructions()):
+        operation = function.instruction_id(step)
+        given, made = function.instruction_input(step), function.instruction_output(step)
+        if operation == casadi.OP_OUTPUT:
+            out[made[0]][made[1]] = held[given[0]]
+        elif operation == casadi.OP_INPUT:
+            held[made[0]] = values[given[0]]
+        elif operation == casadi.OP_CONST:
+            held[made[0]] = _number(float(function.instruction_constant(step)))
+        else:
+            held[made[0]] = table[operation](*(held[place] for place in given))
+    return out
+
+
+def _number(value: float) -> Any:
+    """Return a SymPy number: halves exactly, others as they are."""
+    import sympy
+
+    return sympy.Rational(value) if (2.0 * value).is_integer() else sympy.Float(value)
+
+
+def _back(casadi: Any) -> Mapping[int, Callable[..., Any]]:
+    """Return how each operation of CasADi is written in SymPy."""
+    import sympy
+
+    return {
+        casadi.OP_ASSIGN: lambda a: a, casadi.OP_ADD: operator.add, casadi.OP_SUB: operator.sub,
+        casadi.OP_MUL: operator.mul, casadi.OP_DIV: operator.truediv, casadi.OP_NEG: operator.neg,
+        casadi.OP_SQ: lambda a: a * a, casadi.OP_TWICE: lambda a: 2 * a, casadi.OP_INV: lambda a: 1 / a,
+        casadi.OP_POW: operator.pow, casadi.OP_CONSTPOW: operator.pow, casadi.OP_FABS: sympy.Abs,
+        casadi.OP_FMIN: sympy.Min, casadi.OP_FMAX: sympy.Max,
+        **{
+            getattr(casadi, f"OP_{name.upper()}"): getattr(sympy, name)
+            for name in ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "sign")
+        },
+    }  # fmt: skip
 
 
 def _is_half(exponent: Any) -> bool:

@@ -35,11 +35,12 @@ def tree_columns(
     base: BaseMotion = STILL,
     across: tuple[int, ...] = (),
     measured: bool = False,
+    longest: int = LONGEST_SYMBOLIC,
 ) -> list[list[Any]]:
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
 
     `base` are CasADi expressions of the base's motion, `measured` where they are those of recordings. A column for
-    the mass beside the axis of each link `across` follows. DerivationError where Lagrange and Newton-Euler differ at
+    the mass beside the axis of each link `across` follows. Up to `longest` joints they are Lagrange's. DerivationError where Lagrange and Newton-Euler differ at
     random states.
     """
     import casadi
@@ -48,7 +49,7 @@ def tree_columns(
     links = link_torques(joints, gravity, q, dq, ddq, casadi, base, across)
     wanted_of = [(p.link, p.kind) for p in parameters] + [(link, ACROSS) for link in across]
     recursive = [[casadi.SX(entry) for entry in links[link][kind]] for link, kind in wanted_of]
-    if len(joints) > LONGEST_SYMBOLIC:
+    if len(joints) > longest:
         return recursive
     moving = base is not STILL
     form = tree_form(joints, gravity, across, moving, measured)

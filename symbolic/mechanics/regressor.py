@@ -55,7 +55,7 @@ class PrintedEntry:
 
 
 @lru_cache(maxsize=32)
-def regressor(mechanism: Mechanism) -> Regressor:
+def derive_regressor(mechanism: Mechanism) -> Regressor:
     """Derive the regressor of `mechanism`: base parameters Φ1.., their columns."""
     base = eliminate(mechanism, mechanics(mechanism).torque)
     names = tuple(f"Phi{k + 1}" for k in range(len(base.parameters)))
@@ -84,7 +84,7 @@ def compare_with_printed(mechanism: Mechanism | None = None) -> tuple[PrintedEnt
     from sympy import factor_terms, simplify
 
     plain = mechanism or leg()
-    derived, printed = regressor(plain).matrix, printed_matrix(plain)
+    derived, printed = derive_regressor(plain).matrix, printed_matrix(plain)
     found = []
     for row in range(printed.rows):
         for column in range(printed.cols):

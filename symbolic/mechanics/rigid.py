@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
 from symbolic.mechanics.mechanism import Mechanism, leg, real
-from symbolic.mechanics.regressor import regressor
+from symbolic.mechanics.regressor import derive_regressor
 
 if TYPE_CHECKING:
     from sympy import Matrix, Symbol
@@ -56,7 +56,7 @@ def leg_columns(derived: Sequence[Term]) -> tuple[tuple[str, ...], Matrix]:
     from sympy import Matrix
 
     mechanism, added, coefficients = changed(leg(), derived)
-    form = regressor(mechanism)
+    form = derive_regressor(mechanism)
     phi = [real(name) for name in form.names]
     torque = form.matrix * Matrix(phi) + form.known + added
     columns = [form.matrix.subs(dict.fromkeys(coefficients, 0))]

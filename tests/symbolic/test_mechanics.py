@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from symbolic import Model, Motion
 from symbolic.check import check_equations
 from symbolic.mechanics.mechanism import chain, leg
-from symbolic.mechanics.regressor import compare_with_printed, regressor
+from symbolic.mechanics.regressor import compare_with_printed, derive_regressor
 from tests.newton_euler import Leg, base_parameters, torque
 
 SAMPLES = 7
@@ -95,7 +95,7 @@ def test_geometry(length, gravity, seed):
 
 
 def test_the_papers_base_parameters_come_out_of_the_elimination():
-    form = regressor(leg())
+    form = derive_regressor(leg())
     assert [str(p) for p in form.parameters] == [
         "I_sh + I_th + a_th**2*m_sh + l_sh**2*m_sh + l_th**2*m_th",
         "I_sh + l_sh**2*m_sh",
@@ -141,7 +141,7 @@ def test_every_check_holds(effects):
 
 def test_three_links_derive_too():
     """Nothing in the derivation knows that a leg has two links: one inertia and one first moment per link."""
-    form = regressor(chain("a", "b", "c"))
+    form = derive_regressor(chain("a", "b", "c"))
     assert form.matrix.shape == (3, len(form.parameters))
     assert len(form.parameters) == 6
 

@@ -185,6 +185,23 @@ def test_without_generated_files_only_the_equations_are_checked(tmp_path, monkey
     assert list(tmp_path.iterdir()) == []
 
 
+def test_generate_prints_the_equations_and_writes_no_code(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["generate", "--print"]) == 0
+    assert "M[1,1] = Phi1 + 2*Phi3*cos(theta2)" in capsys.readouterr().out
+    assert main(["generate", "--print", "--as", "latex", "--out", "equations", "--json", "-"]) == 0
+    written = (tmp_path / "equations" / "equations_latex.tex").read_text("utf-8")
+    found = json.loads(capsys.readouterr().out)
+    assert found["text"] == written and r"\ddot{\theta}_{1}" in written
+    assert found["parameters"]["Phi3"] == {"unit": "kg·m²", "meaning": "a_th*l_sh*m_sh"}
+    assert [path.name for path in tmp_path.iterdir()] == ["equations"]
+
+
+def test_a_format_without_print_is_told(capsys):
+    assert main(["generate", "--as", "latex"]) == 2
+    assert "add --print" in capsys.readouterr().err
+
+
 def test_generate_writes_once_and_checks(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["generate", "--check", "--out", "g"]) == 1

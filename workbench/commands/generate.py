@@ -1,24 +1,31 @@
-"""`exoid generate`: derive the model's equations, generate C from them, compile it, and say what changed."""
+"""`exoid generate`: derive the model's equations, print them, or generate C from them, compile it, and say what changed.
+"""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.files import make_folder, write_bytes, write_json
-from workbench.command_line.options import add_common
+from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from workbench.command_line.options import add_common, exclusive
+from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
-HELP = """derive the equations of a model, generate its C code and compile it
+HELP = """derive the equations of a model, print them, or generate its C code and compile it
 
 exoid generate leg.toml --out generated
 exoid generate --check --out generated   check the equations; exit status 1 when a property does not hold or the
                                          files there are out of date
-exoid generate --check                   the same of ./generated; without such files, only the equations"""
+exoid generate --check                   the same of ./generated; without such files, only the equations
+exoid generate leg.toml --print          M, C, G, J and Y, and what the base parameters are made of
+exoid generate leg.toml --print --as latex --out equations"""
 
 DEFAULT_FOLDER = "generated"
+FORMATS = {"text": "txt", "latex": "tex", "sympy": "py", "casadi": "py"}
+"""How equations can be printed -> ending of their file; `symbolic.writing_equations` writes them."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,11 +36,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write nothing; check the equations (symmetry, energy, the paper's C and Y) and the files, byte by byte",
     )
+    parser.add_argument(
+        "--print", action="store_true", help="print M, C, G, J and the regressor Y with its parameters; write no code"
+    )
+    parser.add_argument(
+        "--as", dest="form", choices=FORMATS, help="with --print: text (default), LaTeX, or Python for SymPy or CasADi"
+    )
     add_common(parser, out=f"write C, header and manifest into DIR (default: {DEFAULT_FOLDER})")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Generate, compile, say what changed; with --check, 1 when something would change."""
+    """Print, or generate, compile, say what changed; with --check, 1 when something would change."""
+    exclusive(args, "print", "check")
+    if args.print:
+        return _print(args)
+    if args.form:
+        raise UsageError(f"--as {args.form} says how equations are printed", remedy="add --print")
     from symbolic.codegen.code import generate
     from symbolic.codegen.kernel import compiled
     from workbench.command_line.inputs import load_model
@@ -75,6 +93,30 @@ def run(args: argparse.Namespace) -> int:
             "checks": [{"name": c.name, "holds": c.holds, "how": c.how, "detail": c.detail} for c in properties],
         })  # fmt: skip
     return 1 if stale or not all(one.holds for one in properties) else 0
+
+
+def _print(args: argparse.Namespace) -> int:
+    """Print the equations; with --out, write them there as well."""
+    from symbolic.equations import equations
+    from workbench.command_line.inputs import load_model
+
+    model, form = load_model(args.model), args.form or "text"
+    with progress("deriving the equations", quiet=args.quiet):
+        found = equations(model)
+        text = found.text(form)
+    screen = Screen.of(args)
+    if not screen.silent:
+        sys.stdout.write(text)
+    if args.out:
+        path = write_text(make_folder(args.out) / f"equations_{form}.{FORMATS[form]}", text)
+        screen.say(f"written: {path}")
+    if args.json:
+        write_json(args.json, {
+            "schema": "exoid.equations/1", "model": model.name, "key": model.key(), "format": form, "text": text,
+            "parameters": {p.name: {"unit": p.unit, "meaning": str(found.base.get(p.name, p.label))}
+                           for p in found.parameters},
+        })  # fmt: skip
+    return 0
 
 
 def _state(path: Path, content: bytes) -> str:
