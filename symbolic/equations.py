@@ -1,4 +1,4 @@
-"""The equations of a model to read and to use elsewhere: M, C, G, J and Y in SymPy, and as text, LaTeX, SymPy or CasADi.
+"""Equations to read and to use elsewhere: M, C, G, J and Y in SymPy, and as text, LaTeX, SymPy or CasADi.
 
     M(θ) θ'' + C(θ, θ') θ' + G(θ) + effects = τ + J(θ)ᵀ F,      the left side is Y(θ, θ', θ'') Φ
 

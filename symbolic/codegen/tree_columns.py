@@ -40,8 +40,8 @@ def tree_columns(
     """Return the torque at every joint (J,) per unit of each base parameter (P,), for CasADi symbols of the motion.
 
     `base` are CasADi expressions of the base's motion, `measured` where they are those of recordings. A column for
-    the mass beside the axis of each link `across` follows. Up to `longest` joints they are Lagrange's. DerivationError where Lagrange and Newton-Euler differ at
-    random states.
+    the mass beside the axis of each link `across` follows. Up to `longest` joints they are Lagrange's. DerivationError
+    where Lagrange and Newton-Euler differ at random states.
     """
     import casadi
 

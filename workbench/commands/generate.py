@@ -1,5 +1,4 @@
-"""`exoid generate`: derive the model's equations, print them, or generate C from them, compile it, and say what changed.
-"""
+"""`exoid generate`: derive equations, print them, or generate C from them, compile it, and say what changed."""
 
 from __future__ import annotations
 
