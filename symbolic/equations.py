@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
+from ground.lazy import LentMethod
 from symbolic.codegen.equation import Expressions, model_expressions
 from symbolic.codegen.layout import BASE_STATE
 from symbolic.codegen.translate import sympy_from_casadi
@@ -24,7 +25,6 @@ from symbolic.mechanics.mechanism import Mechanism, positive, real
 from symbolic.mechanics.regressor import Regressor, derive_regressor
 from symbolic.model import Model
 from symbolic.term import Parameter
-from symbolic.writing_equations import FORMATS
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -82,13 +82,7 @@ class Equations:
         """{letter: matrix}, in the order in which they are read."""
         return {"M": self.M, "C": self.C, "G": self.G, "J": self.J, "Y": self.Y}
 
-    def text(self, format: str = "text") -> str:
-        """Return the equations as "text", "latex", "sympy" or "casadi"; the last two are Python to be run without
-        exoid. EquationError for any other format.
-        """
-        if format not in FORMATS:
-            raise EquationError(f"there is no format {format!r}", remedy=f"one of: {', '.join(FORMATS)}")
-        return FORMATS[format](self)
+    text = LentMethod[str]("symbolic.writing_equations:equations_text")
 
     def _repr_latex_(self) -> str:
         return self.text("latex")

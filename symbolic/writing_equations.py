@@ -9,13 +9,21 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.text import in_comment
+from symbolic.equations import EquationError, Equations
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from symbolic.equations import Equations
-
 DOTS = {"ddtheta": r"\ddot{\theta}", "dtheta": r"\dot{\theta}", "theta": r"\theta"}
+
+
+def equations_text(found: Equations, format: str = "text") -> str:
+    """Return the equations as "text", "latex", "sympy" or "casadi"; the last two are Python to be run without
+    exoid. EquationError for any other format.
+    """
+    if format not in FORMATS:
+        raise EquationError(f"there is no format {format!r}", remedy=f"one of: {', '.join(FORMATS)}")
+    return FORMATS[format](found)
 
 
 def _text(found: Equations) -> str:
