@@ -21,7 +21,7 @@ from ground.errors import EffectError
 from ground.files import sha256, write_whole
 from symbolic.catalogue import catalogue
 from symbolic.codegen.equation import model_expressions
-from symbolic.codegen.fingerprint import canonical_json, equations_content, generator_key, library_versions, term_content
+from symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
 from symbolic.codegen.precise import evaluate_precisely, in_span
 from symbolic.language.lower import to_text
 from symbolic.memory import memory_operations
@@ -150,7 +150,7 @@ def _imitators(term: Term, found: Sequence[LookAlike]) -> tuple[str, ...]:
 def _content_key(model: Model) -> str:
     candidates = [[term_content(term), repr(term.effect.shape)] for term in every_candidate(model)]
     shapes = [repr(entry.shape) for entry in model.shapes]
-    parts = [equations_content(model), shapes, candidates, library_versions(), generator_key(), SEED, STATES, PRECISE_STATES]
+    parts = [model_data(model), shapes, candidates, library_versions(), generator_key(), SEED, STATES, PRECISE_STATES]
     return sha256(canonical_json(parts))
 
 

@@ -31,13 +31,13 @@ def model_key(model: Model) -> str:
     """Return the hash of everything the numbers of a model depend on, plus its name and limits."""
     limits = {joint: [*limit.angle, limit.velocity, limit.acceleration] for joint, limit in model.limits.items()}
     own = [[effect.id, effect.joints, repr(effect.torque)] for effect in model.custom]
-    return sha256(canonical_json({"name": model.name, "limits": limits, "custom": own, **equations_content(model)}))
+    return sha256(canonical_json({"name": model.name, "limits": limits, "custom": own, **model_data(model)}))
 
 
 def equations_key(model: Model) -> str:
     """Return the hash of the model's equations alone: models that differ in name or limits share it."""
     if model not in _KEYS:
-        _KEYS[model] = sha256(canonical_json(equations_content(model)))
+        _KEYS[model] = sha256(canonical_json(model_data(model)))
     return _KEYS[model]
 
 
@@ -45,7 +45,7 @@ _KEYS: WeakKeyDictionary[Model, str] = WeakKeyDictionary()
 """Keys of models that are in use: each is asked for thousands of times."""
 
 
-def equations_content(model: Model) -> dict[str, Any]:
+def model_data(model: Model) -> dict[str, Any]:
     """Return the content that decides the equations, as plain data."""
     content: dict[str, Any] = {"thigh_length": model.thigh_length.hex()}
     if model.chain:

@@ -19,7 +19,7 @@ import numpy as np
 
 from symbolic.codegen.cache import CompiledLibrary, load_library
 from symbolic.codegen.compiler import FAST
-from symbolic.codegen.fingerprint import equations_content
+from symbolic.codegen.fingerprint import model_data
 from symbolic.codegen.information_code import Entries, information_code, sensitivity_function
 from symbolic.columns import model_columns, model_torque, needs_reference
 from symbolic.memory import memory_operations
@@ -171,7 +171,7 @@ def information(
     entries: Entries = ()
     pointwise = not memory_operations(model)
     if pointwise and backend == "auto":
-        content = [equations_content(model), harmonics]
+        content = [model_data(model), harmonics]
         library = load_library("gram", content, FAST, lambda: information_code(model, harmonics))
     if library is not None:
         entries = tuple((int(j), int(p), int(r)) for j, p, r in library.record["entries"])

@@ -16,7 +16,7 @@ import numpy as np
 from ground.errors import ExpressionError
 from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT
-from symbolic.codegen.fingerprint import equations_content, equations_key
+from symbolic.codegen.fingerprint import equations_key, model_data
 from symbolic.codegen.layout import widths
 from symbolic.evaluation import apply_transforms, vector
 from symbolic.memory import memory_operations, memory_signals
@@ -180,7 +180,7 @@ def compiled(model: Model, backend: str = "auto") -> Compiled:
 
 
 def _make(model: Model, backend: str) -> Compiled:
-    library = None if backend == "vm" else load_library("model", equations_content(model), EXACT, lambda: _source(model))
+    library = None if backend == "vm" else load_library("model", model_data(model), EXACT, lambda: _source(model))
     if library is not None:
         entries = tuple((int(j), int(p)) for j, p in library.record["entries"])
         return Compiled(model, entries, bool(library.record["needs_reference"]), library, {})
