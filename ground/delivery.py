@@ -22,6 +22,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
+from ground.inside import is_inside, refuse_links
+
 PREFIX, SUFFIX = ".exoid-", ".part"
 ABANDONED = 86_400.0
 """Seconds after which an unfinished file counts as left behind by a process that was killed."""
@@ -35,11 +37,14 @@ Identity = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Staged:
-    """A whole file at `temporary` that is to become `target`, where `before` was (None: nothing)."""
+    """A whole file at `temporary` that is to become `target`, where `before` was (None: nothing), `inside` a folder
+    in which no link is followed (None: anywhere).
+    """
 
     temporary: Path
     target: Path
     before: Identity | None
+    inside: Path | None = None
 
 
 @dataclass(eq=False)
@@ -47,7 +52,8 @@ class Delivery:
     """What one command has read and is going to write.
 
     `found` is what was at a place when it was first looked at: what somebody else writes there meanwhile is not
-    replaced, unless `force` says so.
+    replaced, unless `force` says so. `results` are the folders that it fills, in which no link is followed but at the
+    places that were `named` by themselves.
     """
 
     read: dict[tuple[int, int], str] = field(default_factory=dict)
@@ -56,14 +62,23 @@ class Delivery:
     force: bool = False
     direct: list[tuple[Path, bytes]] = field(default_factory=list)
     folders: list[Path] = field(default_factory=list)
+    results: list[Path] = field(default_factory=list)
+    named: set[str] = field(default_factory=set)
 
     def note(self, status: os.stat_result, path: str | Path) -> None:
         """Remember a file that was read: it is not written to."""
         self.read[status.st_dev, status.st_ino] = str(path)
 
-    def add(self, path: str | Path, write: Write) -> Path:
+    def fills(self, path: str | Path) -> Path | None:
+        """Return the folder of results in which `path` lies; None where there is none, or it was named by itself."""
+        if os.path.abspath(path) in self.named:
+            return None
+        return next((folder for folder in self.results if is_inside(path, folder)), None)
+
+    def add(self, path: str | Path, write: Write, inside: Path | None = None) -> Path:
         """Let `write(stream)` make the file that is to become `path`; OSError where that cannot be."""
-        target = self.place(path)
+        inside = inside or self.fills(path)
+        target = self.place(path, inside)
         if not _replaceable(target):
             content = io.BytesIO()
             write(content)
@@ -77,11 +92,14 @@ class Delivery:
             (twice.temporary if same else temporary).unlink()
             if not same:
                 raise OSError(errno.EEXIST, "two results of this command would go into this one file", str(path))
-        self.staged[target] = Staged(temporary, target, self.found[target])
+        real = None if inside is None else Path(os.path.realpath(inside))
+        self.staged[target] = Staged(temporary, target, self.found[target], real)
         return Path(path)
 
-    def place(self, path: str | Path) -> Path:
+    def place(self, path: str | Path, inside: Path | None = None) -> Path:
         """Return where `path` really is; OSError where it is a file that was read, or must not be written."""
+        if inside is not None:
+            refuse_links(path, inside)
         target, status = _resolved(path)
         if status is not None and (status.st_dev, status.st_ino) in self.read:
             source = self.read[status.st_dev, status.st_ino]
@@ -105,6 +123,7 @@ class Delivery:
 
     def commit(self) -> None:
         """Put every file in its place; where one cannot be, all places get back what they held."""
+        several = len(self.staged) + len(self.direct) > 1  # one by itself changes places in one step
         done: list[tuple[Staged, Path | None, bool]] = []
         with _undisturbed():
             try:
@@ -113,7 +132,7 @@ class Delivery:
                 for place, content in self.direct:
                     _write_into(place, content)
                 for one in self.staged.values():
-                    kept = _kept(one.target)
+                    kept = _kept(one.target) if several else None
                     done.append((one, kept, False))
                     _put(one, force=self.force)
                     done[-1] = one, kept, True
@@ -122,7 +141,7 @@ class Delivery:
                     with contextlib.suppress(OSError):
                         if kept is not None:
                             os.replace(kept, one.target)
-                        elif there:
+                        elif there and several:
                             one.target.unlink(missing_ok=True)
                 raise
             for _, kept, _ in done:
@@ -133,7 +152,7 @@ class Delivery:
 
     def _check(self, one: Staged) -> None:
         """Raise OSError where a place has been read since, or written to by somebody else."""
-        self.place(one.target)
+        self.place(one.target, one.inside)
         now = _identity(one.target.stat()) if one.target.exists() else None
         if now != one.before and not self.force:
             raise OSError(errno.EEXIST, "another process has written this file meanwhile", str(one.target))
@@ -182,14 +201,16 @@ def where(path: str | Path) -> Path:
     return Path(path) if delivery is None else delivery.now(Path(path))
 
 
-def deliver(path: str | Path, write: Write, *, at_once: bool = False) -> Path:
+def deliver(path: str | Path, write: Write, *, at_once: bool = False, inside: Path | None = None) -> Path:
     """Write a file with the others of the open delivery; at once where none is open, or `at_once` says so."""
     delivery = _OPEN.get()
     if delivery is not None and not at_once:
-        return delivery.add(path, write)
-    alone = Delivery(read=delivery.read if delivery is not None else {}, force=True)
+        return delivery.add(path, write, inside)
+    alone = Delivery(force=True)
+    if delivery is not None:
+        alone.read, alone.results, alone.named = delivery.read, delivery.results, delivery.named
     try:
-        alone.add(path, write)
+        alone.add(path, write, inside)
         alone.commit()
     except BaseException:
         alone.discard()
@@ -287,16 +308,16 @@ def _kept(target: Path) -> Path | None:
     kept.unlink()
     try:
         os.link(target, kept)
-    except OSError:  # a file system without hard links
-        os.rename(target, kept)
+    except OSError:  # a file system without hard links; not renamed, or a moment would see no file at all
+        shutil.copy2(target, kept)
     return kept
 
 
-def sweep(folder: Path, *patterns: str) -> None:
-    """Remove what processes that were killed left behind in `folder` more than a day ago: files and folders."""
+def sweep(folder: Path, *patterns: str, age: float = ABANDONED) -> None:
+    """Remove what processes that were killed left behind in `folder` more than `age` s ago: files and folders."""
     for left in (one for pattern in patterns for one in folder.glob(pattern)):
         with contextlib.suppress(OSError):
-            if time.time() - left.lstat().st_mtime > ABANDONED:
+            if time.time() - left.lstat().st_mtime > age:
                 shutil.rmtree(left) if left.is_dir() else left.unlink()
 
 

@@ -9,14 +9,17 @@ from ground.delivery import deliver
 from ground.inputs import open_input
 
 
-def write_whole(path: str | Path, content: str | bytes, *, at_once: bool = False) -> Path:
+def write_whole(
+    path: str | Path, content: str | bytes, *, at_once: bool = False, inside: Path | None = None
+) -> Path:
     """Write `content` so that `path` holds either all of it or what it held before; return the path.
 
     Within `together()` it appears with the other files, unless `at_once`. OSError where it cannot be written, or is
-    a file that was read. A pipe or a device is written into.
+    a file that was read. A pipe or a device is written into, a link followed; not so below the folder `inside`, where
+    only files are replaced.
     """
     data = content.encode() if isinstance(content, str) else content
-    return deliver(path, lambda stream: stream.write(data), at_once=at_once)
+    return deliver(path, lambda stream: stream.write(data), at_once=at_once, inside=inside)
 
 
 def sha256(content: str | bytes) -> str:

@@ -11,16 +11,21 @@ from io import BufferedReader
 from pathlib import Path
 
 from ground.delivery import current
+from ground.inside import refuse_links
 
 
-def open_input(path: str | Path, *, remember: bool = True) -> BufferedReader:
+def open_input(path: str | Path, *, remember: bool = True, inside: str | Path | None = None) -> BufferedReader:
     """Return an ordinary file open for reading; OSError for anything else, without waiting.
 
-    Without `remember` it may be written to afterwards: it is a file of exoid's own.
+    Without `remember` it may be written to afterwards: it is a file of exoid's own. Below the folder `inside` no link
+    is followed.
     """
+    if inside is not None:
+        refuse_links(path, inside)
+    # Not to be waited for: a pipe would block here until somebody writes into it.
+    how = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
-        # Not to be waited for: a pipe would block here until somebody writes into it.
-        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        handle = os.open(path, how if inside is None else how | getattr(os, "O_NOFOLLOW", 0))
     except ValueError as error:
         raise OSError(errno.EINVAL, "this is not a path of a file", str(path)) from error
     try:
@@ -38,9 +43,9 @@ def open_input(path: str | Path, *, remember: bool = True) -> BufferedReader:
         raise
 
 
-def read_input(path: str | Path, most: int, *, remember: bool = True) -> bytes:
+def read_input(path: str | Path, most: int, *, remember: bool = True, inside: str | Path | None = None) -> bytes:
     """Return the content of an ordinary file of at most `most` bytes; OSError for anything else or larger."""
-    with open_input(path, remember=remember) as stream:
+    with open_input(path, remember=remember, inside=inside) as stream:
         data = stream.read(most + 1)
     if len(data) > most:
         raise OSError(errno.EFBIG, f"it is larger than {most / 1e6:g} MB", str(path))

@@ -109,7 +109,8 @@ def known_look_alikes(model: Model) -> tuple[LookAlike, ...]:
         found = structural_look_alikes(model)
         plain = [asdict(one) for one in found]
         try:
-            write_whole(path, canonical_json({"found": plain, "seal": sha256(canonical_json(plain))}), at_once=True)
+            content = canonical_json({"found": plain, "seal": sha256(canonical_json(plain))})
+            write_whole(path, content, at_once=True, inside=path.parent)
         except OSError:
             # A full disk costs the next caller the computation, not this one the answer.
             return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shlex
+import tempfile
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -11,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ground.engines.engine import Engine, EngineError, not_installed
+from ground.errors import refused
 from ground.import_path import environment_of_workers, workers_import_alike
+from ground.inside import refuse_links
 
 POLL = 0.5
 """Seconds between two looks at whether tasks have ended."""
@@ -77,7 +80,12 @@ def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = N
     from joblib import cpu_count
 
     count = jobs or (cpu_count() if here else 64)
-    inner = submitit.AutoExecutor(folder=folder / "%j", cluster="local" if here else None)
+    # A folder of its own: submitit takes for an answer whatever pickle lies where it expects one.
+    with refused(EngineError, "cannot be written ({})", folder, "name a folder you may write to"):
+        refuse_links(folder, folder.parent)
+        folder.mkdir(parents=True, exist_ok=True)
+        fresh = Path(tempfile.mkdtemp(prefix="tasks-", dir=folder))
+    inner = submitit.AutoExecutor(folder=fresh / "%j", cluster="local" if here else None)
     minutes = MINUTES if seconds is None else max(1, int(2 * seconds / 60) + 5)
     inner.update_parameters(timeout_min=minutes, cpus_per_task=1, name="exoid")
     started = contextlib.ExitStack()

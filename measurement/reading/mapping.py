@@ -18,6 +18,7 @@ from typing import Any
 
 from ground.errors import RecordingError, refused
 from ground.files import write_whole
+from ground.inside import refuse_links
 from ground.toml_reader import Table, read_toml
 from symbolic.mechanics.payload import Payload
 
@@ -121,7 +122,8 @@ def remember(folder: Path, names: Sequence[str], mapping: StatedMapping, *, repl
         )
     elsewhere = "--out DIR keeps it elsewhere, beside a copy of the recordings"
     with refused(RecordingError, "the mapping cannot be written ({})", path, elsewhere):
+        refuse_links(path, folder)
         before = path.read_text(encoding="utf-8-sig") if path.exists() else FIRST_LINE
         added = tomli_w.dumps({"recordings": [{"header": list(names), **mapping.options}]})
         # The last entry for a header counts, so nothing that stands there is touched.
-        return write_whole(path, before.rstrip("\n") + "\n\n" + added)
+        return write_whole(path, before.rstrip("\n") + "\n\n" + added, inside=folder)

@@ -45,7 +45,7 @@ class RunStore:
         key = self._key(name, search, seed)
         path = self._path(name, seed, key)
         try:
-            found = json.loads(read_input(path, LARGEST, remember=False))
+            found = json.loads(read_input(path, LARGEST, remember=False, inside=self._folder))
             if found["schema"] != SCHEMA or found["key"] != key or found["sha256"] != _hash(found):
                 raise ValueError("altered")
             run = found["run"]
@@ -82,7 +82,8 @@ class RunStore:
         content = {"schema": SCHEMA, "key": key, "settings": repr(search), "run": outcome.to_json()}
         content["sha256"] = _hash(content)
         # A fitness that was infinite is written as Infinity, which Python reads back.
-        write_whole(self._path(outcome.name, outcome.seed, key), json.dumps(content), at_once=True)
+        path = self._path(outcome.name, outcome.seed, key)
+        write_whole(path, json.dumps(content), at_once=True, inside=self._folder)
 
     def _key(self, name: str, search: Search, seed: int) -> str:
         return sha256(json.dumps([self._fingerprint, name, repr(search), seed]))

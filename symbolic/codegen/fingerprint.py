@@ -116,7 +116,7 @@ def generator_key() -> str:
 
     key = sha256("".join(sha256(computing_part(content.decode())) for content in contents))
     with suppress(OSError):  # a cache that cannot be written costs the next process that time
-        write_whole(note, key, at_once=True)
+        write_whole(note, key, at_once=True, inside=note.parent)
     return key
 
 

@@ -25,7 +25,8 @@ def write_page(
     folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any] | None], events: Sequence[str], *, running: bool
 ) -> Path:
     """Write `folder`/index.html about the `rows` that are there (None: not yet); return its path."""
-    return write_whole(folder / "index.html", render_campaign(plan, rows, events, running=running), at_once=True)
+    text = render_campaign(plan, rows, events, running=running)
+    return write_whole(folder / "index.html", text, at_once=True, inside=folder)
 
 
 def render_campaign(

@@ -17,6 +17,7 @@ from ground.engines.engine import Engine, completed
 from ground.errors import refused
 from ground.files import write_whole
 from ground.frames import pandas
+from ground.lock import FolderHeld, FolderLock
 from ground.plain import AsJson
 from ground.progress import Progress, silent
 from workbench.campaign.plan import Job, Plan
@@ -105,7 +106,8 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
             job = plan.jobs[k]
             row, page, note = _row(job, keys[k], future, here, root)
             if page is not None:
-                write_whole(folder / "reports" / f"{job_file_name(job.name, keys[k])}.html", page, at_once=True)
+                file = folder / "reports" / f"{job_file_name(job.name, keys[k])}.html"
+                write_whole(file, page, at_once=True, inside=folder)
             store.write(job, keys[k], row)
             rows[k] = row
             retried += note != ""
@@ -167,16 +169,14 @@ def _row(
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
     """Hold `folder` for one campaign at a time."""
-    with refused(CampaignError, "cannot be written ({})", folder, "name a folder you may write to"):
+    other = "another campaign is running in this folder"
+    with (
+        refused(CampaignError, "cannot be written ({})", folder, "name a folder you may write to"),
+        refused(CampaignError, other, folder, "wait for it, or give another --out", (FolderHeld,)),
+    ):
         folder.mkdir(parents=True, exist_ok=True)
-        handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o666)
+        lock = FolderLock(folder)
     try:
-        with contextlib.suppress(ImportError):  # a system without flock: two campaigns would do the same work twice
-            import fcntl
-
-            other = "another campaign is running in this folder"
-            with refused(CampaignError, other, folder, "wait for it, or give another --out"):
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield
     finally:
-        os.close(handle)
+        lock.release()

@@ -16,9 +16,12 @@ from typing import Any
 
 from ground.errors import ExoidError, refused
 from ground.files import sha256, sha256_file, write_whole
+from ground.inputs import read_input
 from workbench.campaign.plan import Job
 
 SCHEMA = "exoid.campaign_job/1"
+LARGEST = 500_000_000
+"""Bytes of an answer that is read back; one has some thousand."""
 FINAL = ("done", "refused")
 """Answers that would be the same again; a job that crashed or was late is tried again when the campaign goes on."""
 
@@ -31,7 +34,7 @@ class JobStore:
     """The answers in `folder`/jobs."""
 
     def __init__(self, folder: Path, versions: Mapping[str, str]) -> None:
-        self._folder = folder / "jobs"
+        self._home, self._folder = folder, folder / "jobs"
         self._versions = dict(versions)
 
     def key(self, job: Job) -> str:
@@ -48,7 +51,7 @@ class JobStore:
     def read(self, job: Job, key: str) -> dict[str, Any] | None:
         """Return the row of `job` if it is there, whole and unchanged."""
         try:
-            found = json.loads(self.path(job, key).read_text("utf-8"))
+            found = json.loads(read_input(self.path(job, key), LARGEST, remember=False, inside=self._home))
             row = found["row"]
             if found["schema"] == SCHEMA and found["key"] == key and found["sha256"] == _checksum(key, row):
                 return dict(row)
@@ -59,7 +62,7 @@ class JobStore:
     def write(self, job: Job, key: str, row: Mapping[str, Any]) -> Path:
         """Keep the row of `job`, whole or not at all."""
         content = {"schema": SCHEMA, "key": key, "row": row, "sha256": _checksum(key, row)}
-        return write_whole(self.path(job, key), json.dumps(content, indent=1) + "\n", at_once=True)
+        return write_whole(self.path(job, key), json.dumps(content, indent=1) + "\n", at_once=True, inside=self._home)
 
 
 def task_of(job: Job, *, ships: bool, report: bool, versions: Mapping[str, str]) -> dict[str, Any]:

@@ -121,10 +121,10 @@ def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) ->
                 (folder / f"{name}.{suffix}").unlink(missing_ok=True)
             continue
         heads = list(dict.fromkeys(key for row in content for key in row))
-        written.append(write_whole(folder / f"{name}.csv", _csv(content, heads), at_once=True))
+        written.append(write_whole(folder / f"{name}.csv", _csv(content, heads), at_once=True, inside=folder))
         parquet = _parquet(content, heads)
         if parquet is not None:
-            written.append(write_whole(folder / f"{name}.parquet", parquet, at_once=True))
+            written.append(write_whole(folder / f"{name}.parquet", parquet, at_once=True, inside=folder))
     return written
 
 

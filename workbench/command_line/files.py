@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 import tempfile
@@ -14,6 +15,7 @@ from typing import Any
 from ground.delivery import Delivery, current
 from ground.errors import ExoidError, refused
 from ground.inputs import read_input
+from ground.inside import refuse_links
 from ground.plain import plain
 from workbench.terminal.encoding import spells
 
@@ -59,9 +61,12 @@ def write_bytes(path: str | Path, content: bytes) -> Path:
 
 def make_folder(path: str | Path) -> Path:
     """Return the folder `path`, made with its parents if needed and writable; raises OutputError."""
-    folder = Path(path)
+    folder, delivery = Path(path), current() or Delivery()
     with _writing(path):
-        (current() or Delivery()).make_folder(folder)
+        if inside := delivery.fills(folder):
+            refuse_links(folder, inside)
+        delivery.results.append(folder)
+        delivery.make_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
 
@@ -69,11 +74,21 @@ def make_folder(path: str | Path) -> Path:
 def check_folder(path: str | Path) -> None:
     """Refuse a folder that could not be made or written to, without making it; raises OutputError."""
     place = Path(path).absolute()
+    (current() or Delivery()).results.append(place)
     with _writing(path):
         while not place.exists() and place != place.parent:
             place = place.parent
         with tempfile.TemporaryFile(dir=place):
             return
+
+
+def default_folder(name: str) -> str:
+    """Return the folder `name` of the current folder, in which results go where none is named; OutputError for a link,
+    which nobody has named.
+    """
+    if os.path.islink(name):
+        raise OutputError("is a link, and was not named", where=name, remedy="name a folder with --out")
+    return name
 
 
 def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None:
@@ -84,7 +99,9 @@ def check_target(path: str, ours: Callable[[bytes], bool] | None = None) -> None
     with _writing(path):
         if Path(path).is_dir():
             raise OutputError("this is a folder", where=path, remedy="name a file, or - for standard output")
-        place = (current() or Delivery()).place(Path(path))
+        delivery = current() or Delivery()
+        delivery.named.add(os.path.abspath(path))
+        place = delivery.place(Path(path))
         if place.is_file() and ours is not None and not ours(_beginning(place)):
             raise OutputError(
                 "there is a file of another kind, and it would be lost",

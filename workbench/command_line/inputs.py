@@ -291,6 +291,6 @@ def beside(source: str | None, suffix: str) -> str:
     for count in range(1, 1000):
         tail = "" if count == 1 else f"-{count}"
         name = base.with_name(f"{base.stem}+{suffix.replace(':', '-')}{tail}.toml")
-        if not name.exists():
+        if not os.path.lexists(name):  # a link that leads nowhere would be followed
             return str(name)
     raise UsageError("there are a thousand such models already", where=str(base.parent), remedy="use --write FILE")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.command_line.files import check_folder
+from workbench.command_line.files import check_folder, default_folder
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
 
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, add until it is enough, open the seal, write the report."""
     began = time.perf_counter()
-    args.out = args.out or DEFAULT_FOLDER
+    args.out = args.out or default_folder(DEFAULT_FOLDER)
     check_folder(args.out)
     screen = Screen.of(args)
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
 
@@ -79,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
 
         content, notes = into_urdf(ready, args.into)
         own[f"{Path(args.into).stem}_identified.urdf"] = content
-    folder = make_folder(args.out or DEFAULT_FOLDER)
+    folder = make_folder(args.out or default_folder(DEFAULT_FOLDER))
     screen = Screen.of(args)
     for name, files in written.items():
         for file, text in files.items():

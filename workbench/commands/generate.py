@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import add_common, exclusive
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     from workbench.command_line.inputs import load_model
 
     model = load_model(args.model)
-    folder = Path(args.out or DEFAULT_FOLDER)
+    folder = Path(args.out or default_folder(DEFAULT_FOLDER))
     screen = Screen.of(args)
     with progress("deriving the equations", quiet=args.quiet) as report:
         fresh = {name: text.encode() for name, text in generate(model).files.items()}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench.command_line.deliver import deliver_results
+from workbench.command_line.files import make_folder
 from workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
 from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
         competing = _chosen(entrants(args.whitened or bool(args.only)), args)
         found = rivals(
             _fitted(given, args.seed), **settings_given(args, ContestSettings), competing=competing, progress=report,
-            folder=Path(args.out) / "runs" if args.out else None,
+            folder=make_folder(Path(args.out) / "runs") if args.out else None,
         )  # fmt: skip
     screen = Screen.of(args)
     _show(screen, found)

@@ -53,15 +53,19 @@ def shown_name(name: str) -> str:
 def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = None) -> Given:
     """Return the file with its recordings, or with the reason why it cannot be used.
 
-    What is known of files with the same columns is taken from the folder `remembered`, if nothing was said. `joints`
-    are those of the machine; without them the columns say which there are.
+    What is known of files with the same columns is taken from the folder `remembered`, if nothing was said, or from
+    that of the file: a copy of it lies elsewhere. `joints` are those of the machine; without them the columns say which
+    there are.
     """
     from measurement.reading.mapping import remembered as mapping_for
     from measurement.reading.read import open_table, read_as_told
+    from measurement.reading.sources import folder_of
 
     try:
-        if not given.told.columns and (kept := mapping_for(remembered, open_table(given.path).names)):
-            given = replace(given, told=given.told.over(kept))
+        if not given.told.columns:
+            names = open_table(given.path).names
+            kept = mapping_for(remembered, names) or mapping_for(folder_of(given.path), names)
+            given = replace(given, told=given.told.over(kept)) if kept else given
         recordings = read_as_told(given.path, given.told, joints)
     except ExoidError as error:
         return replace(given, recordings=(), error=error.about(given.name, given.path), read=True)

@@ -5,18 +5,22 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ground.errors import ExoidError
 
+if TYPE_CHECKING:
+    from workbench.page.folder import SessionFolder
+
 
 class Keeping:
-    """Writes a session to its `folder`, once it has one. `change` is notified of every change of the session, and of
-    its end (`closed`); `told` is called when it is written.
+    """Writes a session to its folder, the `place`, once it has one. `change` is notified of every change of the
+    session, and of its end (`closed`); `told` is called when it is written.
     """
 
     def __init__(self, change: threading.Condition, closed: Callable[[], bool], told: Callable[[], object]) -> None:
         self._change, self._closed, self._told = change, closed, told
-        self.folder: Path | None = None
+        self.place: SessionFolder | None = None
         self.unkept: ExoidError | None = None
         """Why the session cannot be kept where it should be."""
         self._session: Callable[[], object] | None = None
@@ -24,9 +28,22 @@ class Keeping:
         self._reported: object = None
         self._changes = self._written = 0
 
-    def keep_in(self, folder: Path, session: Callable[[], object], report: Callable[[], object]) -> None:
-        """From now on write the session and its report to `folder` with these."""
-        self.folder, self._session, self._report = folder, session, report
+    @property
+    def folder(self) -> Path | None:
+        """Where the session is kept; None where it is not."""
+        return None if self.place is None else self.place.folder
+
+    def keep_in(self, place: SessionFolder, session: Callable[[], object], report: Callable[[], object]) -> None:
+        """From now on write the session and its report to `place` with these."""
+        if self.place is not place:
+            self.release()
+        self.place, self._session, self._report = place, session, report
+
+    def release(self) -> None:
+        """Let other processes have the folder."""
+        place, self.place, self._session = self.place, None, None
+        if place is not None:
+            place.release()
 
     def changed(self) -> None:
         """Take note that there is something new to write; the caller notifies."""

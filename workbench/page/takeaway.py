@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import shlex
-import shutil
 import tempfile
 import threading
 import zipfile
@@ -17,15 +17,17 @@ from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError, RecordingError, refused
 from ground.files import write_whole
+from ground.inputs import read_input
+from ground.lock import LOCK, FolderHeld
 from ground.plain import picked, plain
 from measurement.signals.methods import BUTTERWORTH
-from workbench.page.given import FIT, VERIFY, safe_name
+from workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
+from workbench.page.given import FIT, VERIFY
 
 if TYPE_CHECKING:
     from workbench.page.given import Given
     from workbench.page.workspace import Workspace
 
-SESSION = "session.json"
 SCHEMA = "exoid.session/1"
 MODEL = "model.toml"
 """Name of the model file that is taken away."""
@@ -67,7 +69,7 @@ def report(workspace: Workspace) -> str:
     from workbench.report.page import render_report
     from workbench.report.sections.verdict import WORDS
 
-    session = workspace.opened()
+    session, folder = workspace.opened(), workspace.keeping.folder
     names = workspace.names
     path = [names[:k] for k in range(len(names) + 1)]
     steps = [session.step(p, f"+ {p[-1]}" if p else "base") for p in path]
@@ -102,10 +104,8 @@ def report(workspace: Workspace) -> str:
             command=without_folders(_cli(workspace).splitlines()[-1]),
             settings={"filter": session.prepared.choice.reason},
         ))  # fmt: skip
-    folder = workspace.keeping.folder
     if folder is not None and (diagnosis is not None or said is None):  # or the one kept says more
-        folder.mkdir(parents=True, exist_ok=True)
-        write_whole(folder / REPORT, page)
+        write_whole(folder / REPORT, page, at_once=True, inside=folder)
     return page
 
 
@@ -138,46 +138,69 @@ def exported(workspace: Workspace, kind: str) -> bytes:
 def save(workspace: Workspace, folder: Path) -> Path:
     """Keep the session in a folder that `exoid open FOLDER` opens again; everything or nothing new is in it.
 
-    RecordingError where something else is there.
+    RecordingError where something else is there, or another process keeps its session there.
     """
-    target = free_for_session(folder)
-    runs = target / "recordings"
-    with refused(RecordingError, "the session cannot be saved ({})", target, "choose a folder that may be written to"):
-        runs.mkdir(parents=True, exist_ok=True)
-        entries = []
-        for one in workspace.given:
-            kept = _copied(one.path, runs / f"{one.id:02d}-{safe_name(one.name)}")
-            joined = [
-                (f"recordings/{_copied(Path(file), runs / f'{one.id:02d}-joined-{safe_name(file)}').name}", lag)
-                for file, lag in one.told.join
-            ]
-            entries.append({
-                "file": f"recordings/{kept.name}", "name": one.name, "role": one.role, "join": joined,
-                **picked(one.told, "columns units leg passive"),
-                "convention": list(filter(None, one.told.convention.split(","))),
-                "payloads": [astuple(load) for load in one.told.payloads],
-            })  # fmt: skip
-        write_whole(target / MODEL, model_toml(workspace))
-        if workspace.model_path is not None:
-            write_whole(target / "base.toml", workspace.model_path.read_bytes())
-        # Last, and whole: what it names is there.
-        content = {
-            "schema": SCHEMA, "recordings": entries, "history": workspace.history.to_json(),
-            "base": "base.toml" if workspace.model_path is not None else None, "model": workspace.model_name,
-            "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed, "cutoff": workspace.cutoff,
-            "derivative": workspace.derivative,
-            "verdicts": [{"effects": sorted(names), "found": one} for names, one in list(workspace.verdicts.items())],
-        }  # fmt: skip
-        write_whole(target / SESSION, json.dumps(plain(content), indent=1, ensure_ascii=False))
-    workspace.saved = Path(os.path.realpath(target))
-    keep_in(workspace, workspace.saved)
-    return workspace.saved
+    place = _held(workspace, free_for_session(folder))
+    what, remedy = "the session cannot be saved ({})", "choose a folder that may be written to"
+    try:
+        with place.writing, refused(RecordingError, what, place.folder, remedy):
+            _write(workspace, place)
+    except BaseException:
+        if place is not workspace.keeping.place:
+            place.release()
+        raise
+    workspace.saved = place.folder
+    _keep(workspace, place)
+    return place.folder
+
+
+def _write(workspace: Workspace, place: SessionFolder) -> None:
+    """Write recordings first, then the session, in one step, and then what follows from it."""
+    place.check()
+    entries = []
+    for one in list(workspace.given):
+        digest = one.recordings[0].source.sha256 if one.recordings and not one.told.join else ""
+        entries.append({
+            "file": place.copy(one.path, one.name, digest), "name": one.name, "role": one.role,
+            "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in one.told.join],
+            **picked(one.told, "columns units leg passive"),
+            "convention": list(filter(None, one.told.convention.split(","))),
+            "payloads": [astuple(load) for load in one.told.payloads],
+        })  # fmt: skip
+    base = None if workspace.model_path is None else place.copy_base(workspace.model_path)
+    content = {
+        "schema": SCHEMA, "recordings": entries, "history": workspace.history.to_json(),
+        "base": base, "model": workspace.model_name,
+        "own_effects": list(workspace.own_texts.values()), "seed": workspace.seed, "cutoff": workspace.cutoff,
+        "derivative": workspace.derivative,
+        "verdicts": [{"effects": sorted(names), "found": one} for names, one in list(workspace.verdicts.items())],
+    }  # fmt: skip
+    before = _named(place)
+    place.write(json.dumps(plain(content), indent=1, ensure_ascii=False))
+    write_whole(place.folder / MODEL, model_toml(workspace), at_once=True, inside=place.folder)
+    place.tidy(_files(content), before)
+
+
+def _named(place: SessionFolder) -> list[str]:
+    """Return the files that the session there names so far; none where it cannot be understood."""
+    try:
+        return _files(json.loads(place.present()))
+    except SPOILT:
+        return []
+
+
+def _files(content: Any) -> list[str]:
+    """Return the names of the files that the content of a session.json names."""
+    entries = [name for one in content["recordings"] for name in (one["file"], *(file for file, _ in one["join"]))]
+    return [str(name) for name in (*entries, content["base"]) if name]
 
 
 def free_for_session(folder: Path) -> Path:
     """Return a folder in which a session may be kept; RecordingError where something else is there."""
     target = folder.expanduser()
-    if target.exists() and not (target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {REPORT})):
+    if target.exists() and not (
+        target.is_dir() and (is_session(target) or not set(os.listdir(target)) - {REPORT, LOCK})
+    ):
         raise RecordingError(
             "there is something else", where=str(target), remedy="choose a new folder, or one that exoid saved before"
         )
@@ -186,39 +209,59 @@ def free_for_session(folder: Path) -> Path:
 
 def reopen(workspace: Workspace, folder: Path, kept: bool = True) -> None:
     """Open a session that was saved, and go on keeping it there unless `kept` is False; RecordingError where the folder
-    holds none that can be understood.
+    holds none that can be understood, or another process keeps it.
     """
-    from diagnosis.session.history import History
-
+    place = None
+    if kept:
+        try:
+            place = _held(workspace, folder)
+        except RecordingError as error:
+            if isinstance(error.__cause__, FolderHeld):
+                raise
+            workspace.keeping.unkept = error  # it may not be written to, but may be looked at
     try:
-        content = json.loads((folder / SESSION).read_text(encoding="utf-8"))
-        if content["schema"] != SCHEMA:
-            raise ValueError(content["schema"])
-        recordings = [_given(folder, entry) for entry in content["recordings"]]
-        history = History.from_json(content["history"])
-        verdicts = {frozenset(one["effects"]): _verdict(one["found"]) for one in content["verdicts"]}
-        if content["base"]:
-            workspace.use_model(_inside(folder, content["base"]), str(content["model"]))
-        for entry in content["own_effects"]:
-            workspace.add_effect(dict(entry))
-        for name in {layer.name for step in history.steps for layer in step.layers}:
-            effect, _, joint = name.partition(":")
-            workspace.model.with_effect(workspace.own.get(effect, effect), joint or None)  # refuses what does not exist
-        workspace.cutoff = None if content["cutoff"] is None else float(content["cutoff"])
-        workspace.derivative = str(content["derivative"])
-        workspace.seed = int(content["seed"])
-        for one in recordings:
-            workspace.add_file(**one)
-        workspace.change_history(lambda _: history)
-        workspace.verdicts = verdicts
-    except (OSError, KeyError, TypeError, ValueError, ExoidError) as error:
+        _take_in(workspace, folder, place)
+    except (OSError, *SPOILT, ExoidError) as error:
         workspace.clear()
+        if place is not None and place is not workspace.keeping.place:
+            place.release()
         raise RecordingError(
             f"this is no session that exoid can open ({error})", where=str(folder), remedy="give its recordings instead"
         ) from error
-    if kept:
-        workspace.saved = Path(os.path.realpath(folder))
-        keep_in(workspace, workspace.saved)
+    workspace.saved = Path(os.path.realpath(folder)) if kept else None
+    if place is not None:
+        _keep(workspace, place)
+
+
+SPOILT = (KeyError, TypeError, ValueError, OverflowError, RecursionError, AttributeError)
+"""What a session.json that was spoilt raises when it is gone through."""
+
+
+def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) -> None:
+    """Take in the session of a folder."""
+    from diagnosis.session.history import History
+
+    text = place.read() if place is not None else read_input(folder / SESSION, LARGEST, remember=False, inside=folder)
+    content = json.loads(text)
+    if content["schema"] != SCHEMA:
+        raise ValueError(content["schema"])
+    recordings = [_given(folder, entry) for entry in content["recordings"]]
+    history = History.from_json(content["history"])
+    verdicts = {frozenset(one["effects"]): _verdict(one["found"]) for one in content["verdicts"]}
+    if content["base"]:
+        workspace.use_model(inside(folder, content["base"]), str(content["model"]))
+    for entry in content["own_effects"]:
+        workspace.add_effect(dict(entry))
+    for name in {layer.name for step in history.steps for layer in step.layers}:
+        effect, _, joint = name.partition(":")
+        workspace.model.with_effect(workspace.own.get(effect, effect), joint or None)  # refuses what does not exist
+    workspace.cutoff = None if content["cutoff"] is None else float(content["cutoff"])
+    workspace.derivative = str(content["derivative"])
+    workspace.seed = int(content["seed"])
+    for one in recordings:
+        workspace.add_file(**one)
+    workspace.change_history(lambda _: history)
+    workspace.verdicts = verdicts
 
 
 def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
@@ -226,14 +269,21 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
     from measurement.reading.mapping import StatedMapping
     from symbolic.mechanics.payload import Payload
 
+    lags = [(inside(folder, file), None if lag is None else float(lag)) for file, lag in entry["join"]]
+    if not all(lag is None or math.isfinite(lag) for _, lag in lags):
+        raise ValueError("a lag is no number")
     told = StatedMapping(
-        dict(entry["columns"]), dict(entry["units"]), str(entry["leg"]), ",".join(entry["convention"]),
-        tuple((str(_inside(folder, file)), lag) for file, lag in entry["join"]),
+        _texts(entry["columns"]), _texts(entry["units"]), str(entry["leg"]), ",".join(entry["convention"]),
+        tuple((str(file), lag) for file, lag in lags),
         tuple(entry["passive"]),
         tuple(Payload(*one) for one in entry["payloads"]),
     )  # fmt: skip
     role = VERIFY if entry["role"] == VERIFY else FIT
-    return {"path": _inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}
+    return {"path": inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}
+
+
+def _texts(value: Any) -> dict[str, str]:
+    return {str(key): str(one) for key, one in dict(value).items()}
 
 
 def _verdict(found: dict[str, Any]) -> dict[str, Any]:
@@ -245,30 +295,23 @@ def _verdict(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def keep_in(workspace: Workspace, folder: Path) -> None:
-    """Keep the session in `folder` after every step from now on."""
-    workspace.keeping.keep_in(folder, partial(save, workspace, folder), partial(report, workspace))
+    """Keep the session in `folder` after every step from now on; RecordingError where another process has it."""
+    _keep(workspace, _held(workspace, folder))
+
+
+def _keep(workspace: Workspace, place: SessionFolder) -> None:
+    workspace.keeping.keep_in(place, partial(save, workspace, place.folder), partial(report, workspace))
+
+
+def _held(workspace: Workspace, folder: Path) -> SessionFolder:
+    """Return the folder as this workspace holds it already, or holds it from now on."""
+    place = workspace.keeping.place
+    return place if place is not None and place.folder == Path(os.path.realpath(folder)) else SessionFolder(folder)
 
 
 def is_session(path: str | Path) -> bool:
     """Whether a folder holds a saved session."""
     return (Path(path) / SESSION).is_file()
-
-
-def _inside(folder: Path, name: Any) -> Path:
-    """Return a file of a saved session; ValueError where it lies outside of its folder."""
-    path = Path(os.path.realpath(folder / str(name)))
-    if not path.is_relative_to(os.path.realpath(folder)):
-        raise ValueError(f"{name} lies outside")
-    return path
-
-
-def _copied(source: Path, target: Path) -> Path:
-    """Copy a file, whole or not at all, unless it was copied before."""
-    if not target.exists() and source.is_file():
-        part = target.with_name(target.name + ".part")
-        shutil.copyfile(source, part)
-        part.replace(target)
-    return target
 
 
 def _shown(workspace: Workspace, path: Path, name: str) -> str:

@@ -82,6 +82,7 @@ class Workspace:
         """End the work and a search, and clear away what was dropped and not saved."""
         self.end()
         self.keeping.write()
+        self.keeping.release()
         if self.search is not None and self.search.running:
             self.search.cancel()
         if self.playing is not None:

@@ -1,0 +1,51 @@
+"""A folder held by one process at a time, for as long as that lives: a process that is killed holds nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+from pathlib import Path
+
+from ground.inside import refuse_links
+
+LOCK = ".lock"
+UNKNOWN = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
+"""What file systems answer that know no locks."""
+
+
+class FolderHeld(OSError):
+    """Another process holds the folder."""
+
+
+class FolderLock:
+    """The lock of `folder`, which must be there; FolderHeld where another process has it, OSError where it cannot be.
+
+    Where the system or its file system knows no locks, everybody gets one.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        path = folder / LOCK
+        refuse_links(path, folder)
+        self._handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        try:
+            import fcntl
+        except ImportError:
+            return
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in UNKNOWN:
+                return
+            self.release()
+            if isinstance(error, BlockingIOError):
+                raise FolderHeld(error.errno, "another process holds it", str(folder)) from error
+            raise
+
+    def release(self) -> None:
+        """Let others have it."""
+        handle, self._handle = self._handle, -1
+        with contextlib.suppress(OSError):
+            if handle >= 0:
+                os.close(handle)
