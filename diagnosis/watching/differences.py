@@ -26,7 +26,7 @@ from diagnosis.evidence.score import Score, weigh
 from diagnosis.question import own_effects
 from diagnosis.rules import RULES, Rules
 from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
-from diagnosis.watching.questions import Asked, questions
+from diagnosis.watching.questions import FARTHEST, NEAREST, Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
 from ground.ties import ascending
@@ -52,6 +52,8 @@ STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
 MOST = 3
 """Differences named at most."""
+ROUNDS, STEP, ENOUGH = 12, 0.1, 1e-4
+"""Times the place of a load is looked for, by how many m at most at a time, and when it is found."""
 QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
 """Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
@@ -81,12 +83,16 @@ def compare_against(
 
 @dataclass(frozen=True, eq=False)
 class _Granted:
-    """What was taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it."""
+    """What was taken into the model: its score, its columns (J, K, m) on every recording, and what looks like it.
+
+    Of a load, `place` is where it is in m, and its columns are those of its mass and of its place.
+    """
 
     score: Score
     asked: Asked
     columns: list[Float]
     alike: tuple[str, ...] = ()
+    place: float | None = None
 
 
 class BeforeAfter:
@@ -158,7 +164,23 @@ class BeforeAfter:
         asked = _asked(lead)
         columns = [c.full(0, self.joints) for c in self._at(lead)]
         names = tuple(s.name for s in alike if not _asked(s).always and s is not lead)
-        return _Granted(lead, asked, columns, names)
+        one = _Granted(lead, asked, columns, names)
+        return one if asked.link is None else self._placed(evidence, one)
+
+    def _placed(self, evidence: Evidence, one: _Granted) -> _Granted:
+        """Return a load at the place that fits best, with the slope by its place beside it."""
+        place = float(one.score.shape[-1, 0])
+        for _ in range(ROUNDS):
+            found = replace(one, place=place)
+            absent = (np.zeros((*base.shape[:2], 2)) for base in self.questions.base[: self.before])
+            found = replace(found, columns=[*absent, *self._in_every_recording(found)[self.before :]])
+            mass, moment = CommonFit(evidence, [found.columns]).solve()[-2:]
+            nearer = place + (moment / mass if mass else 0.0)
+            nearer = float(np.clip(nearer, max(NEAREST, place - STEP), min(FARTHEST, place + STEP)))
+            if abs(nearer - place) < ENOUGH:
+                break
+            place = nearer
+        return found
 
     def _changes(self, evidence: Evidence, taken: set[str]) -> list[Score]:
         """Return all changes that are asked about, best first, those that promise something with placebos."""
@@ -191,6 +213,8 @@ class BeforeAfter:
 
     def _in_every_recording(self, one: _Granted) -> list[Float]:
         """Return the columns (J, K, m) of what was granted, as if it acted in every recording."""
+        if one.place is not None:
+            return [one.asked.placed(self.now.model, base, one.place) for base in self.questions.base]
         found = (self.questions.at(one.asked, row[None], k, self.now) for k, row in enumerate(one.score.shape))
         return [c.full(0, self.joints) for c in found]
 
@@ -248,24 +272,32 @@ class BeforeAfter:
         """Return one change with its numbers before and after, all that was granted fitted beside it."""
         others = [g.columns for g in granted if g is not one]
         own = one.asked.number
-        whole = [] if own is not None else [self._in_every_recording(one)]
+        # What a load would add all along is in the model's own numbers.
+        loads = one.place is not None
+        whole = [] if own is not None or loads else [self._in_every_recording(one)]
         system = CommonFit(self.evidence, [*others, *whole, one.columns])
         step = system.solve()
         spread, critical = system.spread(step)
         width = one.columns[0].shape[2]
         count = len(step)
         change = np.eye(count)[count - width :]
+        size = change @ step
         model, fit = self.now.model, self.now.fit
         if own is not None:
             before, start = np.eye(count)[[own]], np.array([np.concatenate([fit.linear, fit.shape])[own]])
             units = [[*(p.unit for p in model.parameters), *(s.shape.unit for s in model.shapes)][own]]
             names = [one.asked.label]
+        elif loads:
+            change = change[:1]
+            before, start = np.zeros((1, count)), np.zeros(1)
+            names, units = ["mass"], ["kg"]
         else:
             before, start = np.eye(count)[count - 2 * width : count - width], np.zeros(width)
             names, units = _numbers(one.asked)
 
         if one.asked.change:  # a whole change at its value: the coefficient is a share of that
             before, change = (rows * one.score.shape[-1, 0] for rows in (before, change))
+            size = change @ step
 
         def said(rows: Float, offset: Float) -> tuple[Estimate, ...]:
             middle = rows @ step + offset
@@ -280,13 +312,24 @@ class BeforeAfter:
             kind=one.asked.kind,
             before=said(before, start),
             after=said(before + change, start),
-            change=said(change, np.zeros(width)),
+            change=said(change, np.zeros(len(change))),
+            place=self._place(one, step, spread, critical),
             shape=_shape(one),
             look_alikes=one.alike,
             share=one.score.share,
             p_value=float(one.score.p_value if one.score.p_value is not None else 1.0),
-            course=self._course(one, granted, change @ step),
+            course=self._course(one, granted, size),
         )
+
+    def _place(self, one: _Granted, step: Float, spread: Float, critical: float) -> Estimate | None:
+        """Return where a load is, beside the last two of `step`: its mass and that times what its place is off by."""
+        if one.place is None or not step[-2]:
+            return None
+        slope = np.array([-step[-1] / step[-2] ** 2, 1.0 / step[-2]])
+        middle = one.place + float(step[-1] / step[-2])
+        half = critical * float(np.sqrt(slope @ spread[-2:, -2:] @ slope))
+        low, high = (float(np.clip(x, NEAREST, FARTHEST)) for x in (middle - half, middle + half))
+        return Estimate("along", float(np.clip(middle, NEAREST, FARTHEST)), "m", low, high)
 
     def _course(self, one: _Granted, granted: Sequence[_Granted], size: Float) -> Course:
         """Return when the change was there: the size it has, stretch by stretch, beside all else that was granted."""
@@ -316,14 +359,14 @@ def _asked(score: Score) -> Asked:
 
 
 def _numbers(asked: Asked) -> tuple[list[str], list[str]]:
-    if asked.link is not None:
-        return ["mass"], ["kg"]
     effect, term = asked.term.effect, asked.term
     entries: dict[str, Any] = dict(effect.coefficients) or {k: v for k, v in [*effect.shape.items()][:1]}
     return list(entries), [term.unit(entry.unit) for entry in entries.values()]
 
 
 def _shape(one: _Granted) -> dict[str, float]:
+    if one.place is not None:
+        return {}
     if not one.asked.term.effect.coefficients:
         return {}
     return {key: float(v) for key, v in zip(one.asked.term.effect.shape, one.score.shape[-1], strict=True)}

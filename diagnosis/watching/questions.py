@@ -24,7 +24,9 @@ from symbolic.term import Term
 
 ALL_ALONG = " (all along)"
 PLACES = (0.1, 0.2, 0.3, 0.4)
-"""Places of a load on its link, m."""
+"""Places of a load on its link, m, from which its own is looked for."""
+NEAREST, FARTHEST = 0.0, 0.8
+"""Between which it lies, m from the upper joint of its link."""
 NUMBER = Effect(
     id="changed_number",
     explains="a number of the model is another one afterwards",
@@ -72,6 +74,12 @@ class Asked(Candidate):
         assert self.link is not None
         added = np.array([Payload(1.0, along, self.link).numbers(model.thigh_length) for along in places])
         return np.moveaxis(base[:, :, : added.shape[1]] @ added.T, 2, 0)
+
+    def placed(self, model: Model, base: Float, place: float) -> Float:
+        """Return the columns (J, K, 2) of 1 kg at `place` m, and of their slope by the place."""
+        # What a mass adds is quadratic in its place: the difference is the slope.
+        before, middle, after = self.load(model, base, (place - 0.5, place, place + 0.5))
+        return np.stack([middle, after - before], axis=2)
 
 
 @dataclass(frozen=True, eq=False)

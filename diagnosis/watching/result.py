@@ -42,11 +42,13 @@ class ChangeFound(AsJson):
 
     `before` and `after` are the same numbers before and after, `change` what they differ by, each with its 95 %
     interval (valid under autocorrelation). `look_alikes` explain these data as well. `share` is the part of the
-    squared error that it explains, held out; `p_value` that of placebos.
+    squared error that it explains, held out; `p_value` that of placebos. Of a load, `place` is how far down its link it
+    is, which is looked for with the mass: the interval of either holds for any value of the other.
     """
 
     JSON = (
-        "name kind effect joint before{} after{} change{} shape look_alikes explained_share=share p_value sentence"
+        "name kind effect joint before{} after{} change{} shape place look_alikes "
+        "explained_share=share p_value sentence"
     )
 
     name: str
@@ -59,12 +61,15 @@ class ChangeFound(AsJson):
     share: float
     p_value: float
     course: Course | None = field(default=None, repr=False)
+    place: Estimate | None = None
 
     @property
     def sentence(self) -> str:
         """The difference in words."""
         parts = [f"{_said(new)} after, {_said(old)} before" for old, new in zip(self.before, self.after, strict=True)]
         shape = "".join(f", {key} = {value:.3g}" for key, value in self.shape.items())
+        if self.place is not None:
+            shape = f", {_said(self.place)} down the {self.joint}"
         alike = f"; these data cannot distinguish it from {', '.join(self.look_alikes)}" if self.look_alikes else ""
         return f"{self.name}: {'; '.join(parts)}{shape}{alike}"
 

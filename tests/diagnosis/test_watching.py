@@ -253,10 +253,11 @@ def test_the_beginning_of_a_slow_change_has_an_interval(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_one_recording_before_and_one_after_are_enough(usual_run) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.parametrize("place", [0.15, 0.2, 0.25, 0.37])
+def test_one_recording_before_and_one_after_are_enough(usual_run, place: float) -> None:  # type: ignore[no-untyped-def]
     model, motion, torque = usual_run
     number = np.zeros(len(model.parameters))
-    number[:4] = Payload(1.5, 0.2, "shank").numbers(model.thigh_length)
+    number[:4] = Payload(1.5, place, "shank").numbers(model.thigh_length)
     tau = torque + 0.5 * np.random.default_rng(8).standard_normal(torque.shape)
     loaded = tau + (model.columns(motion) @ number).T
 
@@ -269,6 +270,13 @@ def test_one_recording_before_and_one_after_are_enough(usual_run) -> None:  # ty
     assert [d.name for d in found.found] == ["payload:shank"]
     change = found.found[0].change[0]
     assert change.low <= 1.5 <= change.high
+    at = found.found[0].place
+    assert at is not None
+    assert at.low <= place <= at.high
+    assert at.high - at.low < 0.06
+    assert "down the shank" in found.found[0].sentence
+    if place != 0.2:
+        return
     assert not compare_against(model, [before], [part("after", tau, 60.0, 90.0)]).differs
 
 
