@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,10 +18,13 @@ from measurement.recording import Recording
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
+from symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+LONGEST = 2000
+"""Moments of which the numbers are kept at most."""
 LEAST = 4
 """Blocks at least that say what is usual."""
 SHARE = 0.33
@@ -58,10 +61,51 @@ class Replay(AsJson):
         rows = zip(self.names, self.units, self.values.T, self.low.T, self.high.T, strict=True)
         return {name: dict(zip(("unit", "value", "low", "high"), row, strict=True)) for name, *row in rows}
 
+    def figures(self) -> list[tuple[str, str, Figure]]:
+        """Return (title, alternative text, figure); none before any number was known."""
+        if not self.t.size:
+            return []
+        changes = "; ".join(repr(e) for e in self.events if e.alarm) or "No change."
+        return [("The numbers over time", changes, self.plot())]
+
     def plot(self) -> Figure:
         """Draw every number over time with its interval, and when something changed."""
         marks = [(one.since.low, one.since.high, one.t) for one in self.events if one.since is not None]
         return numbers_figure(self.t, self.names, self.units, self.values, self.low, self.high, marks)
+
+
+@dataclass(eq=False)
+class Course:
+    """Keeps what a watcher reports and its numbers over time; of a long time every second, fourth, ... block."""
+
+    watcher: Watcher
+    events: list[Event] = field(default_factory=list)
+    known: list[tuple[float, tuple[Estimate, ...]]] = field(default_factory=list)
+    blocks: int = 0
+    every: int = 1
+
+    def take(self, fresh: Sequence[Event]) -> None:
+        """Keep what was reported, and what the numbers are."""
+        self.events += [e for e in fresh if e.event != "estimates"]
+        watcher = self.watcher
+        if watcher.estimator is None or watcher.blocks < self.blocks + self.every:
+            return
+        self.blocks = watcher.blocks
+        self.known.append((watcher.last, watcher.estimator.estimates()))
+        if len(self.known) > LONGEST:
+            self.known, self.every = self.known[::2], 2 * self.every
+
+    def played(self) -> Replay:
+        """Return what was kept."""
+        first = self.watcher.model.parameters
+        values, low, high = (
+            np.array([[getattr(e, side) for e in each] for _, each in self.known]).reshape(-1, len(first))
+            for side in ("value", "low", "high")
+        )
+        return Replay(
+            tuple(self.events), tuple(p.name for p in first), tuple(p.unit for p in first),
+            np.array([t for t, _ in self.known]), values, low, high, self.watcher.last,
+        )  # fmt: skip
 
 
 def replay(
@@ -77,7 +121,7 @@ def replay(
     usual = settings or Settings()
     if settings is None:
         learn = int(min(max(LEAST, SHARE * recording.duration / usual.block), usual.learn))
-        usual = Settings(learn=learn, most_learn=3 * learn, estimates=1)
+        usual = Settings(learn=learn, most_learn=3 * learn)
     shortest = LEAST * usual.block
     if recording.duration < 2.0 * shortest:
         raise RecordingError(
@@ -85,26 +129,11 @@ def replay(
             remedy=f"give at least {2.0 * shortest:g} s: the first {shortest:g} s say what is usual",
         )  # fmt: skip
     watcher = Watcher(model, usual, tuple(extra))
-    events: list[Event] = []
-    known: list[Event] = []
-
-    def heard(fresh: Sequence[Event]) -> Replay:
-        known.extend(e for e in fresh if e.event == "estimates")
-        events.extend(e for e in fresh if e.event != "estimates")
-        numbers = [e.estimates for e in known]
-        first = watcher.model.parameters
-        values, low, high = (
-            np.array([[getattr(e, side) for e in each] for each in numbers]).reshape(-1, len(first))
-            for side in ("value", "low", "high")
-        )
-        return Replay(
-            tuple(events), tuple(p.name for p in first), tuple(p.unit for p in first),
-            np.array([e.t for e in known]), values, low, high, watcher.last,
-        )  # fmt: skip
-
+    course = Course(watcher)
     size = max(1, round(usual.block * recording.rate))
     for k in range(0, len(rows), size):
-        played = heard(watcher.push(rows[k : k + size]))
+        course.take(watcher.push(rows[k : k + size]))
         if progress is not None:
-            progress(played)
-    return heard(watcher.finish())
+            progress(course.played())
+    course.take(watcher.finish())
+    return course.played()

@@ -133,6 +133,7 @@ class Watcher:
         self.started = -1
         self.named: Event | None = None
         self.counts: dict[str, int] = {}
+        self.found = 0
         self.first: float | None = None
         self.last = 0.0
 
@@ -168,12 +169,17 @@ class Watcher:
             "restarts": self.front.restarts,
         }  # fmt: skip
         estimates = () if self.estimator is None else self.estimator.estimates()
-        known = self.reference is not None
-        summary = summary_event(self.last, seconds, self.blocks, known, self.counts, lost, estimates)
+        summary = summary_event(self.last, seconds, self.blocks, self.looked, self.found, self.counts, lost, estimates)
         return [*events, *self._count([summary])]
+
+    @property
+    def looked(self) -> bool:
+        """Whether changes were looked for: what is usual was known at some time."""
+        return self.counts.get("reference", 0) > 0
 
     def _count(self, events: list[Event]) -> list[Event]:
         for one in events:
+            self.found += one.event == "change" and one.more.get("state") == "first"
             self.counts[one.event] = self.counts.get(one.event, 0) + 1
         return events
 

@@ -85,19 +85,20 @@ LOST = {
 
 
 def summary_event(
-    t: float, seconds: float, blocks: int, known: bool, counts: Mapping[str, int], lost: Mapping[str, int],
-    estimates: tuple[Estimate, ...],
+    t: float, seconds: float, blocks: int, known: bool, found: int, counts: Mapping[str, int],
+    lost: Mapping[str, int], estimates: tuple[Estimate, ...],
 ) -> Event:  # fmt: skip
-    """Return the end: how long was watched, whether it is `known` what is usual, the `counts` of events, what was
-    `lost`, and the last `estimates`.
+    """Return the end: how long was watched, whether it was `known` what is usual, how many changes were `found`, the
+    `counts` of events, what was `lost`, and the last `estimates`.
     """
-    changes = counts.get("change", 0)
+    nameless = counts.get("unexplained", 0)
     text = f"{clock(seconds)} watched, {blocks} blocks"
-    if not known and not changes:
+    if not known:
         text += ": too little to say what is usual, so nothing was looked for"
     else:
-        text += f", {changes} reports of changes" if changes else ", no change"
+        text += f", changes named: {found}" if found else "" if nameless else ", no change"
+        text += f", changes without a name: {nameless}" if nameless else ""
     passed = [f"{LOST[name]}: {count}" for name, count in lost.items() if count]
     text += f"; {', '.join(passed)}" if passed else ""
-    more = {"seconds": seconds, "blocks": blocks, "events": dict(counts), **lost}
-    return Event("summary", t, text, estimates, more=more)
+    more = {"seconds": seconds, "blocks": blocks, "changes": found, "unexplained": nameless, "events": dict(counts)}
+    return Event("summary", t, text, estimates, more=more | dict(lost))

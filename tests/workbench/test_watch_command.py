@@ -58,7 +58,7 @@ def test_a_growing_log_is_followed_through_rotation_until_interrupted(tmp_path: 
         if process.poll() is None:
             process.kill()
             process.communicate()
-    assert process.returncode == 0
+    assert process.returncode == 2  # too short to say what is usual
     assert "Traceback" not in said + complaints
     events = [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
     assert events[-1]["event"] == "summary"
@@ -83,7 +83,7 @@ def test_numbers_of_a_model_file_are_said_not_to_be_used_and_a_result_is_no_mode
     run.write_text(HEADER + rows(0, 300), encoding="utf-8")
     model.write_text('name = "leg"\n[identified.parameters]\nPhi1 = 1.2\n', encoding="utf-8")
     result.write_text('{"schema": "exoid.fit/1"}\n', encoding="utf-8")
-    assert main(["watch", str(model), str(run)]) == 0
+    assert main(["watch", str(model), str(run)]) == 2
     said = capsys.readouterr().out
     assert "are not used" in said
     assert "too little to say what is usual" in said
@@ -117,7 +117,8 @@ def test_whatever_ends_it_there_is_a_summary(tmp_path: Path, name: str, piped: b
         if process.poll() is None:
             process.kill()
             process.communicate()
-    assert process.returncode == 0, complaints
+    assert process.returncode == 2, complaints
+    assert "nothing was looked for" in complaints
     assert json.loads(out.read_text(encoding="utf-8").splitlines()[-1])["event"] == "summary"
 
 
@@ -139,3 +140,31 @@ def test_a_logger_that_starts_again_in_degrees_is_told(tmp_path: Path, capsys: p
     assert [e["event"] for e in events] == ["skipped", "skipped", "columns", "start", "summary"]
     assert "q1 from 'q1' in deg" in events[2]["sentence"]
     assert "named anew" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["", HEADER, "nothing here\n"])
+def test_where_nothing_was_looked_for_the_exit_status_says_so(
+    tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text(text, encoding="utf-8")
+    assert main(["watch", "standard", str(log)]) == 2
+    assert "nothing was looked for" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_report_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from benchmarks.watched_leg import exact_rows
+
+    log, out = tmp_path / "log.csv", tmp_path / "out"
+    stream = exact_rows(0.0, 60.0, 100.0)
+    log.write_text(HEADER + "\n".join(",".join(f"{x:.6f}" for x in row) for row in stream.tolist()), encoding="utf-8")
+    assert main(["watch", "standard", str(log), "--learn", "30", "--out", str(out), "--json", str(tmp_path / "j")]) == 0
+    assert "report.html" in capsys.readouterr().out
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "The numbers over time" in page
+    assert "no change" in page
+    kept = json.loads((out / "result.json").read_text(encoding="utf-8"))
+    streamed = [json.loads(line) for line in (tmp_path / "j").read_text(encoding="utf-8").splitlines()]
+    assert kept["events"] == streamed
+    assert len(kept["t"]) == len(kept["numbers"]["Phi1"]["value"]) > 1

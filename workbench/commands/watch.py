@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
+from ground.plain import plain_dict
 from workbench.command_line.options import add_columns, add_common, positive_number, whole_number
 from workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
     from diagnosis.watching.events import Event
+    from diagnosis.watching.watcher import Watcher
     from measurement.reading.live import LineNote, Lines
     from symbolic.model import Model
     from symbolic.motion import Float
@@ -73,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         estimates=args.estimates, seed=args.seed, most_learn=3 * round(args.learn / block),
     )  # fmt: skip
     watcher = Watcher(model, settings, model.custom)
-    report = _Report(args)
+    report = _Report(args, watcher)
     if given is not None:
         from symbolic.model_file import read_numbers
 
@@ -97,7 +99,10 @@ def run(args: argparse.Namespace) -> int:
     finally:
         report.close()
     if args.out:
-        report.write(args.out)
+        report.write(watcher)
+    if not watcher.looked:
+        warn("nothing was looked for: what is usual takes two minutes of motion (--learn S for less)")
+        return 2
     return 1 if report.alarms else 0
 
 
@@ -130,11 +135,14 @@ def _stopped_by_signals() -> Iterator[list[int]]:
 class _Report:
     """Tells events as they come: lines for people, objects for programs."""
 
-    def __init__(self, args: argparse.Namespace) -> None:
+    def __init__(self, args: argparse.Namespace, watcher: Watcher) -> None:
+        from diagnosis.watching.replay import Course
+
+        self.args = args
         self.screen = Screen.of(args)
         self.alarms = 0
         self.events: list[dict[str, Any]] = []
-        self.keep = bool(args.out)
+        self.course = Course(watcher) if args.out else None
         self.stream: IO[str] | None = None
         self.own = args.json not in (None, "-")
         if args.json == "-":
@@ -149,6 +157,8 @@ class _Report:
             style = "bad" if one.alarm else "warn" if one.event in ("motion", "waiting") else ""
             self.screen.say(repr(one), style)
             self._object(one.to_json())
+        if self.course is not None:
+            self.course.take(events)
         sys.stdout.flush()
 
     def line(self, one: LineNote, t: float) -> None:
@@ -162,7 +172,7 @@ class _Report:
         self.screen.say(text, "faint")
 
     def _object(self, found: dict[str, Any]) -> None:
-        if self.keep:
+        if self.course is not None:
             self.events.append(found)
         if self.stream is not None:
             self.stream.write(json.dumps(found, ensure_ascii=True, allow_nan=False) + "\n")
@@ -172,11 +182,20 @@ class _Report:
         if self.stream is not None and self.own:
             self.stream.close()
 
-    def write(self, folder: str) -> None:
-        """Write the events into a folder."""
-        from workbench.command_line.files import make_folder, write_json
+    def write(self, watcher: Watcher) -> None:
+        """Write the events, and the numbers over time, into the folder of --out."""
+        from workbench.command_line.deliver import deliver_results
+        from workbench.report.material import Material, pictures_of
 
-        write_json(str(make_folder(folder) / "result.json"), {"schema": "exoid.watch/1", "events": self.events})
+        assert self.course is not None
+        played = self.course.played()
+        told = [repr(e) for e in played.events if e.event not in ("start", "reference", "waiting")]
+        streamed = argparse.Namespace(**{**vars(self.args), "json": None})  # written already, as it came
+        payload = {"schema": "exoid.watch/1", "events": self.events, "numbers": played.numbers, "t": played.t}
+        deliver_results(streamed, self.screen, plain_dict(payload), lambda: Material(
+            title="While it ran", answer=" ".join(f"{one.rstrip('.')}." for one in told), model=watcher.model,
+            pictures=pictures_of(played),
+        ))  # fmt: skip
 
 
 def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float, Sequence[LineNote]]]:
