@@ -75,7 +75,7 @@ class Replay(AsJson):
 
 
 @dataclass(eq=False)
-class Course:
+class Logbook:
     """Keeps what a watcher reports and its numbers over time; of a long time every second, fourth, ... block."""
 
     watcher: Watcher
@@ -129,7 +129,7 @@ def replay(
             remedy=f"give at least {2.0 * shortest:g} s: the first {shortest:g} s say what is usual",
         )  # fmt: skip
     watcher = Watcher(model, usual, tuple(extra))
-    course = Course(watcher)
+    course = Logbook(watcher)
     size = max(1, round(usual.block * recording.rate))
     for k in range(0, len(rows), size):
         course.take(watcher.push(rows[k : k + size]))

@@ -136,13 +136,13 @@ class _Report:
     """Tells events as they come: lines for people, objects for programs."""
 
     def __init__(self, args: argparse.Namespace, watcher: Watcher) -> None:
-        from diagnosis.watching.replay import Course
+        from diagnosis.watching.replay import Logbook
 
         self.args = args
         self.screen = Screen.of(args)
         self.alarms = 0
         self.events: list[dict[str, Any]] = []
-        self.course = Course(watcher) if args.out else None
+        self.course = Logbook(watcher) if args.out else None
         self.stream: IO[str] | None = None
         self.own = args.json not in (None, "-")
         if args.json == "-":
