@@ -323,7 +323,7 @@ def sweep(folder: Path, *patterns: str, age: float = ABANDONED) -> None:
 
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Hold Ctrl-C and SIGTERM back for the moment in which files change places."""
+    """Hold Ctrl-C, SIGTERM and SIGHUP back for the moment in which files change places."""
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are the main thread's
         return
@@ -339,7 +339,7 @@ def _undisturbed() -> Iterator[None]:
             signal.raise_signal(held[0])
 
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 def _umask() -> int:

@@ -29,7 +29,7 @@ DONE, NEGATIVE, BAD_INPUT, INTERNAL_ERROR, INTERRUPTED, TERMINATED = 0, 1, 2, 70
 
 
 class Terminated(BaseException):
-    """SIGTERM: what is under way is cleared away, as after Ctrl-C."""
+    """SIGTERM, or a terminal that was closed: what is under way is cleared away, as after Ctrl-C."""
 
 
 WELCOME = """\
@@ -117,8 +117,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain(str(error))
     except KeyboardInterrupt:
         return _complain("interrupted; nothing was left half-written", INTERRUPTED)
-    except Terminated:
-        return _complain("terminated; nothing was left half-written", TERMINATED)
+    except Terminated as stop:
+        return _complain("terminated; nothing was left half-written", 128 + stop.args[0])
     except BrokenPipeError:
         # The reader (head, less) has had enough. Python would complain again when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -170,20 +170,22 @@ def _dispatch(arguments: Sequence[str]) -> int:
 
 @contextlib.contextmanager
 def _terminable() -> Iterator[None]:
-    """Let SIGTERM raise Terminated, where this is the main thread."""
+    """Let SIGTERM and SIGHUP raise Terminated, where this is the main thread; nohup stays nohup."""
 
-    def stop(*_: object) -> None:
-        raise Terminated
+    def stop(number: int, _: object) -> None:
+        raise Terminated(number)
 
+    numbers = [number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
     try:
-        before = signal.signal(signal.SIGTERM, stop)
+        before = {one: signal.signal(one, stop) for one in numbers if signal.getsignal(one) != signal.SIG_IGN}
     except ValueError:  # not the main thread: whoever runs it decides about signals
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 def version() -> str:

@@ -33,12 +33,17 @@ def run(args: argparse.Namespace) -> int:
     from workbench.page.workspace import Workspace
 
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff, args.derivative)
-    if args.out:
-        from workbench.page.takeaway import free_for_session, keep_in
+    try:
+        if args.out:
+            from workbench.page.takeaway import free_for_session, keep_in
 
-        keep_in(workspace, free_for_session(Path(args.out)))
-    _open(workspace, args)
-    serve(workspace, args.port, not args.no_browser, not args.quiet)
+            keep_in(workspace, free_for_session(Path(args.out)))
+        _open(workspace, args)
+        serve(workspace, args.port, not args.no_browser, not args.quiet)
+    except BaseException:
+        workspace.keeping.release()  # nothing is kept of what could not be opened
+        workspace.close()
+        raise
     if args.json:
         from workbench.command_line.files import write_json
         from workbench.page.views import state

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import shutil
 from collections.abc import AsyncIterator, Callable
 from functools import partial
 from pathlib import Path
@@ -15,9 +15,11 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
+from measurement.reading.limits import MOST_BYTES
 from workbench.page import numbers, takeaway, views
 from workbench.page.given import FIT, error_json, internal, mapping_preview
 from workbench.page.guard import Guard
+from workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
 
 STATIC = Path(__file__).parent / "static"
 REPORT_STYLE = Path(__file__).parent.parent / "report" / "page.css"
-MOST_MESSAGE = 1_000_000
-"""Bytes of a message of the page; files are not messages."""
 BEAT = 10.0
 """Seconds after which an open connection says that it is still there."""
 
@@ -42,7 +42,7 @@ def application(workspace: Workspace, token: str, port: int) -> Guard:
         *(Route(f"/api/{name}", partial(ask, workspace)) for name, ask in ANSWERS.items()),
         Route("/api/file", partial(_upload, workspace), methods=["PUT"]),
         Route("/api/session", partial(_upload_session, workspace), methods=["PUT"]),
-        *(Route(f"/api/{name}", _told(workspace, do), methods=["POST"]) for name, do in ACTIONS.items()),
+        *(Route(f"/api/{name}", _told(workspace, name, do), methods=["POST"]) for name, do in ACTIONS.items()),
         Mount("/static", StaticFiles(directory=STATIC)),
     ]
     handlers: dict[Any, Any] = {ExoidError: _refused, OSError: _refused, Exception: _broken}
@@ -123,7 +123,7 @@ def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
     if "drop" in told:
         takeaway.reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
     else:
-        takeaway.reopen(workspace, Path(str(told["folder"])).expanduser())
+        takeaway.reopen(workspace, folder_in(told))
 
 
 ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
@@ -141,7 +141,7 @@ ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
     "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
     "reopen": _reopen,
     "role": lambda workspace, told: workspace.use_as(int(told["file"]), str(told["role"])),
-    "save": lambda workspace, told: {"folder": str(takeaway.save(workspace, Path(str(told["folder"]))))},
+    "save": lambda workspace, told: {"folder": str(takeaway.save(workspace, folder_in(told)))},
     "switch": lambda workspace, told: workspace.change_history(lambda history: history.switch(str(told["effect"]))),
     "undo": lambda workspace, told: workspace.change_history(lambda history: history.undo()),
 }
@@ -167,8 +167,14 @@ async def _upload_session(workspace: Workspace, request: Request) -> Response:
 
 
 async def _written(request: Request, target: Path) -> None:
+    """Write what is sent; RecordingError for more than half of what the disk has left."""
+    room = min(MOST_BYTES, shutil.disk_usage(target.parent).free // 2)
     async with await anyio.open_file(target, "wb") as file:
         async for part in request.stream():
+            room -= len(part)
+            if room < 0:
+                await anyio.Path(target).unlink()
+                raise RecordingError("the file is too large to be dropped", remedy="name it on the command line")
             await file.write(part)
 
 
@@ -190,24 +196,17 @@ async def _events(workspace: Workspace, request: Request) -> Response:
 # -- how it is answered --------------------------------------------------------------------------------------------
 
 
-def _told(workspace: Workspace, do: Callable[[Workspace, dict[str, Any]], Any]) -> Callable[[Request], Any]:
+def _told(
+    workspace: Workspace, action: str, do: Callable[[Workspace, dict[str, Any]], Any]
+) -> Callable[[Request], Any]:
     async def endpoint(request: Request) -> Response:
-        body = b""
+        body = bytearray()
         async for part in request.stream():
             body += part
-            if len(body) > MOST_MESSAGE:
-                raise RecordingError("the message is too long", remedy="reload the page")
-        try:
-            told = json.loads(body or b"{}")
-            if not isinstance(told, dict):
-                raise TypeError("not an object")
-            found = await anyio.to_thread.run_sync(do, workspace, told)
-        except ExoidError:
-            raise
-        except (KeyError, TypeError, ValueError) as error:
-            what = f"the message cannot be understood ({error})"
-            raise RecordingError(what, remedy="reload the page") from error
-        return JSONResponse(found if isinstance(found, dict) else {})
+            if len(body) > LONGEST:
+                raise RecordingError("the message is too long", remedy=RELOAD)
+        told = read_message(bytes(body))
+        return JSONResponse(await anyio.to_thread.run_sync(obey, workspace, action, do, told))
 
     return endpoint
 
@@ -225,7 +224,7 @@ def _broken(request: Request, error: Exception) -> Response:
 def _number(request: Request, name: str) -> int:
     text = request.query_params.get(name, "")
     if not text.isdecimal() or len(text) > 9:
-        raise RecordingError(f"{name} is no number", remedy="reload the page")
+        raise RecordingError(f"{name} is no number", remedy=RELOAD)
     return int(text)
 
 

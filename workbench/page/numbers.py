@@ -65,6 +65,7 @@ def error_of(workspace: Workspace, session: Session, index: int) -> bytes:
 
 def preview_of(workspace: Workspace, session: Session, name: str, index: int) -> bytes:
     """Return the error (J, K) N·m as it would become with one more effect, and between which its placebos stay."""
+    _recording(session, index)
     ranking = workspace.ranking()
     trial = None if ranking is None else ranking.trial(name)
     if ranking is None or trial is None:
@@ -90,6 +91,8 @@ def explained(
     """
     import numpy as np
 
+    if joint is not None and not 0 <= joint < len(session.model.joints):
+        raise RecordingError("there is no such joint", remedy="reload the page")
     ranking = workspace.ranking()
     if ranking is None:
         return {}

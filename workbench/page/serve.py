@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import contextvars
+import html
 import os
 import secrets
+import signal
 import socket
 import sys
 import threading
 import time
 import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import uvicorn
@@ -24,6 +27,12 @@ if TYPE_CHECKING:
     from workbench.page.workspace import Workspace
 
 HOST = "127.0.0.1"
+BROWSER = "browser"
+REDIRECT = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>exoid</title>
+<meta name="referrer" content="no-referrer"><meta http-equiv="refresh" content="0; url={address}"></head>
+<body><a href="{address}">to the workbench</a></body></html>
+"""
 PATIENCE = 10.0
 """Seconds that the end of the page waits for what still works."""
 
@@ -43,9 +52,10 @@ def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
         sys.stderr.write("exoid: the page is open at the address above; Ctrl-C ends it\n")
     start_work(workspace)
     if browser:
-        webbrowser.open(address)
+        threading.Thread(target=_show, args=(address, workspace.place), name=BROWSER, daemon=True).start()
     server = _Server(config, workspace)
     try:
+        _obey_hangup(server)
         # In a context of its own: what is written while the page is open is there at once, not when the command ends.
         contextvars.Context().run(asyncio.run, server.serve(sockets=[listening]))
     finally:
@@ -54,12 +64,36 @@ def serve(workspace: Workspace, port: int, browser: bool, say: bool) -> None:
     finish_threads()
 
 
+def _show(address: str, place: Path) -> None:
+    """Open a browser, which may stay in the foreground of this terminal as long as it likes.
+
+    It gets a file that leads to the address: everybody on this machine sees with which words a process was started, and
+    the token is not for them. The `place` is this user's alone.
+    """
+    page = place / "open.html"
+    with open(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as stream:
+        stream.write(REDIRECT.format(address=html.escape(address)))
+    opened = False
+    with contextlib.suppress(webbrowser.Error, OSError):
+        opened = webbrowser.open(page.as_uri())
+    if not opened:
+        sys.stderr.write("exoid: no browser could be opened; open the address above\n")
+
+
+def _obey_hangup(server: _Server) -> None:
+    """End when the terminal is closed, unless somebody wants it to stay (nohup)."""
+    hangup = getattr(signal, "SIGHUP", None)
+    with contextlib.suppress(ValueError):  # not the main thread: whoever runs it decides about signals
+        if hangup is not None and signal.getsignal(hangup) != signal.SIG_IGN:
+            signal.signal(hangup, server.handle_exit)
+
+
 def finish_threads(patience: float = PATIENCE) -> None:
     """Wait for what is still being computed or written, a report perhaps. What lasts longer, or what the user does not
     wait for, ends with the process here: the interpreter's own end aborts under a thread inside compiled code.
     """
     until = time.monotonic() + patience
-    working = [thread for thread in threading.enumerate() if thread.daemon]
+    working = [thread for thread in threading.enumerate() if thread.daemon and thread.name != BROWSER]
     with contextlib.suppress(KeyboardInterrupt):
         for thread in working:
             thread.join(max(0.0, until - time.monotonic()))

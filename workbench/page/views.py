@@ -33,6 +33,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         problem = None if problem is None else problem.about(one.name, one.path)
     out: dict[str, Any] = {
         "version": workspace.version,
+        "edits": len(workspace.edits),
         "files": [_file(one) for one in workspace.given],
         "model": workspace.model_name or "standard leg",
         "busy": printable(workspace.busy),

@@ -66,6 +66,8 @@ class Workspace:
         self.problem: ExoidError | None = None
         self.saved: Path | None = None
         self.version = 0
+        self.edits: list[str] = []
+        """Which page made each of the steps so far, "" where none says so or a search did."""
         self.busy = ""
         self._model: Model | None = None
         self.stale = False
@@ -356,6 +358,7 @@ class Workspace:
                 accepted = [a.name for a in found.accepted]
                 if self.names == names:
                     self.history = self.history.add(*accepted)
+                    self.edits.append("")
                 else:
                     what = ", ".join(accepted) or "nothing"
                     self.search_message = f"found {what} beside the effects as they were when it began"

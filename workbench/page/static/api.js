@@ -1,6 +1,8 @@
 // Requests to the local server. A refusal becomes an Error that carries what, where and remedy.
 
 const token = new URLSearchParams(location.search).get("token");
+const page = crypto.randomUUID(); // which of several pages on one session this is
+let seen = 0; // how many steps it has seen made
 const headers = token ? { "X-Exoid-Token": token } : {};
 
 export class Refused extends Error {
@@ -42,8 +44,12 @@ export async function ask(path, query, signal) {
   return (await request(url(path, query), { signal })).json();
 }
 
+export function saw(edits) {
+  seen = edits;
+}
+
 export async function tell(action, message = {}, signal) {
-  const body = JSON.stringify(message);
+  const body = JSON.stringify({ ...message, page, seen });
   const response = await request(`/api/${action}`, { method: "POST", body, signal, headers: { "Content-Type": "application/json" } });
   return response.json();
 }

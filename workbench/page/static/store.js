@@ -1,6 +1,6 @@
 // What this tab looks at: the server's state, and its own view of it (cursor, range, selection, pointed suspect).
 
-import { ask, numbers } from "./api.js";
+import { ask, numbers, saw } from "./api.js";
 
 export const view = {
   state: null, recording: null, cursor: null, range: null, selection: null, pointed: null, preview: null, explained: null,
@@ -58,5 +58,7 @@ export function error(recording, key) {
 }
 
 export async function refresh() {
-  look({ state: await ask("/api/state") });
+  const state = await ask("/api/state");
+  saw(state.edits);
+  look({ state });
 }
