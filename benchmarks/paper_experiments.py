@@ -194,7 +194,7 @@ def _excitation(x: np.ndarray, rescaled: bool, samples: int) -> float:
 
 
 def designs(seeds: int) -> list[Excitation]:
-    """Return what `exoid design` finds with the same budget, with IPOPT's best known motion from the first seed."""
+    """Return what `exoid design` finds, with IPOPT's best known motion from the first seed."""
     return [design(LEG, seed=seed, starts=3 if seed == 0 else 0) for seed in range(seeds)]
 
 

@@ -145,3 +145,12 @@ CRITERIA: Mapping[str, Callable[[Float, Aim], Float]] = MappingProxyType(
     }
 )
 """Name -> (gram (I, J, M, M), aim) -> values (I,) to minimise."""
+
+PIECES: Mapping[str, Callable[[Float, Aim], Float]] = MappingProxyType(
+    {
+        "condition": lambda gram, aim: np.log(condition(gram))[:, None],
+        "d_optimal": lambda gram, aim: -log_det(fisher(gram, aim.noise, aim.duration))[:, None],
+        "worst": lambda gram, aim: np.log(np.maximum(aim.relative(gram)[:, aim.size > 0.0], TINY)),
+    }
+)
+"""Name -> values (I, K) of which the largest falls and rises as the criterion does, each smooth almost everywhere."""

@@ -2,8 +2,9 @@
 
     θ_i(t) = θ_i0 + Σ_{k=1..K} a_ik sin(kωt) + b_ik cos(kωt)                          (13) of the paper
 
-NFO searches the coefficients, 20 individuals × 400 generations (optimisation/excitation/search.py). IPOPT, started from
-short searches, gives the best motion known; that is no proof of an optimum, since the problem is not convex.
+An optimiser searches the coefficients, 20 individuals × 400 generations in several runs, and each result is refined
+(optimisation/excitation/search.py). IPOPT, started from short searches, is a second opinion. The best of them is the
+best motion known; that is no proof of an optimum, since the problem is not convex.
 """
 
 from __future__ import annotations
@@ -74,11 +75,11 @@ def design(
     if asked.starts > 0 and not asked.printed and not memory_operations(model):
         say(0.6, "IPOPT")
         references = search.reference(asked.starts)
-    best = least_of([found, *references], lambda one: one.value, within=CONVERGED)
+    best = least_of([*found, *references], lambda one: one.value, within=CONVERGED)
     say(0.95, "evaluating the motion")
     cautions = _cautions(model, asked)
     task = _Task(model, asked.criterion, room, aim, at, asked.offsets, asked.rest, asked.seed)
-    return _evaluated(task, best, (found, *references), cautions, time.perf_counter() - began)
+    return _evaluated(task, best, (*found, *references), cautions, time.perf_counter() - began)
 
 
 def space_of(room: Float, asked: MotionSettings, joints: tuple[str, ...]) -> MotionSpace:
@@ -137,8 +138,6 @@ def _cautions(model: Model, asked: DesignSettings) -> tuple[str, ...]:
             "operators with a past (play, dahl, delay, ddt) have no formula at an instant: their columns are "
             "computed in Python, the motion is taken to start at rest in its past, and there is no IPOPT reference"
         )
-    elif asked.starts <= 0 and not asked.printed:
-        out.append("no IPOPT reference was asked for")
     if any("t" in str(term.effect.torque) and term.effect.family == "drift" for term in model.terms):
         out.append("an effect that drifts with time is evaluated over one period, from its start")
     choices = [s.name for s in model.shapes if s.shape.choices]

@@ -1,4 +1,4 @@
-"""The search for the most informative motion: NFO in stages, IPOPT from its short runs.
+"""The search for the most informative motion: several short runs of an optimiser, each refined; or NFO in stages.
 
 Every candidate is stretched to the first limit it meets, so that the search stays among motions that a leg can make
 ("feasible by construction"). Inf outside the limits, as the paper has it, leaves a search nothing to
@@ -6,10 +6,13 @@ follow and is kept to compare.
 Individuals are the stretched motions themselves, shifted in time to resemble each other where the start does not
 matter, so that near neighbours are near motions.
 
-The best motions lie where kinks meet: of cond(Ȳ), where eigenvalues change places, and of the stretching, where another
-instant or another limit becomes the first. Most of the budget therefore goes to smooth proxies, which become sharper
-from stage to stage. Being smooth they have a curvature: in coordinates in which it is the same in all directions NFO
-descends a curved valley as it does a round one (what whitening does for the fit of a leg).
+There are many local optima, each where kinks meet: of cond(Ȳ), where eigenvalues change places, and of the stretching,
+where another instant or another limit becomes the first. An optimiser of the folder `optimisers/` is therefore run
+several times, for as long as it takes to come near one of them, and what it finds is refined to the end
+(`refine.py`). NFO, which leans on its nearest neighbours and stops at kinks, has stages instead: most of it goes
+to smooth proxies, which become sharper from stage to stage. Being smooth they have a curvature: in coordinates in which
+it is the same in all directions NFO descends a curved valley as it does a round one (what whitening does for the fit
+of a leg).
 """
 
 from __future__ import annotations
@@ -22,17 +25,21 @@ from typing import Any
 import numpy as np
 
 from ground.progress import Progress, silent
-from ground.ties import CONVERGED, ascending, index_of_least
+from ground.ties import CONVERGED, ascending, index_of_least, least_of
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
+from optimisation.excitation.refine import Refinement
 from optimisation.excitation.result import DesignedMotion
 from optimisation.excitation.settings import DesignError, DesignSettings
 from optimisation.excitation.space import MotionSpace
 from optimisation.linear.problem import Problem
 from optimisation.optimiser import minimise
+from optimisation.optimisers import optimisers
+from optimisation.optimisers.cma_es import CMAES
 from optimisation.optimisers.nfo import NFO
 from symbolic.codegen.information import Information
+from symbolic.memory import memory_operations
 from symbolic.motion import Float
 
 
@@ -62,6 +69,8 @@ STAGES = (
 """From smooth to exact. Chosen on 96 seeds that are not those of docs/design.md."""
 RECIPE = NFO(alpha=0.9, crossover=0.95)
 """NFO with almost every component taken: coefficients act together, a motion is no sum of independent choices."""
+RECIPES = {"cma_es": CMAES(spread=0.075)}
+"""Optimisers that are told something of this search: the box is four times as wide as where it begins."""
 WHITENED = NFO(alpha=1.0)
 """NFO in whitened coordinates, as for the fit of a leg."""
 NEAR = 0.3
@@ -75,7 +84,10 @@ DEAREST = 0.5
 WIDE = 2.0
 """Half-width of the box around stretched motions: a mixture of harmonics may exceed what each alone may do."""
 SHORT = 120
-"""Generations of the search from whose result IPOPT starts."""
+"""Generations of NFO's search from whose result IPOPT starts."""
+RUNS, SHORTEST = 8, 50
+"""Runs among which the generations are divided, and the fewest generations of one. Of runs of 600 to 2000 evaluations
+alike four in ten end at one of the best motions known once they are refined, so many short ones are worth more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,28 +117,63 @@ class MotionSearch:
         soft = self.asked.criterion == "condition" and stage.power > 0.0
         return softened(gram, stage.power) if soft else CRITERIA[self.asked.criterion](gram, self.aim)
 
-    def run(self) -> DesignedMotion:
-        """Return what NFO finds within its budget; NoMotionError where none is inside the limits."""
-        began = time.perf_counter()
-        asked = self.asked
+    def run(self) -> list[DesignedMotion]:
+        """Return what the search finds, and what that is refined to; NoMotionError where none is inside the limits."""
+        asked, began = self.asked, time.perf_counter()
         if asked.printed:
-            run = minimise(
-                self._problem(self.value, asked.box), NFO(), individuals=asked.individuals,
-                generations=asked.generations, seed=asked.seed,
-            )  # fmt: skip
-            best = run.x, run.fitness
+            return [self._printed()]
+        if asked.optimiser == "nfo":
+            ends, spent = [self._staged(asked.generations, asked.seed)], asked.individuals * asked.generations
         else:
-            best = self._staged(asked.generations, asked.seed)
+            ends, spent = self._runs()
+        name = label_of(asked.optimiser)
+        (y, value), seconds = least_of(ends, lambda end: end[1]), time.perf_counter() - began
+        found = [self._candidate(name, y[None], value, spent, seconds)]
+        if memory_operations(self.info.model):  # a motion takes too long for so many differences
+            return found
+        refinement = Refinement(self.info, self.space, self.aim, asked.criterion)
+        better = []
+        for k, (y, value) in enumerate(ends):
+            self.say(0.5 + 0.4 * k / len(ends), "refining")
+            better.append(refinement.refined(self.stretched(y[None])[0], value))
+        y, value, _ = least_of(better, lambda end: end[1])
+        spent += sum(count for *_, count in better)
+        return [*found, self._candidate(f"{name}, refined", y[None], value, spent, time.perf_counter() - began)]
+
+    def _printed(self) -> DesignedMotion:
+        """Return what NFO finds as the paper has it."""
+        asked, began = self.asked, time.perf_counter()
+        run = minimise(
+            self._problem(self.value, asked.box), NFO(), individuals=asked.individuals,
+            generations=asked.generations, seed=asked.seed,
+        )  # fmt: skip
         spent = asked.individuals * asked.generations
-        if not np.isfinite(best[1]):
+        if not np.isfinite(run.fitness):
             raise NoMotionError(
                 f"none of {spent} candidate motions met the limits; an infinite penalty "
                 "outside them leaves the search nothing to follow",
                 where=f"NFO as printed, box {asked.box:g}",
                 remedy="leave --printed away (every motion is then feasible by construction), or try a smaller --box",
             )
-        name = "NFO as printed" if asked.printed else "NFO"
-        return self._candidate(name, best[0][None], best[1], spent, time.perf_counter() - began)
+        return self._candidate("NFO as printed", run.x[None], run.fitness, spent, time.perf_counter() - began)
+
+    def _runs(self) -> tuple[list[tuple[Float, float]], int]:
+        """Return the best point of each of several runs with its value, and the evaluations of all."""
+        asked = self.asked
+        count = min(RUNS, max(1, asked.generations // SHORTEST))
+        each, more = divmod(max(asked.generations, 1), count)
+        problem, ends, spent = self._problem(self.value, WIDE), [], 0
+        for k in range(count):
+            self.say(0.05 + 0.45 * k / count, label_of(asked.optimiser))
+            seed = self._seed(k)
+            first = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, (asked.individuals, self.space.size))
+            run = minimise(
+                problem, RECIPES.get(asked.optimiser, optimisers()[asked.optimiser]()), individuals=asked.individuals,
+                generations=each + (k < more), seed=seed, start=self.stretched(first),
+            )  # fmt: skip
+            ends.append((run.x, run.fitness))
+            spent += run.evaluations
+        return ends, spent
 
     def _staged(self, generations: int, seed: int) -> tuple[Float, float]:
         """Return the best point and its value after all stages."""
@@ -239,6 +286,11 @@ class MotionSearch:
 
     def _seed(self, k: int) -> int:
         return int(np.random.SeedSequence([self.asked.seed, k]).generate_state(1)[0])
+
+
+def label_of(optimiser: str) -> str:
+    """Return an optimiser's name as it is written: CMA-ES for "cma_es"."""
+    return optimiser.upper().replace("_", "-")
 
 
 def _with(field: Any, x: Float, f: float) -> tuple[Float, Float]:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, TypedDict
 
 from ground.errors import ExoidError
+from ground.folder import names_in
 from ground.settings import VerbSettings, setting
+from optimisation import optimisers
 
 if TYPE_CHECKING:
     from optimisation.excitation.criteria import Noise
@@ -16,6 +18,7 @@ DURATION = 30.0
 """s of recording for which standard deviations are predicted."""
 OFFSETS = ("paper", "middle", "free")
 """Where a motion is centred: θ_0 of the paper, the middle of the angle range, or wherever is best."""
+OPTIMISERS = names_in(optimisers)
 CRITERION_NAMES = ("condition", "d_optimal", "worst")
 """What a motion is evaluated by; `optimisation.excitation.criteria` computes them."""
 
@@ -47,6 +50,7 @@ class DesignOptions(MotionOptions, total=False):
     box: float
     starts: int
     individuals: int
+    optimiser: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +67,7 @@ class MotionSettings(VerbSettings):
     noise: Noise | None = setting(None, "standard deviation of a torque sample; without it, that of the bench")
     numbers: Numbers | None = setting(None, "identified numbers of the model; without them, typical sizes")
     duration: float = setting(DURATION, "length of the recording", 0.1, 1e7, "s")
-    generations: int = setting(400, "generations of NFO", 0, 100_000)
+    generations: int = setting(400, "generations of the search", 0, 100_000)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -82,5 +86,6 @@ class DesignSettings(MotionSettings):
     )
     printed: bool = setting(False, "NFO as the paper prints it: Inf outside the limits")
     box: float = setting(1.0, "with the printed form: half-width of its box", 1e-6, 1e6)
-    starts: int = setting(3, "starts of IPOPT; 0 for none", 0, 1000)
-    individuals: int = setting(20, "population of NFO")
+    starts: int = setting(0, "starts of IPOPT, for a second opinion", 0, 1000)
+    individuals: int = setting(20, "population of the search")
+    optimiser: str = setting("cma_es", "what searches; nfo does so in stages from smooth to exact", choices=OPTIMISERS)

@@ -17,23 +17,41 @@ from symbolic.model import TABLE_1, Limits, Model
 
 @pytest.fixture(scope="module")
 def found():
-    return design(seed=3, starts=0)
+    return design(seed=3)
 
 
 @pytest.mark.slow
 def test_the_targets_are_met():
-    """At a_th = 0.40 m, T = 10 s, offsets fixed; NFO within 20 × 400, IPOPT best known."""
-    found = design(seed=3, starts=1)
-    nfo, ipopt = (next(c for c in found.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))
-    assert nfo.evaluations == 20 * 400 and ipopt.value <= 55.6
-    # About every second seed of NFO reaches 56.5.
-    others = [design(seed=seed, starts=0).value for seed in range(7)]
-    assert np.median([nfo.value, *others]) <= 57.0 and min(nfo.value, *others) <= 56.5
-    assert found.feasible and found.informative and found.value == min(nfo.value, ipopt.value)
+    """At a_th = 0.40 m, T = 10 s, offsets fixed; best known 55.03."""
+    found = [design(seed=seed) for seed in range(10)]
+    assert sum(one.value <= 55.3 for one in found) >= 9
+    assert all(one.feasible and one.informative for one in found)
+    assert [one.candidates[0].evaluations for one in found] == [20 * 400] * 10
+
+
+def test_what_is_refined_is_better_and_inside(found):
+    search, refined = found.candidates
+    assert refined.value < search.value and found.value == refined.value and found.feasible
+    assert refined.evaluations > search.evaluations == 20 * 400
+
+
+@pytest.mark.slow
+def test_nfo_is_one_setting_away():
+    """About every second seed of NFO reaches 56.5 before it is refined."""
+    found = [design(seed=seed, optimiser="nfo") for seed in range(8)]
+    values = [one.candidates[0].value for one in found]
+    assert np.median(values) <= 57.0 and min(values) <= 56.5
+    assert all([c.name for c in one.candidates] == ["NFO", "NFO, refined"] for one in found)
+
+
+@pytest.mark.parametrize("name", ["nfo", "pso", "ga", "de", "cma_es"])
+def test_every_optimiser_designs_motions(name):
+    one = design(optimiser=name, generations=20, harmonics=2)
+    assert one.feasible and one.candidates[0].evaluations == 400 and one.value <= one.candidates[0].value
 
 
 def test_free_offsets_are_better_still(found):
-    free = design(offsets="free", starts=0)
+    free = design(offsets="free")
     assert free.feasible and free.condition < 0.8 * found.condition
 
 
@@ -44,13 +62,13 @@ def test_the_value_is_that_of_the_regressor(found):
 
 
 def test_start_and_end_at_rest_exactly():
-    still = design(rest=True, starts=0, generations=30).trajectory.at(np.array([0.0, 10.0]))
+    still = design(rest=True, generations=30).trajectory.at(np.array([0.0, 10.0]))
     assert np.abs(still.dq).max() < 1e-12 and np.abs(still.ddq).max() < 1e-12
 
 
 @pytest.mark.parametrize("criterion", ["d_optimal", "worst"])
 def test_each_criterion_is_best_at_its_own(criterion, found):
-    own = design(criterion=criterion, starts=0, generations=150)
+    own = design(criterion=criterion, generations=150)
     other = evaluate(found.trajectory, criterion=criterion)
     assert own.value < other.value and own.feasible
 
@@ -59,8 +77,8 @@ def test_each_criterion_is_best_at_its_own(criterion, found):
 @pytest.mark.parametrize("criterion", ["condition", "d_optimal", "worst"])
 def test_ipopt_knows_every_criterion(criterion, harmonics):
     both = design(criterion=criterion, starts=1, generations=20, harmonics=harmonics)
-    nfo, ipopt = (next(c for c in both.candidates if c.name.startswith(name)) for name in ("NFO", "IPOPT"))
-    assert ipopt.value < nfo.value and both.feasible
+    search, refined, ipopt = both.candidates
+    assert ipopt.name == "IPOPT 1" and max(ipopt.value, refined.value) < search.value and both.feasible
     assert both.to_json()["best_known"] is True
 
 
@@ -90,7 +108,7 @@ def test_limits_of_the_model_and_a_share_of_them():
     tight = {joint: Limits(TABLE_1[joint].angle, 0.5, 1.0) for joint in TABLE_1}
     from dataclasses import replace
 
-    slow = design(replace(Model.standard(), limits=tight), starts=0, generations=20, use=0.9)
+    slow = design(replace(Model.standard(), limits=tight), generations=20, use=0.9)
     assert slow.feasible
     speeds = slow.trajectory.at(np.linspace(0.0, 10.0, 3001))
     assert np.abs(speeds.dq).max() <= 0.45 and np.abs(speeds.ddq).max() <= 0.9
@@ -98,7 +116,7 @@ def test_limits_of_the_model_and_a_share_of_them():
 
 def test_models_with_effects_and_identified_numbers():
     model = Model.standard().with_effect("stribeck:knee").with_effect("load_friction:hip")
-    one = design(model, criterion="worst", starts=0, generations=40)
+    one = design(model, criterion="worst", generations=40)
     assert [p.name for p in one.precision][-1] == "stribeck:knee.v_s" and one.informative
     past = design(Model.standard().with_effect("backlash:hip"), generations=3, individuals=5)
     assert any("operators with a past" in text for text in past.cautions)
@@ -106,21 +124,21 @@ def test_models_with_effects_and_identified_numbers():
 
 def test_numbers_no_motion_determines_are_said():
     model = Model.standard().with_effect("drive_gain:hip").with_effect("drive_gain:knee")
-    blind = design(model, starts=0, generations=5)
+    blind = design(model, generations=5)
     assert not blind.informative and any("carries no information on" in text for text in blind.cautions)
 
 
 def test_without_a_compiler_the_numbers_are_the_same(monkeypatch):
-    fast = design(starts=0, generations=4, individuals=5)
+    fast = design(generations=4, individuals=5)
     real = excitation.information
     monkeypatch.setattr(excitation, "information", lambda *a, **k: real(*a, **k, backend="vm"))
-    slow = design(starts=0, generations=4, individuals=5)
+    slow = design(generations=4, individuals=5)
     assert slow.backend == "vm"
-    assert slow.value == pytest.approx(fast.value, rel=1e-9)
+    assert slow.candidates[0].value == pytest.approx(fast.candidates[0].value, rel=1e-9)
 
 
 def test_the_same_seed_gives_the_same_motion():
-    one, two, other = (design(starts=0, generations=10, seed=s).trajectory.sine for s in (4, 4, 5))
+    one, two, other = (design(generations=10, seed=s).trajectory.sine for s in (4, 4, 5))
     np.testing.assert_array_equal(one, two)
     assert not np.array_equal(one, other)
 
@@ -134,6 +152,7 @@ def test_creeping_is_said(found):
     ("settings", "message"),
     [
         ({"criterion": "x"}, "no criterion"),
+        ({"optimiser": "x"}, "no optimiser"),
         ({"use": 1.5}, "of the limits"),
         ({"period": -1.0}, "give a period"),
         ({"harmonics": 1, "rest": True}, "at least two harmonics"),

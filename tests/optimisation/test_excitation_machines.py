@@ -37,7 +37,7 @@ def test_both_backends_make_the_same_sums(name):
 def test_a_motion_is_inside_the_limits_of_every_joint(name, tmp_path):
     model = MACHINES[name]
     found = design(
-        model, individuals=8, generations=20, starts=0, harmonics=3, noise=Noise.white(0.3, joints=model.joints)
+        model, individuals=8, generations=20, harmonics=3, noise=Noise.white(0.3, joints=model.joints)
     )
     assert found.feasible and np.isfinite(found.condition)
     assert [use.joint for use in found.uses] == [joint for joint in model.joint_names for _ in range(3)]

@@ -128,8 +128,8 @@ def test_discover(given):
 
 def test_design(given):
     model, *_ = given
-    command = by_command("design", "leg.toml", "--starts", "0", "--seed", "3")
-    assert same(command, exoid.design(model, starts=0, seed=3))
+    command = by_command("design", "leg.toml", "--seed", "3")
+    assert same(command, exoid.design(model, seed=3))
 
 
 @pytest.mark.slow

@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     search = parser.add_argument_group("the search")
     add_settings(search, SeparationSettings, generations={"help": "with --separate: generations of NFO (40)"})
-    add_settings(search, DesignSettings, "starts", "printed", "box")
+    add_settings(search, DesignSettings, "optimiser", "starts", "printed", "box")
     noise = parser.add_argument_group("what it is evaluated by")
     noise.add_argument(
         "--noise", metavar="NM", type=limits,
