@@ -29,9 +29,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.watch_rivals import Filtered, cusum, oracle
 from benchmarks.watched_leg import Truth, drawn, exact_rows
+from diagnosis.watching.acting import Applied
 from diagnosis.watching.events import Event
 from diagnosis.watching.result import Differences
-from diagnosis.watching.watcher import Settings, Watcher
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.watcher import Watcher
 from diagnosis.watching.window import Window
 from measurement.bench.leg import standard_leg
 from symbolic.model import Model
@@ -47,9 +49,9 @@ class Counted(Watcher):
 
     asked, spent = 0, 0.0
 
-    def _ask(self, after: Sequence[Window], most: int = 1) -> Differences:
+    def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
         began = time.process_time()
-        found = super()._ask(after, most)
+        found = super()._ask(after, most, but)
         self.asked += 1
         self.spent += time.process_time() - began
         return found
@@ -63,18 +65,18 @@ def watched(rows: np.ndarray, moment: float = np.inf) -> tuple[list[Event], dict
     watcher, events, held = Counted(Model.standard()), [], 0
 
     def inside(estimates: Sequence[Estimate]) -> int:
-        return sum(e.low <= x <= e.high for e, x in zip(estimates, truth, strict=True))
+        return sum(e.low <= x <= e.high for e, x in zip(estimates, truth, strict=False))
 
     for k in range(0, len(rows), 500):
         if (
             rows[min(k + 499, len(rows) - 1), 0] < moment
-            and watcher.estimator is not None
+            and watcher.numbers is not None
             and rows[k, 0] > moment - 10.0
         ):
-            held = inside(watcher.estimator.estimates())
+            held = inside(watcher.numbers.estimates())
         events += watcher.push(rows[k : k + 500])
     if np.isinf(moment):
-        held = inside(watcher.estimator.estimates())
+        held = inside(watcher.numbers.estimates())
     cost = {"cpu": time.process_time() - began, "asked": watcher.asked, "cpu_asked": watcher.spent}
     first = next(e for e in events if e.event == "reference")
     return events + watcher.finish(), cost | {"held": held, "held_first": inside(first.estimates), "of": len(truth)}

@@ -7,8 +7,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.watching.estimator import ROBUST, Estimator, constants
-from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, filled
+from diagnosis.watching.estimator import (
+    FORGOTTEN,
+    FORGOTTEN_LEAST,
+    LEAST_BLOCKS,
+    ROBUST,
+    Estimator,
+    constants,
+)
+from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, filled
 from diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
 from diagnosis.watching.window import LEAST_WEIGHT
 from ground.text import in_comment
@@ -47,9 +54,9 @@ def write_updater(
     start = first_estimator(model, linear, unit, filters.working / filters.stride)
     joints, count = len(model.joints), len(model.parameters)
     values = {
-        "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "TYPE": f"{name}_updater", "name": name,
-        "guard": f"{name}_updater_h".upper(), "J": joints, "P": count, "W": count + 2,
-        "MODEL": in_comment(model.name),
+        "FIELDS": FIELDS.rstrip(), "ESTIMATION": ESTIMATION, "FORGETTING": FORGETTING,
+        "TYPE": f"{name}_updater", "name": name, "guard": f"{name}_updater_h".upper(),
+        "J": joints, "P": count, "W": count + 2, "MODEL": in_comment(model.name),
         "NAMES": ", ".join(f"{k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)),
         "JOINTS": ", ".join(model.joint_names), "TS": repr(sample_time), "RATE": repr(filters.rate),
         "HALF": HALF, "RING": 2 * HALF + 1, "SPIKE": repr(SPIKE), "ORDER": ORDER, "COMMON": COMMON_ORDER,
@@ -57,8 +64,10 @@ def write_updater(
         "STRIDE": filters.stride, "STICK": repr(STICK), "REACH": repr(filters.reach), "SIGN": repr(SIGN_WIDTH),
         "RINGING": filters.ringing, "ABSURD": repr(ABSURD), "LATEST": repr(LATEST), "FASTEST": repr(FASTEST),
         "FARTHEST": repr(FASTEST * sample_time), "LASTING": repr(LASTING), "LONGEST": int(LONGEST_HOLE / sample_time),
-        "LEAST": repr(LEAST_WEIGHT), **constants(start), "DELAY": f"{filters.delay:.3g}",
-        "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.forget),
+        "LEAST": repr(LEAST_WEIGHT), "ENOUGH": repr(LEAST_BLOCKS),
+        "FORGOTTEN": repr(FORGOTTEN), "FORGOTTEN_LEAST": repr(FORGOTTEN_LEAST),
+        **constants(start), "DELAY": f"{filters.delay:.3g}",
+        "LINEAR": _list(linear), "SPREAD": _list(np.sqrt(start.variance)), "FORGET": _list(start.pace),
         "UNIT": _list(unit), "BODY": _body(function, joints),
         "OPERATIONS": _operations(function, joints, count, filters),
     }  # fmt: skip

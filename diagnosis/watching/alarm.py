@@ -76,6 +76,10 @@ class Detector:
         if len(self.recent) == self.recent.maxlen:
             self.quiet.append(self.recent[0])
         self.recent.append(block)
+        return self.deviation()
+
+    def deviation(self) -> Deviation:
+        """Return the largest deviation that ends with the last block."""
         power, middle, spread = self._usual()
         usual = power.mean(axis=0)
         best = Deviation(0.0, 0, 1, self.limit)

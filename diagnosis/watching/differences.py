@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from diagnosis.evidence.score import Score, weigh
 from diagnosis.question import own_effects
 from diagnosis.rules import RULES, Rules
 from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
-from diagnosis.watching.questions import FARTHEST, NEAREST, Asked, questions
+from diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
 from ground.ties import ascending
@@ -50,6 +51,7 @@ SCATTER = Threshold(
 )
 STRETCH = 2.0
 """Length in s of the stretches by which the course of a change is told."""
+NONE: Mapping[str, Float] = MappingProxyType({})
 MOST = 3
 """Differences named at most."""
 ROUNDS, STEP, ENOUGH = 12, 0.1, 1e-4
@@ -96,10 +98,16 @@ class _Granted:
 
 
 class BeforeAfter:
-    """One question about before and after; `now` is the model fitted before, on all recordings."""
+    """One question about before and after; `now` is the model fitted before, on all recordings.
 
-    def __init__(self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int) -> None:
-        self.now, self.seed, self.most = now, seed, most
+    `already` is by how much what has been taken out of the recordings differs, {name: its numbers}.
+    """
+
+    def __init__(
+        self, now: FittedModel, seed: int, extra: tuple[Effect, ...], rules: Rules, most: int,
+        already: Mapping[str, Float] = NONE,
+    ) -> None:  # fmt: skip
+        self.now, self.seed, self.most, self.already = now, seed, most, already
         self.before = len(now.prepared.train)
         self.joints = len(now.model.joints)
         self.old: tuple[str, ...] = ()
@@ -281,7 +289,7 @@ class BeforeAfter:
         width = one.columns[0].shape[2]
         count = len(step)
         change = np.eye(count)[count - width :]
-        size = change @ step
+        size = amount = change @ step
         model, fit = self.now.model, self.now.fit
         if own is not None:
             before, start = np.eye(count)[[own]], np.array([np.concatenate([fit.linear, fit.shape])[own]])
@@ -310,16 +318,21 @@ class BeforeAfter:
         return ChangeFound(
             name=one.asked.label,
             kind=one.asked.kind,
-            before=said(before, start),
-            after=said(before + change, start),
+            before=said(before, start + self._already(one, len(start))),
+            after=said(before + change, start + self._already(one, len(start))),
             change=said(change, np.zeros(len(change))),
             place=self._place(one, step, spread, critical),
+            acting=Acting(one.asked, one.score.shape[-1][None], one.place, amount),
             shape=_shape(one),
             look_alikes=one.alike,
             share=one.score.share,
             p_value=float(one.score.p_value if one.score.p_value is not None else 1.0),
             course=self._course(one, granted, size),
         )
+
+    def _already(self, one: _Granted, count: int) -> Float:
+        known = self.already.get(one.asked.label)
+        return np.zeros(count) if known is None or known.size != count else known
 
     def _place(self, one: _Granted, step: Float, spread: Float, critical: float) -> Estimate | None:
         """Return where a load is, beside the last two of `step`: its mass and that times what its place is off by."""

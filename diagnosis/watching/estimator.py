@@ -6,14 +6,19 @@ about *it*: by how much its variance has fallen is credited, and forgetting spen
 Without excitation nothing is learnt and nothing forgotten, so nothing winds up. Samples are weighted by their residual
 (Huber 1964), in units of a scale that follows within seconds: a burst passes by, a change does not.
 
+What is known to have changed is forgotten at once (`forget`): as if it had moved by a step of unknown size since the
+last sample, the time update of the same filter. What was learnt about the other numbers stays, as far as it does not
+rest on it.
+
 Intervals are those of sums of scores over blocks of time, longer than residuals remember (the sandwich of
-`optimisation.linear.uncertainty`, in recursive form), with Student's quantile for as many blocks as are remembered.
+`optimisation.linear.uncertainty`, in recursive form), with Student's quantile for as many blocks as are remembered of
+each parameter.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from ctypes import c_long, c_void_p
 from dataclasses import dataclass, field
 from typing import Any
@@ -31,6 +36,10 @@ from symbolic.quantity import Estimate
 ROBUST = Threshold(2.0, "scales beyond which a residual counts linearly: a burst would move the numbers")
 CREDIT = Threshold(20.0, "samples' worth of forgetting that may be saved up: a long rest would be followed by a jump")
 LEAST_BLOCKS = Threshold(4.0, "blocks remembered before an interval is reported: a scatter of two or three is chance")
+
+
+FORGOTTEN, FORGOTTEN_LEAST = 1.0, 0.1
+"""A number that is forgotten is known to this part of itself, and to no less than this in its unit."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +66,14 @@ def constants(estimator: Estimator) -> dict[str, Any]:
 class Estimator:
     """The state of the estimation of P parameters from J joints; `step` takes one sample.
 
-    `forget` (P,) is the largest share of the information that a sample makes forgotten, `block` the samples of a block,
+    `pace` (P,) is the largest share of the information that a sample makes forgotten, `block` the samples of a block,
     `follow` the share by which the scale (J,) of the residual follows a sample. Torques count in `unit` (J,) N·m,
     the scale at first.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    forget: Float
+    pace: Float
     block: int
     follow: float
     unit: list[float]
@@ -76,13 +85,14 @@ class Estimator:
     credit: Float = field(init=False)
     score: Float = field(init=False)
     meat: Float = field(init=False)
-    blocks: float = 0.0
+    blocks: Float = field(init=False)
     inside: int = 0
 
     def __post_init__(self) -> None:
         count = self.linear.size
         self.scale = list(self.unit)
-        self.credit, self.score, self.meat = np.zeros(count), np.zeros(count), np.zeros((count, count))
+        self.credit, self.score, self.blocks = np.zeros(count), np.zeros(count), np.zeros(count)
+        self.meat = np.zeros((count, count))
 
     @classmethod
     def start(
@@ -115,8 +125,8 @@ class Estimator:
         self.linear = inverse @ self.right
         variance = np.einsum("kp,kp->k", inverse, inverse)
         gain = np.maximum(1.0 - variance / self.variance, 0.0)
-        credit = np.minimum(self.credit + gain, CREDIT * self.forget)
-        lost = np.minimum(self.forget, credit)
+        credit = np.minimum(self.credit + gain, CREDIT * self.pace)
+        lost = np.minimum(self.pace, credit)
         self.credit = credit - lost
         kept = 1.0 - lost
         self.root = self.root * np.sqrt(kept)
@@ -126,13 +136,13 @@ class Estimator:
         pull = [self._weight(j, value) * value for j, value in zip(used, left, strict=True)]
         self.score = self.score + pull @ columns
         self.meat = self.meat * (kept[:, None] * kept)
-        self.blocks *= (float(kept.sum()) / kept.size) ** 2
+        self.blocks = self.blocks * kept**2
         self.inside += 1
         if self.inside == self.block:
             self.meat += np.outer(self.score, self.score)
             self.score = np.zeros_like(self.score)
             self.inside = 0
-            self.blocks += 1.0
+            self.blocks = self.blocks + 1.0
 
     def steps(self, columns: Float, tau: Float, use: np.ndarray) -> None:
         """Take samples in a row: `columns` (N, J, P), torque (N, J) N·m and `use` (N, J); compiled where that works."""
@@ -148,7 +158,7 @@ class Estimator:
         given = [np.ascontiguousarray(values, kind) for values, kind in kinds]
         compiled(state.ctypes.data_as(c_void_p), c_long(len(tau)), *(x.ctypes.data_as(c_void_p) for x in given))
         for name in state.dtype.names or ():
-            plain = name in ("scale", "unit", "blocks", "inside")
+            plain = name in ("scale", "unit", "inside")
             setattr(self, name, state[name].tolist() if plain else state[name].copy())
 
     def _weight(self, joint: int, left: float) -> float:
@@ -165,6 +175,49 @@ class Estimator:
         self.root, self.right = triangle[:, :count], triangle[:, count]
         return np.asarray(dtrtri(self.root)[0])
 
+    def forget(self, which: Iterable[int]) -> None:
+        """Forget the parameters `which`: nothing that was learnt about them counts from here on."""
+        for k in which:
+            size = FORGOTTEN * abs(float(self.linear[k])) + FORGOTTEN_LEAST
+            column = self.root.T @ self.root[:, k]  # of the information matrix
+            whole = 1.0 / size**2 + column[k]
+            # What scores say of the others once the step is left free, and how far it may have gone.
+            self.score = self.score - column * (self.score[k] / whole)
+            left = np.eye(column.size)
+            left[:, k] -= column / whole
+            self.meat = left @ self.meat @ left.T + np.outer(column, column) / (whole * size) ** 2
+            self._step_of(k, size)
+            self.credit[k] = self.blocks[k] = 0.0
+        inverse = np.linalg.inv(self.root)
+        self.variance = np.einsum("kp,kp->k", inverse, inverse)
+
+    def extended(self, names: tuple[str, ...], units: tuple[str, ...], values: Float) -> Estimator:
+        """Return the same with further parameters, of which little more is known than these `values` (m,)."""
+        count, more = self.linear.size, len(names)
+        spread = FORGOTTEN * np.abs(values) + 1e-9
+        out = Estimator(
+            self.names + names, self.units + units, np.append(self.pace, np.full(more, self.pace.max())), self.block,
+            self.follow, list(self.unit), np.diag(np.append(np.zeros(count), 1.0 / spread)),
+            np.append(self.right, values / spread), np.append(self.linear, values), np.append(self.variance, spread**2),
+        )  # fmt: skip
+        out.root[:count, :count], out.scale, out.inside = self.root, list(self.scale), self.inside
+        out.meat[:count, :count] = self.meat
+        out.meat[range(count, count + more), range(count, count + more)] = 1.0 / spread**2
+        for name in ("credit", "score", "blocks"):
+            getattr(out, name)[:count] = getattr(self, name)
+        return out
+
+    def _step_of(self, k: int, size: float) -> None:
+        """Rotate a step of parameter `k`, of that standard deviation, out of the triangle; it stays one."""
+        rows = np.column_stack([self.root, self.right])
+        step, lead = np.zeros(rows.shape[1]), 1.0 / size
+        for i in range(k, -1, -1):
+            length = math.hypot(lead, rows[i, k])
+            c, s = lead / length, -rows[i, k] / length
+            step, rows[i] = c * step + s * rows[i], c * rows[i] - s * step
+            lead = length
+        self.root, self.right = rows[:, :-1], rows[:, -1]
+
     def covariance(self) -> Float:
         """Return the covariance (P, P) of the parameters, valid under autocorrelation."""
         inverse = np.linalg.inv(self.root)
@@ -173,10 +226,9 @@ class Estimator:
 
     def estimates(self) -> tuple[Estimate, ...]:
         """Return the parameters with their 95 % intervals; infinite where too little has been seen to tell."""
-        half = np.full(self.linear.size, np.inf)
-        if self.blocks >= LEAST_BLOCKS:
-            critical = float(student.ppf(0.975, self.blocks - 1.0))
-            half = critical * np.sqrt(np.maximum(np.diag(self.covariance()), 0.0))
+        enough = self.blocks >= LEAST_BLOCKS
+        critical = student.ppf(0.975, np.where(enough, self.blocks - 1.0, 1.0))
+        half = np.where(enough, critical * np.sqrt(np.maximum(np.diag(self.covariance()), 0.0)), np.inf)
         return tuple(
             Estimate(n, float(v), u, float(v - h), float(v + h))
             for n, u, v, h in zip(self.names, self.units, self.linear, half, strict=True)

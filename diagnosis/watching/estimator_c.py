@@ -23,7 +23,7 @@ def layout(count: int, joints: int) -> np.dtype[Any]:
     """Return `FIELDS` as NumPy sees them, for `count` parameters."""
     p, j, square = (count,), (joints,), (count, count)
     shapes = {"linear": p, "variance": p, "root": square, "right": p, "credit": p, "score": p, "meat": square,
-              "forget": p, "scale": j, "unit": j, "blocks": ()}  # fmt: skip
+              "pace": p, "blocks": p, "scale": j, "unit": j}  # fmt: skip
     return np.dtype([*((name, "f8", shape) for name, shape in shapes.items()), ("inside", np.intc)], align=True)
 
 
@@ -40,8 +40,9 @@ def _loaded(text: str) -> CompiledLibrary | None:
 
 FIELDS = """  double linear[@P@];   /* the numbers as they are now */
   double variance[@P@]; /* as white noise of the first scale would have it, not valid for intervals */
-  double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@], forget[@P@];
-  double scale[@J@], unit[@J@], blocks;
+  double root[@P@][@P@], right[@P@], credit[@P@], score[@P@], meat[@P@][@P@], pace[@P@];
+  double blocks[@P@];   /* remembered of each number, in blocks of its intervals */
+  double scale[@J@], unit[@J@];
   int inside;
 """
 
@@ -100,7 +101,7 @@ static void invert(const double root[P][P], double inverse[P][P]) {
 }
 
 static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J]) {
-  double inverse[P][P], kept[P], mean = 0.0;
+  double inverse[P][P], kept[P];
   int j, k, m, any = 0;
   for (j = 0; j < J; ++j) {
     double left = tau[j], most, square;
@@ -115,7 +116,7 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
   if (!any) return 0;
   invert((const double(*)[P])u->root, inverse);
   for (k = 0; k < P; ++k) {
-    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * u->forget[k], lost;
+    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * u->pace[k], lost;
     for (m = k; m < P; ++m) {
       value += inverse[k][m] * u->right[m];
       variance += inverse[k][m] * inverse[k][m];
@@ -124,10 +125,10 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
     gain = 1.0 - variance / u->variance[k];
     gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
     u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
-    lost = u->forget[k] < u->credit[k] ? u->forget[k] : u->credit[k];
+    lost = u->pace[k] < u->credit[k] ? u->pace[k] : u->credit[k];
     u->credit[k] -= lost;
     kept[k] = 1.0 - lost;
-    mean += kept[k] / P;
+    u->blocks[k] *= kept[k] * kept[k];
     u->variance[k] = variance / kept[k];
   }
   for (k = 0; k < P; ++k) {
@@ -145,14 +146,61 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
     left *= weight_of(u, j, left);
     for (k = 0; k < P; ++k) u->score[k] += left * columns[j][k];
   }
-  u->blocks *= mean * mean;
   if (++u->inside == @BLOCK@) {
     for (k = 0; k < P; ++k)
       for (m = 0; m < P; ++m) u->meat[k][m] += u->score[k] * u->score[m];
-    for (k = 0; k < P; ++k) u->score[k] = 0.0;
+    for (k = 0; k < P; ++k) {
+      u->score[k] = 0.0;
+      u->blocks[k] += 1.0;
+    }
     u->inside = 0;
-    u->blocks += 1.0;
   }
   return 1;
+}
+"""
+
+FORGETTING = """/* As if number k had moved by a step of unknown size since the last sample. */
+static void forget_one(@TYPE@ *u, int k) {
+  const double size = @FORGOTTEN@ * fabs(u->linear[k]) + @FORGOTTEN_LEAST@;
+  double column[P], shifted[P][P], step[P], step_right = 0.0, lead = 1.0 / size, whole, own;
+  int i, m, n;
+  for (i = 0; i < P; ++i) {
+    column[i] = step[i] = 0.0;
+    for (m = 0; m < P; ++m) column[i] += u->root[m][i] * u->root[m][k];
+  }
+  whole = 1.0 / (size * size) + column[k];
+  own = u->score[k] / whole;
+  for (i = 0; i < P; ++i) u->score[i] -= column[i] * own;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m) shifted[i][m] = u->meat[i][m] - column[i] * u->meat[k][m] / whole;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m)
+      u->meat[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole
+                    + column[i] * column[m] / (whole * size * whole * size);
+  for (i = k; i >= 0; --i) {
+    const double length = hypot(lead, u->root[i][k]), c = lead / length, s = -u->root[i][k] / length;
+    for (n = i; n < P; ++n) {
+      const double old = step[n];
+      step[n] = c * old + s * u->root[i][n];
+      u->root[i][n] = c * u->root[i][n] - s * old;
+    }
+    own = step_right;
+    step_right = c * own + s * u->right[i];
+    u->right[i] = c * u->right[i] - s * own;
+    lead = length;
+  }
+  u->credit[k] = u->blocks[k] = 0.0;
+}
+
+static void forget(@TYPE@ *u, const int which[P]) {
+  double inverse[P][P];
+  int k, m;
+  for (k = 0; k < P; ++k)
+    if (which[k]) forget_one(u, k);
+  invert((const double(*)[P])u->root, inverse);
+  for (k = 0; k < P; ++k) {
+    u->variance[k] = 0.0;
+    for (m = k; m < P; ++m) u->variance[k] += inverse[k][m] * inverse[k][m];
+  }
 }
 """

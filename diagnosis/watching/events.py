@@ -4,6 +4,7 @@
     "start"        the rate is known; the delay of the filters is stated
     "reference"    enough has been seen: what the model's numbers are, and from now on changes are looked for
     "estimates"    the numbers as they are now
+    "suspected"    something may have changed; what follows names it, or says that it is over
     "change"       something differs from before: `differences`, `since`, `kind`
     "motion"       another motion shows an error that the model has had all along; nothing changed
     "unexplained"  the error grew, and nothing that is known explains it

@@ -15,6 +15,7 @@ from diagnosis.evidence.candidates import Candidate, candidate_columns
 from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.library import Library, build_library
+from optimisation.preparation.prepare import PreparedRecording
 from symbolic.effect import Coefficient, Effect, Shape
 from symbolic.language.torque import torques
 from symbolic.mechanics.payload import LINKS, Payload
@@ -112,13 +113,46 @@ class Questions(Library):
 
     def at(self, candidate: Asked, nodes: Float, index: int, fitted: FittedModel) -> Columns:
         """Return the columns at `nodes` (V, S) on one recording as if the candidate acted there."""
-        joints, own = tuple(range(len(fitted.model.joints))), self.base[index]
-        if candidate.number is not None:
-            return Columns(joints, own[None, :, :, [candidate.number]])
-        if candidate.link is not None:
-            return Columns(joints, candidate.load(fitted.model, own, tuple(nodes[:, 0]))[..., None])
-        plain = Candidate(candidate.term, candidate.nodes, candidate.tangent)
-        return candidate_columns(plain, nodes, fitted.prepared.all[index], fitted)
+        return columns_on(candidate, nodes, fitted.prepared.all[index], self.base[index], fitted)
+
+
+def columns_on(
+    candidate: Asked, nodes: Float, one: PreparedRecording, base: Float, fitted: FittedModel
+) -> Columns:
+    """Return the columns at `nodes` (V, S) on any recording, on which the model's are `base`, as if it acted there."""
+    joints = tuple(range(len(fitted.model.joints)))
+    if candidate.number is not None:
+        return Columns(joints, base[None, :, :, [candidate.number]])
+    if candidate.link is not None:
+        return Columns(joints, candidate.load(fitted.model, base, tuple(nodes[:, 0]))[..., None])
+    plain = Candidate(candidate.term, candidate.nodes, candidate.tangent)
+    return candidate_columns(plain, nodes, one, fitted)
+
+
+@dataclass(frozen=True, eq=False)
+class Acting:
+    """A change as it acts on any window: what was `asked`, at `nodes` (1, S) or of a load at `place` m, and how much of
+    each of its columns there is, `size` (m,).
+    """
+
+    asked: Asked
+    nodes: Float
+    place: float | None
+    size: Float
+
+    def columns(self, one: PreparedRecording, base: Float, fitted: FittedModel) -> Float:
+        """Return its columns (J, K, m) on a window, on which the model's are `base` (J, K, P)."""
+        if self.place is not None:
+            return self.asked.placed(fitted.model, base, self.place)
+        return columns_on(self.asked, self.nodes, one, base, fitted).full(0, len(fitted.model.joints))
+
+    def torque(self, one: PreparedRecording, base: Float, fitted: FittedModel) -> Float:
+        """Return the torque (J, K) that it adds."""
+        return np.asarray(self.columns(one, base, fitted) @ self.size)
+
+    def scaled(self, size: Float) -> Acting:
+        """Return the same with other sizes (m,)."""
+        return replace(self, size=size)
 
 
 def questions(

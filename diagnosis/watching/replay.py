@@ -10,7 +10,8 @@ import numpy as np
 
 from diagnosis.watching.events import Event
 from diagnosis.watching.plots import numbers_figure
-from diagnosis.watching.watcher import Settings, Watcher
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.watcher import Watcher
 from ground.errors import RecordingError
 from ground.html import bullets
 from ground.plain import AsJson
@@ -88,10 +89,10 @@ class Logbook:
         """Keep what was reported, and what the numbers are."""
         self.events += [e for e in fresh if e.event != "estimates"]
         watcher = self.watcher
-        if watcher.estimator is None or watcher.blocks < self.blocks + self.every:
+        if watcher.numbers is None or watcher.blocks < self.blocks + self.every:
             return
         self.blocks = watcher.blocks
-        self.known.append((watcher.last, watcher.estimator.estimates()))
+        self.known.append((watcher.last, watcher.numbers.estimates()[: len(watcher.model.parameters)]))
         if len(self.known) > LONGEST:
             self.known, self.every = self.known[::2], 2 * self.every
 

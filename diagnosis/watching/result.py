@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.watching.plots import errors_figure
+from diagnosis.watching.questions import Acting
 from ground.frames import pandas
 from ground.html import bullets, lines, table
 from ground.plain import AsJson
@@ -62,6 +63,7 @@ class ChangeFound(AsJson):
     p_value: float
     course: Course | None = field(default=None, repr=False)
     place: Estimate | None = None
+    acting: Acting | None = field(default=None, repr=False)
 
     @property
     def sentence(self) -> str:

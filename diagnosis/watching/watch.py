@@ -9,7 +9,8 @@ import numpy as np
 
 from diagnosis.extend import Waterfall, fit_in_turn
 from diagnosis.watching.events import Event
-from diagnosis.watching.watcher import Settings, Watcher
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.watcher import Watcher
 from ground.errors import ExoidError
 from measurement.reading.columns import required
 from measurement.recording import Recording

@@ -15,33 +15,42 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.gain import RecordingEvidence
+from diagnosis.evidence.fitted import fitted_model
 from diagnosis.rules import Rules
-from diagnosis.watching.alarm import SPANS, Detector, Deviation
-from diagnosis.watching.bad_samples import Gate
+from diagnosis.watching.acting import Applied, already, as_usual
+from diagnosis.watching.alarm import SPANS, Deviation
+from diagnosis.watching.blocks import Blocks
+from diagnosis.watching.course import Onset
 from diagnosis.watching.differences import MOST, QUICK, BeforeAfter
-from diagnosis.watching.estimator import Estimator, Pace
-from diagnosis.watching.events import Event, clock
-from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
-from diagnosis.watching.questions import questions
+from diagnosis.watching.estimator import Estimator
+from diagnosis.watching.events import Event
+from diagnosis.watching.numbers import FollowedNumbers
 from diagnosis.watching.result import Differences
-from diagnosis.watching.scores import placebos, scores
-from diagnosis.watching.watched import Watched
-from diagnosis.watching.window import Window, joined_windows, prepared, window
-from diagnosis.watching.wording import change_event, nameless_event, reference_event, start_event, summary_event
+from diagnosis.watching.scores import Scores
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.usual import Usual, learned
+from diagnosis.watching.window import Window, joined_windows, prepared
+from diagnosis.watching.wording import (
+    calm_event,
+    change_event,
+    estimates_event,
+    nameless_event,
+    onset_of,
+    over_event,
+    reference_event,
+    start_event,
+    summary_event,
+    suspected_event,
+)
 from ground.errors import ExoidError
 from ground.thresholds import Threshold
 from measurement.reading.columns import required
-from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
 from symbolic.model import Model, require_still_base
 from symbolic.motion import Float
 
 TOGETHER = 2
 """Quiet blocks that are kept as one recording: placebos shift within a recording, and short ones hardly move."""
-LEAD = 2.0
-"""s before each block in which its filters and operators with memory settle."""
 JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""
 GROWN = Threshold(
@@ -56,39 +65,6 @@ NOTICED = Threshold(
     1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
 )
 REST = Threshold(0.1, "share of the grown squared error that a name may leave where it is above that: wrong names")
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a watch works. `block` s are judged at a time; `learn` blocks say at first what is usual; a change is named
-    when it has lasted `least` blocks and once more after `sure`; `alarms_per_day` false alarms are accepted; `placebos`
-    are drawn per block for the threshold, and `draws` for a name. `estimates` says every so many blocks what the
-    numbers are (0: never).
-    """
-
-    cutoff: float = CUTOFF
-    block: float = 5.0
-    learn: int = 24
-    most_learn: int = 72
-    least: int = 3
-    sure: int = 12
-    alarms_per_day: float = 1.0
-    placebos: int = 40
-    draws: int = 999
-    estimates: int = 0
-    pace: Pace = field(default_factory=Pace)
-    seed: int = 0
-
-
-@dataclass(eq=False)
-class _Reference:
-    """What is usual: the model fitted to windows from before, what is watched, and the detector."""
-
-    now: FittedModel
-    watched: Watched
-    detector: Detector
-    scale: Float
-    rms: Float
 
 
 @dataclass(eq=False)
@@ -118,24 +94,19 @@ class Watcher:
 
     def __post_init__(self) -> None:
         require_still_base(self.model, "watching")
-        self.gate = Gate(required(self.model.joints))
-        self.front = FrontEnd(len(self.model.joints), self.settings.cutoff)
-        self.waiting = Samples.none(len(self.model.joints))
+        self.stream = Blocks(required(self.model.joints), self.settings.block, self.settings.cutoff)
         self.rng = np.random.default_rng(self.settings.seed)
         self.kept: list[Window] = []
         self.usual: list[Window] = []
         self.leaving: list[Window] = []
         self.recent: deque[Window] = deque(maxlen=SPANS[-1])
-        self.reference: _Reference | None = None
-        self.estimator: Estimator | None = None
+        self.reference: Usual | None = None
+        self.numbers: FollowedNumbers | None = None
         self.pending: _Pending | None = None
-        self.restarts = self.blocks = self.quiet_since = 0
-        self.started = -1
-        self.named: Event | None = None
+        self.applied: list[Applied] = []
+        self.lasting: list[Applied] = []
         self.counts: dict[str, int] = {}
         self.found = 0
-        self.first: float | None = None
-        self.last = 0.0
 
     # -- samples ----------------------------------------------------------------------------------------------
 
@@ -150,27 +121,35 @@ class Watcher:
                 f"a sample has {rows.shape[1]} numbers; this machine has {width}: t, q and tau of each joint",
                 remedy="give rows t, q1, ..., tau1, ...",
             )
-        events = self._note(self.front.push(self.gate.take(rows)))
-        if self.front.filters is not None and self.front.restarts != self.started:
-            self.started = self.front.restarts
+        events = [event for one in self.stream.push(rows) for event in self._block(one)]
+        if self.stream.fresh:
             needed = self.settings.learn * self.settings.block
-            events.insert(0, start_event(self.front, self.model.joint_names, needed))
-        return self._count(self.gate.told() + events)
+            events.insert(0, start_event(self.stream.front, self.model.joint_names, needed))
+        return self._count(self.stream.gate.told() + events)
 
     def finish(self) -> list[Event]:
         """Return what the end of the stream still causes, the summary last."""
-        events = self.gate.finish() + self._note(self.front.finish())
-        if self.named is not None:
-            events += self._refined()
+        events = self.stream.gate.finish()
+        events += [event for one in self.stream.finish() for event in self._block(one)]
+        for one in [one for one in self.applied if not one.refined]:
+            events += self._refine(one)
         self._count(events)
-        seconds = 0.0 if self.first is None else self.last - self.first
-        lost = {
-            "not_finite": self.gate.not_finite, "not_credible": self.gate.not_credible, "not_later": self.front.late,
-            "restarts": self.front.restarts,
-        }  # fmt: skip
-        estimates = () if self.estimator is None else self.estimator.estimates()
-        summary = summary_event(self.last, seconds, self.blocks, self.looked, self.found, self.counts, lost, estimates)
+        seconds = 0.0 if self.stream.first is None else self.last - self.stream.first
+        estimates = () if self.numbers is None else self.numbers.estimates()
+        summary = summary_event(
+            self.last, seconds, self.blocks, self.looked, self.found, self.counts, self.stream.lost, estimates
+        )
         return [*events, *self._count([summary])]
+
+    @property
+    def last(self) -> float:
+        """Where in the stream one is, s."""
+        return self.stream.last
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks have been judged."""
+        return self.stream.count
 
     @property
     def looked(self) -> bool:
@@ -183,101 +162,94 @@ class Watcher:
             self.counts[one.event] = self.counts.get(one.event, 0) + 1
         return events
 
-    def _note(self, fresh: Samples) -> list[Event]:
-        """Add working samples; cut blocks and judge them."""
-        if self.front.restarts != self.restarts:
-            self.restarts, self.waiting = self.front.restarts, Samples.none(len(self.model.joints))
-        if not len(fresh) or self.front.filters is None:
-            return []
-        self.first = float(fresh.t[0]) if self.first is None else self.first
-        self.last = float(fresh.t[-1])
-        self.waiting = Samples.joined([self.waiting, fresh])
-        filters = self.front.filters
-        lead = max(filters.settled, round(LEAD * filters.working))
-        size = round(self.settings.block * filters.working / filters.stride) * filters.stride
-        events: list[Event] = []
-        while len(self.waiting) >= lead + size:
-            self.blocks += 1
-            one = window(clock(float(self.waiting.t[lead])), self.waiting.part(0, lead + size), lead, filters)
-            self.waiting = self.waiting.part(size)
-            events += self._block(one)
-        return events
-
     # -- blocks -----------------------------------------------------------------------------------------------
 
     def _block(self, one: Window) -> list[Event]:
+        if self.numbers is not None:
+            self.numbers.take(one)
         if self.reference is None:
-            self.kept.append(one)
+            self.kept.append(one if self.numbers is None else as_usual(one, self.numbers.now, self.lasting))
             return self._learn() if len(self.kept) >= self.settings.learn else []
-        self.recent.append(one)
-        reference = self.reference
-        block = reference.now.block_of(one)
-        self._estimate(one, block)
         events = self._told()
-        if self.named is not None:
-            self.quiet_since += 1
-            return events + (self._refined() if self.quiet_since >= self.settings.sure else [])
-        leaving = self.recent[0] if len(reference.detector.recent) == SPANS[-1] else None
-        found = reference.detector.take(
-            scores(reference.watched.columns(one, block.columns), block.residual, block.use, reference.scale, block)
-        )
+        detector = self.reference.detector
+        leaving = self.recent[0] if len(detector.recent) == SPANS[-1] else None
+        self.recent.append(one)
+        found = detector.take(self._scores(one))
         if leaving is not None:
-            self._remember(leaving)
+            self._remember(self._as_usual(leaving))
         if self.pending is not None:
             self.pending.age += 1
             self.pending.wait -= 1
-        elif found.alarms:
-            self.pending = _Pending(found, self.settings.least - reference.detector.onset(found.column))
+        elif found.alarms and not any(change.since.slow for change in self.applied):
+            self.pending = _Pending(found, self.settings.least - detector.onset(found.column))
+            events.append(self._suspected(one, found))
         if self.pending is not None and self.pending.wait <= 0:
             events += self._alarm(self.pending)
-        return events
+        for change in self.applied:
+            change.age += 1
+        due = [c for c in self.applied if not c.refined and c.age + self.settings.least >= self.settings.sure]
+        if due and self.pending is None:
+            events += self._refine(due[0])
+        return events + self._renewed()
+
+    def _scores(self, one: Window) -> Scores:
+        """Return how much of all columns a window has beyond what is usual and what is known to have changed."""
+        assert self.reference is not None
+        return self.reference.scores(self._as_usual(one))
+
+    def _as_usual(self, one: Window, but: Applied | None = None) -> Window:
+        """Return a window without what has changed, `but` one of the changes."""
+        assert self.reference is not None
+        return as_usual(one, self.reference.now, [c for c in (*self.lasting, *self.applied) if c is not but])
+
+    def _suspected(self, one: Window, found: Deviation) -> Event:
+        """Return that something may have changed, and at which joint the error has grown most."""
+        assert self.reference is not None
+        grown = self._grown(self.reference.errors(self._as_usual(one)))
+        return suspected_event(self.last, self.model.joint_names, grown, found)
+
+    def _renewed(self) -> list[Event]:
+        """Learn what is usual anew when what changed has lasted as long as that takes; until then, go on watching."""
+        if not self.applied or self.pending is not None or not all(c.refined for c in self.applied):
+            return []
+        since = max(c.since.high for c in self.applied)
+        last = [one for one in self.recent if one.t[0] > since]
+        if len(last) < min(self.settings.learn, SPANS[-1]):
+            return []
+        self._relearn(last)
+        return self._learn()
 
     def _learn(self) -> list[Event]:
         """Fit the model to what was seen, and calibrate the detector; wait on where that does not determine it."""
         settings = self.settings
         usual = joined_windows(self.kept, TOGETHER)
-        question = prepared(self.model.joints, usual)
         try:
-            now = fitted_model(identify(self.model, question.train, optimisers=()), question)
+            self.reference = learned(self.model, self.kept, usual, settings, self.extra, self.rng)
         except ExoidError as error:
             if len(self.kept) < settings.most_learn:
                 return []
             self.kept = self.kept[settings.learn :]
             return [Event("waiting", self.last, f"the motion so far does not determine the model: {error}")]
-        blocks = [now.block_of(one) for one in self.kept]
-        scale = now.scale
-        watched = Watched(questions(now, [b.columns for b in blocks], len(blocks), self.extra, always=False), now)
-        found, chance = [], []
-        for one, block in zip(self.kept, blocks, strict=True):
-            columns = watched.columns(one, block.columns)
-            found.append(scores(columns, block.residual, block.use, scale, block))
-            chance.append(placebos(columns, block.residual, block, scale, settings.placebos, self.rng))
-        detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
-        self.reference = _Reference(now, watched, detector, scale, now.train_rms)
-        if self.estimator is None:
+        now = self.reference.now
+        if self.numbers is None:
             spread = 10.0 * (np.abs(now.linear) + 1.0)
             rate = self.kept[0].kept_rate
-            self.estimator = Estimator.start(self.model, now.linear, spread, scale, rate, settings.pace)
-            for one, block in zip(self.kept, blocks, strict=True):
-                self._estimate(one, block)
+            scale = self.reference.scale
+            first = Estimator.start(self.model, now.linear, spread, scale, rate, settings.pace)
+            self.numbers = FollowedNumbers(first, now)
+            for one in self.kept:
+                self.numbers.take(one)
+        self.numbers.now = now
         self.usual, self.leaving, count = list(usual), [], len(self.kept)
         self.kept = []
         self.recent.clear()
-        return [reference_event(self.last, now, detector.limit, count)]
-
-    def _estimate(self, one: Window, block: RecordingEvidence) -> None:
-        assert self.estimator is not None
-        width = self.estimator.linear.size
-        columns = np.moveaxis(block.columns[:, :, :width], 0, 1)
-        self.estimator.steps(columns, one.torque.T, one.used.T)
+        return [reference_event(self.last, now, self.reference.detector.limit, count)]
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates
-        if not every or self.blocks % every or self.estimator is None:
+        if not every or self.blocks % every or self.numbers is None:
             return []
-        estimates = self.estimator.estimates()
-        text = ", ".join(f"{e.name} {e.value:.3g}" for e in estimates)
-        return [Event("estimates", self.last, text, estimates)]
+        return [estimates_event(self.last, self.numbers.estimates())]
 
     def _remember(self, one: Window) -> None:
         """Keep quiet windows: some dozen of all there were, each as likely as any other (reservoir sampling)."""
@@ -302,18 +274,27 @@ class Watcher:
         if lasted < settings.least and pending.age < settings.least:
             pending.wait = 1
             return []
+        if not pending.asked and self._resized(lasted) and not detector.deviation().alarms:
+            self.pending = None
+            return [calm_event(self.last)]
         # The first one may hold both.
         last = list(self.recent)[-max(lasted, settings.least) :][1:]
         answer = self._ask(last)
+        since = onset_of(answer, last) if answer.found else None
+        if since is not None and not since.slow and since.t > last[0].t[0] + 0.5 * settings.block:
+            # What was taken for after holds some of before.
+            last = [one for one in last if one.t[0] > since.t - 0.5 * settings.block]
+            if len(last) < settings.least - 1:
+                pending.wait = 1
+                return []
+            answer = self._ask(last)
         if answer.found and self._explained(answer):
-            self.pending, self.quiet_since = None, len(last)
-            self.named = change_event(self.last, answer, pending.found, "first", last)
-            return [self.named]
+            return self._named(answer, pending, last)
         if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
             pending.asked += 1
             pending.wait = max(1, pending.age // 2)
             events = []
-            if pending.asked > 1 and not pending.told:  # a burst is over when it is asked about again
+            if pending.asked > 2 and not pending.told:  # a burst is over when it is asked about again
                 pending.told, events = True, [self._nameless(answer)]
             if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
                 self._relearn(last)
@@ -321,13 +302,48 @@ class Watcher:
         self.pending = None
         detector.calm()
         for one in last:
-            self._remember(one)
-        if answer.old:
-            text = f"nothing changed; this motion shows what the model has missed all along: {', '.join(answer.old)}"
-            return [Event("motion", self.last, text, differences=answer)]
-        return []
+            self._remember(self._as_usual(one))
+        return [calm_event(self.last, answer)]
 
-    def _grown(self, rms: Sequence[float]) -> Float:
+    def _named(self, answer: Differences, pending: _Pending, last: Sequence[Window]) -> list[Event]:
+        """Say what has changed, forget it, and go on watching for what else changes."""
+        assert self.reference is not None and self.numbers is not None
+        self.pending = None
+        again = next((c for c in self.applied if c.labels & {one.name for one in answer.found}), None)
+        if again is not None and again.age < SPANS[-1] // 2:
+            return self._refine(again)  # the first seconds said little of how large it is
+        event = change_event(self.last, answer, pending.found, "first", last)
+        since = event.since or Onset(float(last[0].t[0]), float(last[0].t[0]), float(last[0].t[0]), False)
+        self.applied.append(Applied(answer.found, since))
+        self.numbers.changed(answer.found, since)
+        self._rescore()
+        return [event]
+
+    def _resized(self, lasted: int) -> bool:
+        """Say anew how large is what was named on few seconds, before the last blocks are taken for another change."""
+        fresh = [c for c in self.applied if not c.refined]
+        for change in fresh:
+            since = change.since.t - 0.5 * self.settings.block
+            last = [one for one in self.recent if one.t[0] > since]
+            if len(last) - lasted >= self.settings.least:  # else what lasts began with the change itself
+                last = last[:-lasted]
+            if len(last) >= self.settings.least:
+                answer = self._ask(last, MOST, change)
+                if change.labels & {one.name for one in answer.found} and self._explained(answer):
+                    change.found = answer.found
+        if fresh:
+            self._rescore()
+        return bool(fresh)
+
+    def _rescore(self) -> None:
+        """Judge the last windows as what is known by now makes them."""
+        assert self.reference is not None
+        recent = self.reference.detector.recent
+        last = list(self.recent)[len(self.recent) - len(recent) :]
+        recent.clear()
+        recent.extend(self._scores(one) for one in last)
+
+    def _grown(self, rms: Sequence[float] | Float) -> Float:
         """Return how many times the usual error (J,) an error is."""
         assert self.reference is not None
         return np.array(rms) / np.maximum(self.reference.rms, 1e-300)
@@ -343,37 +359,57 @@ class Watcher:
 
     def _relearn(self, last: Sequence[Window]) -> None:
         """Learn what is usual from `last` on."""
-        self.named, self.pending, self.reference = None, None, None
-        self.kept = list(last)
+        self.lasting += [part for c in self.applied if (part := c.lasting) is not None]
+        assert self.reference is not None
+        self.kept = [as_usual(one, self.reference.now, self.lasting) for one in last]
+        self.applied, self.pending, self.reference = [], None, None
         self.recent.clear()
 
-    def _ask(self, after: Sequence[Window], most: int = 1) -> Differences:
-        """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves."""
+    def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
+        """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves.
+
+        What is known to have changed is taken out of all windows, `but` one change.
+        """
         assert self.reference is not None
         now = self.reference.now
         # Those just before show whether it came slowly; the one at the seam may hold both. Where the clock was set back
         # there are none.
         recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
         usual = self.usual[: self.settings.learn // TOGETHER * 2 // 3]
+        recent, after = ([self._as_usual(one, but) for one in some] for some in (recent, after))
         question = prepared(
             self.model.joints, [*usual, *joined_windows(recent, TOGETHER)], joined_windows(after, TOGETHER)
         )
         shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
         fit = fitted_model(replace(now.fit, shapes=shapes), question)
         rules = replace(self.rules, placebos=self.settings.draws, least_share=LEAST_SHARE)
-        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most).run(0.0)
+        known = already([c for c in (*self.lasting, *self.applied) if c is not but])
+        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most, known).run(0.0)
 
-    def _refined(self) -> list[Event]:
-        """Name the change once more, now that it has lasted, and learn what is usual from here on."""
-        assert self.named is not None
-        last = list(self.recent)[-min(self.quiet_since, SPANS[-1]) :]
-        answer = self._ask(last, MOST)
+    def _refine(self, change: Applied) -> list[Event]:
+        """Name a change once more, now that it has lasted."""
+        assert self.reference is not None and self.numbers is not None
+        last = [one for one in self.recent if one.t[0] > change.since.t - 0.5 * self.settings.block]
+        if len(last) < self.settings.least - 1:
+            return []
+        again, change.refined = change.refined, True
+        answer = self._ask(last, MOST, change)
         if answer.found and self._explained(answer):
+            other = {one.name for one in answer.found} != change.labels
+            change.found = answer.found
             event = change_event(self.last, answer, None, "refined", last)
+            if other:
+                self.numbers.changed(answer.found, event.since or change.since)
+            if change.since.slow:  # it may still go on: what is usual is learnt from here on
+                self._relearn(last)
+                return [event]
         elif answer.found or float(np.max(self._grown(answer.rms_after))) > NOTICED:
             event = self._nameless(answer)
+            self.applied.remove(change)
+            self._relearn(last)
+            return [event]
         else:
-            text = f"over again: {self.named.names[0]} is as it was before"
-            event = Event("change", self.last, text, (), answer, None, "over", {"state": "over"})
-        self._relearn(last)
-        return [event]
+            event = over_event(self.last, change.found[0].name, answer)
+            self.applied.remove(change)
+        self._rescore()
+        return [] if again else [event]

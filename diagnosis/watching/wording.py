@@ -43,7 +43,7 @@ def reference_event(t: float, now: FittedModel, limit: float, blocks: int) -> Ev
 
 def change_event(t: float, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
     """Return that `answer` names what differs since some time in the windows `last`."""
-    since = _onset(answer, last)
+    since = onset_of(answer, last)
     first = answer.found[0]
     kind = {"load": "payload", "sensor": "sensor"}.get(first.kind, "drift" if since and since.slow else "abrupt")
     when = "" if since is None else f"since {clock(since.t)} ({clock(since.low)} to {clock(since.high)}) "
@@ -54,12 +54,39 @@ def change_event(t: float, answer: Differences, found: Deviation | None, state: 
     return Event("change", t, text, (), answer, since, kind, more)
 
 
-def _onset(answer: Differences, last: Sequence[Window]) -> Onset | None:
+def onset_of(answer: Differences, last: Sequence[Window]) -> Onset | None:
+    """Return when what was found began, where the windows `last` were taken for after; None where that is unknown."""
     course = answer.found[0].course
     if course is None:
         return None
     block = float(last[0].t[-1] - last[0].t[0])
     return onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both
+
+
+def estimates_event(t: float, estimates: tuple[Estimate, ...]) -> Event:
+    """Return the numbers as they are now."""
+    return Event("estimates", t, ", ".join(f"{e.name} {e.value:.3g}" for e in estimates), estimates)
+
+
+def over_event(t: float, name: str, answer: Differences) -> Event:
+    """Return that what had changed is as it was before."""
+    return Event("change", t, f"over again: {name} is as it was before", (), answer, None, "over", {"state": "over"})
+
+
+def suspected_event(t: float, joints: Sequence[str], grown: Float, found: Deviation) -> Event:
+    """Return that something may have changed, at the joint whose error has `grown` (J,) most; a question follows."""
+    joint = joints[int(np.argmax(grown))]
+    text = f"something may have changed at {joint}, and is looked into"
+    more = {"state": "first", "joint": joint, "deviation": found.size, "limit": found.limit}
+    return Event("suspected", t, text, more=more)
+
+
+def calm_event(t: float, answer: Differences | None = None) -> Event:
+    """Return that a question confirmed nothing: another motion showed an old error, or it was a burst."""
+    if answer is not None and answer.old:
+        text = f"nothing changed; this motion shows what the model has missed all along: {', '.join(answer.old)}"
+        return Event("motion", t, text, differences=answer)
+    return Event("suspected", t, "nothing changed that lasts: what was suspected is over", more={"state": "over"})
 
 
 def nameless_event(t: float, joints: Sequence[str], answer: Differences, grown: Float, small: float) -> Event:

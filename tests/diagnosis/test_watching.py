@@ -11,12 +11,13 @@ from diagnosis.evidence.fitted import fitted_model
 from diagnosis.watching.alarm import SPANS
 from diagnosis.watching.course import onset
 from diagnosis.watching.differences import compare_against
-from diagnosis.watching.estimator import Estimator, Pace
+from diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
 from diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
 from diagnosis.watching.questions import questions
 from diagnosis.watching.result import Course
+from diagnosis.watching.settings import Settings
 from diagnosis.watching.watched import Watched
-from diagnosis.watching.watcher import Settings, Watcher
+from diagnosis.watching.watcher import Watcher
 from diagnosis.watching.window import joined_windows, prepared, weighted, window
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
@@ -113,7 +114,7 @@ def test_the_estimator_is_weighted_least_squares_as_long_as_nothing_is_forgotten
     rng = np.random.default_rng(0)
     rows, truth = _regressor(rng, 300), np.array([2.0, -1.0])
     one = _estimator(1e6)  # so that no residual is large
-    one.forget = np.zeros(2)
+    one.pace = np.zeros(2)
     one.follow = 0.0
     tau = (rows @ truth)[:, 0] + 0.1 * rng.standard_normal(300)
     for row, value in zip(rows, tau, strict=True):
@@ -135,6 +136,29 @@ def test_a_parameter_without_excitation_keeps_value_and_certainty() -> None:
     assert abs(one.linear[0] - 5.0) < 0.1  # follows what is excited
     assert abs(one.linear[1] - before[1]) < 0.05
     assert one.variance[1] < 4.0 * sure[1]
+
+
+def test_what_is_forgotten_follows_at_once_and_the_rest_stays() -> None:
+    """Forgetting a number is the time update of the filter: the covariance of the others is as it was."""
+    rng = np.random.default_rng(3)
+    one = _estimator()
+    for row in _regressor(rng, 900):
+        one.step(row, row @ np.array([2.0, -1.0]) + 0.1 * rng.standard_normal(1), [True])
+    before, white, robust = one.linear.copy(), one.variance.copy(), one.covariance()
+    one.forget([0])
+    np.testing.assert_allclose(one.linear, before)
+    np.testing.assert_allclose(one.root @ one.linear, one.right, rtol=1e-9)
+    assert not np.tril(one.root, -1).any()
+    step = FORGOTTEN * abs(before[0]) + FORGOTTEN_LEAST
+    np.testing.assert_allclose(one.variance, white + np.array([step**2, 0.0]), rtol=0.02)
+    np.testing.assert_allclose(one.covariance(), robust + np.diag([step**2, 0.0]), rtol=1e-6, atol=1e-9)
+    assert np.isinf(one.estimates()[0].high)
+    assert np.isfinite(one.estimates()[1].high)
+    for row in _regressor(rng, 60):  # six seconds
+        one.step(row, row @ np.array([5.0, -1.0]) + 0.1 * rng.standard_normal(1), [True])
+    low, high = one.estimates()[0].low, one.estimates()[0].high
+    assert low <= 5.0 <= high < 5.5
+    assert abs(one.linear[1] + 1.0) < 0.02
 
 
 @pytest.mark.parametrize("slow", [False, True])
@@ -218,7 +242,7 @@ def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: s
         events += watcher.push(rows[k : k + 200])
         assert len(watcher.recent) <= SPANS[-1]
         assert len(watcher.usual) <= 12
-        assert len(watcher.waiting) < 800
+        assert len(watcher.stream.waiting) < 800
     first = next(e for e in events if e.event == "change")
     assert first.names == (name,)
     assert first.kind == kind
@@ -226,6 +250,34 @@ def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: s
     assert first.since.low <= 82.0 <= first.since.high
     assert first.t - 82.0 < 26.0
     assert not [e for e in events if e.alarm and e.t < 82.0]
+
+
+@pytest.mark.slow
+def test_a_second_change_soon_after_the_first_is_seen_and_the_numbers_stay_right() -> None:
+    """A load is taken up, and forty seconds later the friction of the hip rises; then all is followed."""
+    model, base = Model.standard(), np.array(standard_leg().base)
+    motion = random_trajectory(np.random.default_rng(5), period=47.0, harmonics=24).at(np.arange(0.0, 220.0, 0.01))
+    load, friction = np.zeros(len(base)), np.zeros(len(base))
+    load[:4] = Payload(1.5, 0.25, "shank").numbers(model.thigh_length)
+    friction[[p.name for p in model.parameters].index("coulomb:hip")] = 1.5
+    torque = true_model(model, standard_leg().base, ()).torque(motion)
+    for moment, step in ((82.0, load), (122.0, friction)):
+        torque = torque + (motion.t >= moment)[:, None] * (model.columns(motion) @ step).T
+    noise = 0.5 * np.random.default_rng(8).standard_normal(torque.shape)
+    rows = np.column_stack([motion.t, motion.q, torque + noise])
+    watcher = Watcher(model, Settings(learn=12, draws=199))
+    events = [e for k in range(0, len(rows), 200) for e in watcher.push(rows[k : k + 200])] + watcher.finish()
+    first = [e for e in events if e.event == "change" and e.more["state"] == "first"]
+    assert [e.names for e in first] == [("payload:shank",), ("coulomb:hip",)]
+    assert [e.t < moment + 30.0 for e, moment in zip(first, (82.0, 122.0), strict=True)] == [True, True]
+    suspected = next(e for e in events if e.event == "suspected")
+    assert 82.0 < suspected.t < 94.0
+    assert watcher.numbers is not None
+    estimates = watcher.numbers.estimates()
+    assert sum(e.low <= x <= e.high for e, x in zip(estimates, base + load + friction, strict=True)) >= 6
+    for e, x in zip(estimates, base + load + friction, strict=True):
+        assert abs(e.value - x) < 0.03 * (1.0 + abs(x))
+    assert len(watcher.numbers.past) <= SPANS[-1]
 
 
 def test_what_is_passed_over_is_said_in_the_end() -> None:

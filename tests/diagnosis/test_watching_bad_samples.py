@@ -7,7 +7,8 @@ import pytest
 
 from diagnosis.watching.bad_samples import ASTRAY, CONFIRMED, Gate
 from diagnosis.watching.front import LEAST_RATE, Filters, FrontEnd
-from diagnosis.watching.watcher import Settings, Watcher
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.watcher import Watcher
 from ground.errors import ExoidError
 from measurement.bench.hidden import true_model
 from measurement.bench.leg import standard_leg
@@ -117,6 +118,6 @@ def test_a_change_after_a_glitching_encoder_is_seen(value: float) -> None:
     change = next(e for e in events if e.alarm)
     assert change.names == ("coulomb:knee",)
     assert change.t > 100.0
-    assert watcher.estimator is not None
-    friction = watcher.estimator.estimates()[6]
+    assert watcher.numbers is not None
+    friction = watcher.numbers.estimates()[6]
     assert np.isfinite(friction.value)

@@ -20,7 +20,8 @@ from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.result import Course, Differences
 from diagnosis.watching.scores import Scores, placebos
-from diagnosis.watching.watcher import Settings, Watcher, _Pending
+from diagnosis.watching.settings import Settings
+from diagnosis.watching.watcher import Watcher, _Pending
 from diagnosis.watching.window import window
 
 SEEDS = range(60)
@@ -165,7 +166,7 @@ def test_no_placebo_of_a_block_is_nearly_the_column() -> None:
 @pytest.mark.parametrize(("blocks", "known"), [(3, False), (4, True)])
 def test_the_scatter_of_three_blocks_is_no_interval(blocks: int, known: bool) -> None:
     one = estimated(np.random.default_rng(0))
-    one.blocks = blocks
+    one.blocks[:] = blocks
     assert bool(np.isfinite(one.estimates()[0].high)) is known
 
 
@@ -206,8 +207,9 @@ def watching(answer: Differences) -> SimpleNamespace:
     detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None)
     one = SimpleNamespace(
         reference=SimpleNamespace(rms=np.ones(1), detector=detector), settings=Settings(), recent=[], pending=None,
-        _ask=lambda last: answer, _remember=lambda window: None,
+        _ask=lambda last: answer, _remember=lambda window: None, applied=[], last=0.0, _as_usual=lambda window: window,
     )  # fmt: skip
+    one._resized = lambda lasted: Watcher._resized(one, lasted)
     one._grown = lambda rms: Watcher._grown(one, rms)
     one._explained = lambda found: Watcher._explained(one, found)
     return one
@@ -227,7 +229,7 @@ def test_a_name_explains_what_has_grown(after: float, left: float, explained: bo
 def test_an_error_that_hardly_grew_is_not_followed(after: float, goes_on: bool) -> None:
     one = watching(told(after))
     one.pending = _Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
-    assert not Watcher._alarm(one, one.pending)
+    assert [event.more["state"] for event in Watcher._alarm(one, one.pending)] == ([] if goes_on else ["over"])
     assert (one.pending is not None) is goes_on
 
 
@@ -241,7 +243,7 @@ def test_a_name_explains_a_fiftieth_of_the_error(monkeypatch) -> None:
     now = SimpleNamespace(shape=np.zeros(0), fit=None)
     one = SimpleNamespace(
         reference=SimpleNamespace(now=now), recent=[], usual=[], settings=Settings(), rules=RULES, extra=(),
-        model=SimpleNamespace(joints=()),
+        model=SimpleNamespace(joints=()), applied=[], lasting=[], _as_usual=lambda window, but: window,
     )  # fmt: skip
     Watcher._ask(one, [SimpleNamespace(t=np.zeros(1))])
     assert asked[-1]["least_share"] == 0.02

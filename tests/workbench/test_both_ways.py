@@ -9,7 +9,7 @@ import pytest
 
 import exoid
 from diagnosis.question import own_effects
-from diagnosis.watching.watcher import Settings
+from diagnosis.watching.settings import Settings
 from ground.engines.local import local
 from symbolic.codegen.code import generate
 from workbench.campaign.plan import read_plan

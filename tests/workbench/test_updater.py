@@ -57,8 +57,21 @@ def test_c_and_python_agree_to_1e_9(tmp_path, rate):
     np.testing.assert_allclose(state[8:16], python.estimator.variance, rtol=1e-8)
     spread = (ctypes.c_double * 8)()
     c.leg_updater_spread(state, spread)
-    expected = np.sqrt(np.diag(python.estimator.covariance())) if python.estimator.blocks >= 4.0 else np.zeros(8)
+    enough = python.estimator.blocks >= 4.0
+    expected = np.where(enough, np.sqrt(np.diag(python.estimator.covariance())), 0.0)
     np.testing.assert_allclose(spread[:], expected, rtol=1e-7)
+    forgotten = [0, 3, 6]
+    python.estimator.forget(forgotten)
+    c.leg_updater_forget(state, (ctypes.c_int * 8)(*(k in forgotten for k in range(8))))
+    np.testing.assert_allclose(state[8:16], python.estimator.variance, rtol=1e-7)
+    meat = np.array(state[16 + 64 + 24 :][:64]).reshape(8, 8)
+    np.testing.assert_allclose(meat, python.estimator.meat, rtol=1e-6, atol=1e-9 * np.abs(python.estimator.meat).max())
+    again = simulate(bench=Bench(duration=8.0, rate=rate), seed=4)
+    t = t[-1] + (1.0 + np.arange(len(again))) / rate
+    for now, q, tau in zip(t, again.q, again.tau, strict=True):
+        c.leg_updater_step(state, ctypes.c_double(now), pair(*q), pair(*tau))
+    python.push(np.column_stack([t, again.q, again.tau]))
+    np.testing.assert_allclose(np.array(state[:8]) / scale, python.estimator.linear / scale, rtol=0, atol=1e-8)
     # It moves from wrong numbers towards the truth.
     assert abs(python.estimator.estimates()[6].value - 3.0) < 0.3
 

@@ -61,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Watch until the source ends; 1 when something changed."""
     from diagnosis.watching.front import CUTOFF
-    from diagnosis.watching.watcher import Settings, Watcher
+    from diagnosis.watching.settings import Settings
+    from diagnosis.watching.watcher import Watcher
     from workbench.command_line.inputs import load_model
     from workbench.command_line.parser import UsageError
 
