@@ -3,7 +3,8 @@
     <folder>/<optimiser>/IOHprofiler_f1_huber.json            what was run, the best of each run
     <folder>/<optimiser>/data_f1_huber/IOHprofiler_f1_DIM8.dat    evaluations and best so far, one block per run
 
-`raw_y` is the relative distance above the certified optimum, so that targets mean the same on every problem. Source:
+(of motions the criterion stands in the place of huber). `raw_y` is the relative distance above the certified optimum,
+or above the best motion known, so that targets mean the same on every problem. Source:
 Doerr, Wang, Ye, van Rijn, Bäck, "IOHprofiler", arXiv:1810.05281; the format is described at iohprofiler.github.io.
 """
 
@@ -20,7 +21,8 @@ import numpy as np
 from ground.files import write_whole
 
 if TYPE_CHECKING:
-    from optimisation.contest.problem import Contest, Outcome
+    from optimisation.contest.problem import Outcome
+    from optimisation.contest.subject import ContestSubject
     from optimisation.fitting.settings import Search
 
 LARGEST = 1e308
@@ -28,17 +30,18 @@ LARGEST = 1e308
 
 
 def write_logs(
-    contest: Contest, searches: Mapping[str, Search], outcomes: Mapping[str, Iterable[Outcome]], folder: str | Path
-) -> Path:
+    contest: ContestSubject, searches: Mapping[str, Search], outcomes: Mapping[str, Iterable[Outcome]],
+    folder: str | Path,
+) -> Path:  # fmt: skip
     """Write every run of `outcomes` {name of the search: runs} on `contest` below `folder` and return it."""
     target = Path(folder)
-    size = contest.data.columns.shape[2]
+    size, function = contest.size, contest.function
     for name, runs in outcomes.items():
-        data = f"data_f1_huber/IOHprofiler_f1_DIM{size}.dat"
+        data = f"data_f1_{function}/IOHprofiler_f1_DIM{size}.dat"
         blocks = "".join(_block(run) for run in runs)
         write_whole(target / name / data, blocks)
         about = _about(contest, name, searches[name], runs, size, data)
-        write_whole(target / name / "IOHprofiler_f1_huber.json", json.dumps(about, indent=1))
+        write_whole(target / name / f"IOHprofiler_f1_{function}.json", json.dumps(about, indent=1))
     return target
 
 
@@ -51,13 +54,13 @@ def _block(run: Outcome) -> str:
 
 
 def _about(
-    contest: Contest, name: str, search: Search, runs: Iterable[Outcome], size: int, data: str
+    contest: ContestSubject, name: str, search: Search, runs: Iterable[Outcome], size: int, data: str
 ) -> dict[str, Any]:
     return {
         "version": "0.3.5",
         "suite": "exoid",
         "function_id": 1,
-        "function_name": "huber",
+        "function_name": contest.function,
         "maximization": False,
         "algorithm": {"name": name, "info": repr(search)},
         "experiment_attributes": [
@@ -65,7 +68,7 @@ def _about(
             {"exoid": _exoid()},
             {"individuals": str(contest.individuals)},
             {"generations": str(contest.generations)},
-            {"optimum": repr(contest.certificate.primal)},
+            {"optimum": repr(contest.best)},
         ],
         "attributes": ["evaluations", "raw_y"],
         "scenarios": [

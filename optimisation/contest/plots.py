@@ -9,67 +9,79 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
-from optimisation.contest.runtime import Runtime, runtime_ecdf
+from optimisation.contest.runtime import Runtime, quartiles, runtime_ecdf
 from symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FLOOR = 1e-16
-"""Where gaps of exactly zero are drawn; the certified optimum is the line below everything."""
-ECDF_TARGETS = np.logspace(2.0, -10.0, 49)
+DASHES = {"whitened": "--", "penalty": ":"}
+"""Line of a variant of an optimiser, by the last word of its name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """What gaps are measured from, in words; the `targets` (T,) that are drawn; where gaps of zero are."""
+
+    name: str
+    targets: Float
+    floor: float
 
 
 @dataclass(frozen=True, eq=False)
 class Entrant:
     """What is drawn of one optimiser: the best `gaps` (R, G) of its runs after `evaluations` (G,), the evaluations
-    `hits` (R, T) at which each run came to each of `ECDF_TARGETS`, and its `runtimes`, one per target.
+    `hits` (R, T) at which each run came to each of the drawn targets, and its `runtimes`, one per target asked for.
     """
 
     name: str
-    whitened: bool
     evaluations: Float
     gaps: Float
     hits: Float
     runtimes: Sequence[Runtime]
 
 
-def contest_figure(entrants: Sequence[Entrant], budget: int) -> Figure:
+def contest_figure(entrants: Sequence[Entrant], budget: int, goal: Goal) -> Figure:
     """Draw convergence, solved targets and running times side by side under one legend."""
     styles = _styles(entrants)
     with figure_style():
         figure = new_figure(13.0, 4.8)
         down, solved, times = figure.subplots(1, 3)
-        _convergence(entrants, down, styles)
-        _solved(entrants, budget, solved, styles)
+        _convergence(entrants, goal, down, styles)
+        _solved(entrants, budget, goal, solved, styles)
         _runtimes(entrants, budget, times, styles)
         handles, names = times.get_legend_handles_labels()
         figure.legend(handles, names, loc="outside lower center", ncols=min(6, len(names)), fontsize="small")
     return figure
 
 
-def _convergence(entrants: Sequence[Entrant], axes: Axes, styles: Mapping[str, Any]) -> None:
+def _convergence(entrants: Sequence[Entrant], goal: Goal, axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw the median gap after each generation, and the band between the quartiles."""
     for one in entrants:
-        low, middle, high = np.maximum(np.quantile(one.gaps, [0.25, 0.5, 0.75], axis=0), FLOOR)
+        found = np.maximum(quartiles(one.gaps), goal.floor)
+        low, middle, high = np.where(np.isfinite(found), found, np.nan)  # what is infinite is not drawn
         axes.semilogy(one.evaluations, middle, **styles[one.name])
         axes.fill_between(one.evaluations, low, high, color=styles[one.name]["color"], alpha=0.18, linewidth=0)
-    axes.axhline(FLOOR, color=INK, linewidth=1.6)
+    axes.axhline(goal.floor, color=INK, linewidth=1.6)
     axes.annotate(
-        "certified optimum (to rounding)", (1.0, FLOOR), xycoords=("axes fraction", "data"), ha="right",
+        goal.name, (1.0, goal.floor), xycoords=("axes fraction", "data"), ha="right",
         va="top", xytext=(0, -3), textcoords="offset points", fontsize="small", color=INK,
     )  # fmt: skip
-    axes.set_ylim(0.02 * FLOOR, None)
+    axes.set_ylim(goal.floor * (0.02 if goal.floor < 1e-9 else 0.5), None)
     axes.set(title="Way to the optimum", xlabel="evaluations", ylabel="relative gap (median, quartiles)")
 
 
-def _solved(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapping[str, Any]) -> None:
+def _solved(
+    entrants: Sequence[Entrant], budget: int, goal: Goal, axes: Axes, styles: Mapping[str, Any]
+) -> None:
     """Draw which share of all runs and targets was solved after how many evaluations."""
     grid = np.unique(np.round(np.logspace(0.0, np.log10(budget), 300)))
     for one in entrants:
         axes.semilogx(grid, runtime_ecdf(one.hits, grid), **styles[one.name])
-    axes.set(title="Targets solved", xlabel="evaluations", ylabel="share of runs × targets (10² … 10⁻¹⁰)")
+    axes.set(title="Targets solved", xlabel="evaluations", ylabel="share of runs × targets")
+    targets = f"targets: gaps of {goal.targets[0]:g} … {goal.targets[-1]:.0e}"
+    axes.annotate(targets, (0.03, 0.94), xycoords="axes fraction", fontsize="small", color=FAINT)
     axes.set_ylim(-0.02, 1.02)
 
 
@@ -97,14 +109,15 @@ def _runtimes(entrants: Sequence[Entrant], budget: int, axes: Axes, styles: Mapp
 
 
 def _styles(entrants: Sequence[Entrant]) -> dict[str, dict[str, Any]]:
-    """Return the line of each optimiser: one colour per algorithm, dashed where it searches whitened coordinates."""
-    bases = {one.name: one.name.removesuffix("_whitened") for one in entrants}
+    """Return the line of each optimiser: one colour per algorithm, one dash per variant."""
+    variants = {one.name: next((word for word in DASHES if one.name.endswith(f"_{word}")), "") for one in entrants}
+    bases = {name: name.removesuffix(f"_{word}") for name, word in variants.items()}
     colours = [OKABE_ITO[c] for c in ("vermilion", "blue", "green", "orange", "purple", "sky", "yellow")]
     order = sorted(set(bases.values()), key=list(bases.values()).index)
     return {
         one.name: {
             "color": colours[order.index(bases[one.name]) % len(colours)],
-            "linestyle": "--" if one.whitened else "-",
+            "linestyle": DASHES.get(variants[one.name], "-"),
         }
         for one in entrants
     }

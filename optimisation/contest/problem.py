@@ -12,16 +12,16 @@ import importlib.metadata
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ground.errors import ExoidError
 from measurement.bench.leg import paper_leg
 from measurement.bench.sensors import Sensors
 from measurement.bench.simulation import Bench, run_bench
 from measurement.trajectories.trajectory import paper_trajectory
 from optimisation.budget import GENERATIONS, INDIVIDUALS
+from optimisation.contest.subject import ContestError, ContestSubject
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.settings import Search
 from optimisation.linear.certificate import Certificate, certify
@@ -41,38 +41,64 @@ DURATION, RATE, OUTLIERS, NOISE = 35.0, 100.0, 0.10, 5.0
 """The paper's recording: s, Hz; share of spoilt torque samples and standard deviation of the others, N·m."""
 
 
-class ContestError(ExoidError):
-    """A comparison that would mean nothing."""
-
-
-@dataclass(frozen=True, eq=False)
-class Contest:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contest(ContestSubject):
     """Minimise the Huber loss of `data` for thresholds `delta` (J,) from within the box around `sse_linear` (P,)."""
 
-    name: str
+    goal: ClassVar[str] = "certified optimum"
+    targets: ClassVar[tuple[float, ...]] = tuple(10.0**-k for k in range(2, 11))
+    drawn: ClassVar[Float] = np.logspace(2.0, -10.0, 49)
+    floor: ClassVar[float] = 1e-16
+
     data: LinearData = field(repr=False)
-    delta: Float
+    delta: Float  # type: ignore[misc]
     sse_linear: Float = field(repr=False)
-    certificate: Certificate
-    individuals: int = INDIVIDUALS
-    generations: int = GENERATIONS
+    certificate: Certificate  # type: ignore[misc]
 
     @property
-    def budget(self) -> int:
-        """Evaluations each run may spend."""
-        return self.individuals * self.generations
+    def function(self) -> str:
+        """Huber's loss."""
+        return "huber"
 
-    def gap(self, loss: Float) -> Float:
+    @property
+    def size(self) -> int:
+        """How many linear parameters."""
+        return int(self.data.columns.shape[2])
+
+    @property
+    def best(self) -> float:
+        """The certified optimum."""
+        return self.certificate.primal
+
+    @property
+    def standard(self) -> str:
+        """What the certificate says."""
+        return str(self.certificate)
+
+    def gap(self, value: Float) -> Float:
         """Return how far losses lie above the certified optimum, relative to it; what rounding puts below is 0."""
         best = self.certificate.primal
         # A perfect fit has a loss of rounding size, which is no measure of anything.
         scale = max(best, 1e-12 * huber(self.data.tau, self.delta), np.finfo(float).tiny)
-        return np.maximum((np.asarray(loss, dtype=float) - best) / scale, 0.0)
+        return np.maximum((np.asarray(value, dtype=float) - best) / scale, 0.0)
+
+    def value(self, x: Float, search: Search) -> float:
+        """Return Huber's loss for parameters (P,)."""
+        return float(huber(self.data.residual(x), self.delta))
 
     def problem(self) -> Problem:
         """Return the problem in physical coordinates, with the compiled fitness."""
         compiled, delta = fitness(self.data.columns, self.data.tau), self.delta
         return huber_problem(self.data, lambda x: compiled.huber(x, delta), delta, self.sse_linear)
+
+    def setting(self, search: Search, seed: int) -> tuple[Problem, Float]:
+        """Return the problem, in whitened coordinates where `search` is, and the same first population for all."""
+        problem = self.problem()
+        start = problem.low + self.draws(seed, problem.low.size) * (problem.high - problem.low)
+        if not search.whitened:
+            return problem, start
+        forward = self.data.factor.forward
+        return _image(problem, forward), start @ forward.T
 
     def fingerprint(self) -> str:
         """Return a SHA-256 of everything about the problem and the budget that a result depends on."""
@@ -144,11 +170,6 @@ def _proven(
     name: str, joints: Sequence[Joint], data: LinearData, delta: Float | None, individuals: int, generations: int
 ) -> Contest:
     data.require_enough(joints)
-    if individuals < 4 or generations < 2:
-        raise ContestError(
-            f"{individuals} individuals for {generations} generations are no comparison",
-            remedy="give at least 4 individuals and 2 generations",
-        )
     sse = solve_sse(data)
     limit = delta_rule(data.residual(sse), use=data.use) if delta is None else delta
     certificate = certify(data, solve_huber(data, limit, sse), limit)
@@ -158,18 +179,15 @@ def _proven(
             where=name,
             remedy="see with `exoid identify` what these recordings do not determine",
         )
-    return Contest(name, data, limit, sse, certificate, individuals, generations)
+    return Contest(
+        name=name, data=data, delta=limit, sse_linear=sse, certificate=certificate, individuals=individuals,
+        generations=generations,
+    )  # fmt: skip
 
 
-def race(contest: Contest, name: str, search: Search, seed: int) -> Outcome:
+def race(contest: ContestSubject, name: str, search: Search, seed: int) -> Outcome:
     """Run one optimiser once. The same arguments give the same outcome, whoever else runs."""
-    problem = contest.problem()
-    # A stream of its own, so that an optimiser's first numbers are not those of the first population.
-    draw = np.random.default_rng([seed, 1]).random((contest.individuals, problem.low.size))
-    start = problem.low + draw * (problem.high - problem.low)
-    if search.whitened:
-        forward = contest.data.factor.forward
-        start, problem = start @ forward.T, _image(problem, forward)
+    problem, start = contest.setting(search, seed)
     run = minimise(
         problem,
         search.optimiser,

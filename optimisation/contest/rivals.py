@@ -1,7 +1,8 @@
-"""NFO and its rivals on the same problem, against the proven optimum, often enough that chance has no say.
+"""NFO and its rivals on the same problem, against the best that is known, often enough that chance has no say.
 
     rivals()                         the paper's leg on the virtual bench, 51 seeds
     rivals(fit)                      the problem of a fit (or: a model and its recordings, as for `identify`)
+    rivals(problem="excitation")     motions inside the limits of a leg, against the best one known
 
 Runs are spread over processes of this machine, or over any other of `ground.engines`:
 
@@ -19,10 +20,13 @@ from ground.engines.engine import completed
 from ground.engines.processes import processes
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
-from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, paper_contest, race
+from optimisation.budget import INDIVIDUALS
+from optimisation.contest.motion import motion_contest, motion_entrants
+from optimisation.contest.problem import Contest, Outcome, contest_of, paper_contest, race
 from optimisation.contest.settings import SEEDS, ContestOptions, ContestSettings
 from optimisation.contest.standings import Rivals
 from optimisation.contest.store import RunStore
+from optimisation.contest.subject import ContestError, ContestSubject
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import SEARCHES, identify
 from optimisation.fitting.settings import Search
@@ -33,11 +37,14 @@ if TYPE_CHECKING:
     from measurement.recording import Recording
     from optimisation.preparation.filtering import PreparedRecording
 
-def entrants(whitened: bool = False) -> Mapping[str, Search]:
+def entrants(whitened: bool = False, problem: str = "identification") -> Mapping[str, Search]:
     """Return who competes: NFO as printed and whitened, and every other file of `optimisers/` as it comes.
 
-    With `whitened` each of the others competes in whitened coordinates too.
+    With `whitened` each of the others competes in whitened coordinates too. Of motions (`problem` "excitation") each
+    competes with rescaled motions and with the infinite penalty.
     """
+    if problem == "excitation":
+        return motion_entrants(optimisers(), whitened)
     found = dict(SEARCHES)
     others = {name: kind for name, kind in optimisers().items() if name != "nfo"}
     found |= {name: Search(kind()) for name, kind in others.items()}
@@ -48,7 +55,7 @@ def entrants(whitened: bool = False) -> Mapping[str, Search]:
 
 @spelt_out(ContestSettings)
 def rivals(
-    subject: Model | Fit | Contest | None = None,
+    subject: Model | Fit | ContestSubject | None = None,
     recordings: Sequence[PreparedRecording] | Sequence[Recording] = (),
     settings: ContestSettings | None = None,
     *,
@@ -57,7 +64,7 @@ def rivals(
 ) -> Rivals:
     """Let all optimisers run from `seeds` first populations and return who came how near, how fast.
 
-    Refuses fewer than two seeds, and a problem without a proven optimum.
+    Refuses fewer than two seeds, and a fit without a proven optimum.
     """
     began = time.perf_counter()
     asked = ContestSettings.chosen(settings, changes)
@@ -92,13 +99,19 @@ def rivals(
 
 def _searches(asked: ContestSettings) -> dict[str, Search]:
     """Return who competes, by name."""
-    return dict(asked.competing or entrants(asked.whitened))
+    return dict(asked.competing or entrants(asked.whitened, asked.problem))
 
 
-def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> Contest:
-    size = asked.individuals, asked.generations
-    if isinstance(subject, Contest):
+def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> ContestSubject:
+    if isinstance(subject, ContestSubject):
         return subject
+    if asked.problem == "excitation":
+        if recordings or not (subject is None or isinstance(subject, Model)):
+            raise ContestError(
+                "motions compete on a model alone", remedy="give no recordings and no fit, or leave out `problem`"
+            )
+        return motion_contest(subject, asked.criterion, asked.seed, asked.individuals, asked.generations)
+    size = asked.individuals or INDIVIDUALS, asked.generations
     if isinstance(subject, Fit):
         return contest_of(subject, *size)
     if subject is None and not recordings:
@@ -108,7 +121,7 @@ def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> Contest:
     return contest_of(identify(subject, recordings, optimisers=(), seed=asked.seed), *size)
 
 
-def _run(contest: Contest, tasks: Sequence[tuple[str, int]], asked: ContestSettings) -> Iterator[Outcome]:
+def _run(contest: ContestSubject, tasks: Sequence[tuple[str, int]], asked: ContestSettings) -> Iterator[Outcome]:
     """Yield outcomes as they come."""
     if not tasks:
         return

@@ -75,6 +75,14 @@ def runtime_ecdf(hits: Float, evaluations: Float) -> Float:
     return np.searchsorted(np.sort(hits.ravel()), evaluations, side="right") / hits.size
 
 
+def quartiles(values: Float) -> Float:
+    """Return the quartiles (3, ...) of runs (R, ...); between a number and infinity the lower is taken."""
+    where = np.array([0.25, 0.5, 0.75])
+    if np.isfinite(values).all():
+        return np.asarray(np.quantile(values, where, axis=0))
+    return np.asarray(np.quantile(values, where, axis=0, method="inverted_cdf"))
+
+
 def differences(measured: Mapping[str, Float], against: str, question: str) -> tuple[Difference, ...]:
     """Compare all with `against`; `measured` {name: (R,)} is positive, small is good, and paired by run."""
     reference = np.log(measured[against])

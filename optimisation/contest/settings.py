@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, TypedDict
 
 from ground.settings import VerbSettings, setting
 from optimisation.budget import GENERATIONS, INDIVIDUALS
+from optimisation.excitation.settings import CRITERION_NAMES
 
 if TYPE_CHECKING:
     from ground.engines.engine import Engine
     from optimisation.fitting.settings import Search
 
 SEEDS = 51
+PROBLEMS = ("identification", "excitation")
+"""The paper's two problems."""
+MOTIONS = 20
+"""The paper's population for motions."""
 
 
 class ContestOptions(TypedDict, total=False):
@@ -22,7 +27,9 @@ class ContestOptions(TypedDict, total=False):
 
     seed: int
     seeds: int
-    individuals: int
+    individuals: int | None
+    problem: str
+    criterion: str
     generations: int
     competing: Mapping[str, Search] | None
     whitened: bool
@@ -36,7 +43,11 @@ class ContestSettings(VerbSettings):
     """Who competes, how long, and where the runs are made and kept."""
 
     seeds: int = setting(SEEDS, "runs of each optimiser", 0, 10_000)
-    individuals: int = setting(INDIVIDUALS, "size of the population")
+    problem: str = setting(
+        "identification", "what is competed on: identification (a fit) or excitation (motions)", choices=PROBLEMS
+    )
+    criterion: str = setting("condition", "of excitation: what motions are evaluated by", choices=CRITERION_NAMES)
+    individuals: int | None = setting(None, f"size of the population ({INDIVIDUALS}; {MOTIONS} for motions)")
     generations: int = setting(GENERATIONS, "generations", 0, 1_000_000)
     competing: Mapping[str, Search] | None = setting(None, "{name: Search}; without it, `entrants(whitened)`")
     whitened: bool = setting(False, "let the rivals search in whitened coordinates as well, as NFO does")

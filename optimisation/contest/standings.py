@@ -14,9 +14,10 @@ from ground.frames import pandas
 from ground.html import lines, table
 from ground.plain import AsJson
 from optimisation.contest.ioh_log import write_logs
-from optimisation.contest.plots import ECDF_TARGETS, Entrant, contest_figure
-from optimisation.contest.problem import Contest, Outcome
-from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime
+from optimisation.contest.plots import Entrant, Goal, contest_figure
+from optimisation.contest.problem import Outcome
+from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime, quartiles
+from optimisation.contest.subject import ContestSubject
 from optimisation.fitting.settings import Search
 from symbolic.motion import Float
 
@@ -24,12 +25,12 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-TARGETS = tuple(10.0**-k for k in range(2, 11))
-"""Relative distances above the certified optimum that a run may come to."""
 ROUNDING = 1e-14
 """Gaps below this are rounding: they count as equal."""
-REFERENCE = "nfo_whitened"
-"""Whom the others are tested against, if it competes."""
+LARGEST = 1e300
+"""Stands for a gap that is infinite: two of them tie."""
+REFERENCES = ("nfo_whitened", "nfo")
+"""Whom the others are tested against, the first that competes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +39,11 @@ class Rivals(AsJson):
 
     JSON = (
         "problem=contest.name individuals=contest.individuals generations=contest.generations seeds "
-        "delta=contest.delta optimum=contest.certificate.primal certificate=contest.certificate reference "
-        "optimisers=_optimisers differences resumed seconds"
+        "delta=contest.delta optimum=contest.best goal=contest.goal certificate=contest.certificate about=_about "
+        "reference optimisers=_optimisers differences resumed seconds"
     )
 
-    contest: Contest
+    contest: ContestSubject
     searches: Mapping[str, Search]
     outcomes: Mapping[str, tuple[Outcome, ...]] = field(repr=False)
     seconds: float
@@ -56,7 +57,7 @@ class Rivals(AsJson):
     @property
     def reference(self) -> str:
         """Whom the others are tested against."""
-        return REFERENCE if REFERENCE in self.outcomes else next(iter(self.outcomes))
+        return next((name for name in REFERENCES if name in self.outcomes), next(iter(self.outcomes)))
 
     def gaps(self, name: str) -> Float:
         """Return the relative gap at the end of each run (R,)."""
@@ -73,22 +74,22 @@ class Rivals(AsJson):
 
     @cached_property
     def runtimes(self) -> Mapping[str, tuple[Runtime, ...]]:
-        """ERT of each optimiser to each of `TARGETS`, with bootstrap intervals."""
+        """ERT of each optimiser to each of the contest's targets, with bootstrap intervals."""
         found = {}
         for name in self.outcomes:
-            hits = self.hits(name, np.array(TARGETS))
+            hits = self.hits(name, np.array(self.contest.targets))
             # The same resampled seeds for every optimiser and target.
             found[name] = tuple(
                 expected_runtime(hits[:, k], self.contest.budget, target, np.random.default_rng(self.seeds[0]))
-                for k, target in enumerate(TARGETS)
+                for k, target in enumerate(self.contest.targets)
             )
         return found
 
     @cached_property
     def differences(self) -> tuple[Difference, ...]:
         """Every optimiser against `reference`: the gap at the end, and the evaluations to the last target."""
-        last = np.array(TARGETS[-1:])
-        gaps = {name: np.maximum(self.gaps(name), ROUNDING) for name in self.outcomes}
+        last = np.array(self.contest.targets[-1:])
+        gaps = {name: np.clip(self.gaps(name), ROUNDING, LARGEST) for name in self.outcomes}
         # A run that never came there is slower than any that did, by however much.
         slow = {n: np.minimum(self.hits(n, last)[:, 0], 2.0 * self.contest.budget) for n in self.outcomes}
         return differences(gaps, self.reference, "gap at the end") + differences(
@@ -100,7 +101,7 @@ class Rivals(AsJson):
         p = {d.first: d.p_holm for d in self.differences if d.question == "gap at the end"}
         found = []
         for name, runs in self.outcomes.items():
-            low, middle, high = np.quantile(self.gaps(name), [0.25, 0.5, 0.75])
+            low, middle, high = quartiles(self.gaps(name))
             last = self.runtimes[name][-1]
             seconds = float(np.median([run.seconds for run in runs]))
             found.append(
@@ -112,21 +113,21 @@ class Rivals(AsJson):
         contest, lines_ = self.contest, []
         lines_.append(
             f"Rivals on {contest.name}: {len(self.seeds)} seeds, {contest.individuals} × {contest.generations}"
-            f" evaluations, {contest.certificate}"
+            f" evaluations, {contest.standard}"
         )
         width = max(len(name) for name in self.outcomes)
         for name, middle, low, high, hits, runs, ert, *_ in self.rows():
-            near = f"{hits} of {runs} within {TARGETS[-1]:.0e}" + (f", ERT {ert:.0f}" if np.isfinite(ert) else "")
+            near = f"{hits} of {runs} within {contest.targets[-1]:g}" + (f", ERT {ert:.0f}" if np.isfinite(ert) else "")
             lines_.append(f"  {name:<{width}}  median gap {middle:.1e} ({low:.1e} to {high:.1e}), {near}")
         return "\n".join(lines_)
 
     def _repr_html_(self) -> str:
         head = (
-            "optimiser", "median gap", "25 %", "75 %", f"within {TARGETS[-1]:.0e}", "runs", "ERT", "95 % low",
-            "95 % high", "s per run", "p (Holm)",
+            "optimiser", "median gap", "25 %", "75 %", f"within {self.contest.targets[-1]:g}", "runs", "ERT",
+            "95 % low", "95 % high", "s per run", "p (Holm)",
         )  # fmt: skip
         title = f"{self.contest.name}: {len(self.seeds)} seeds, {self.contest.budget} evaluations each"
-        return table(head, self.rows(), title) + lines(str(self.contest.certificate))
+        return table(head, self.rows(), title) + lines(self.contest.standard)
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per optimiser and target: ERT with interval, hits, runs, success rate."""
@@ -139,6 +140,10 @@ class Rivals(AsJson):
         return pandas().DataFrame(rows, columns=columns)
 
     @property
+    def _about(self) -> Mapping[str, Any]:
+        return self.contest.about()
+
+    @property
     def _optimisers(self) -> dict[str, Any]:
         """What JSON tells of each."""
         return {
@@ -146,7 +151,7 @@ class Rivals(AsJson):
                 "settings": repr(self.searches[name].optimiser),
                 "whitened": self.searches[name].whitened,
                 "gaps": self.gaps(name),
-                "median_gap": np.median(self.gaps(name)),
+                "median_gap": quartiles(self.gaps(name))[1],
                 "seconds": np.median([run.seconds for run in runs]),
                 "runtimes": self.runtimes[name],
             }
@@ -162,19 +167,19 @@ class Rivals(AsJson):
         entrants = [
             Entrant(
                 name,
-                self.searches[name].whitened,
                 *self.convergence(name),
-                self.hits(name, ECDF_TARGETS),
+                self.hits(name, self.contest.drawn),
                 self.runtimes[name],
             )
             for name in self.outcomes
         ]
-        return contest_figure(entrants, self.contest.budget)
+        goal = Goal(self.contest.goal, self.contest.drawn, self.contest.floor)
+        return contest_figure(entrants, self.contest.budget, goal)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return the figures for a report: (title, sentence that stands for it, figure)."""
         alt = (
-            "Left: distance above the certified optimum over evaluations, median and quartiles of each optimiser. "
+            f"Left: distance above the {self.contest.goal} over evaluations, median and quartiles of each optimiser. "
             "Middle: share of runs and targets solved. Right: expected running time to each target."
         )
         return [("How near, how fast", alt, self.plot())]

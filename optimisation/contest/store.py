@@ -15,9 +15,9 @@ import numpy as np
 
 from ground.files import sha256, write_whole
 from ground.inputs import read_input
-from optimisation.contest.problem import Contest, Outcome
+from optimisation.contest.problem import Outcome
+from optimisation.contest.subject import ContestSubject
 from optimisation.fitting.settings import Search
-from optimisation.linear.loss import huber
 
 SCHEMA = "exoid.rival_run/1"
 LARGEST = 50_000_000
@@ -31,7 +31,7 @@ DAMAGE = (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, 
 class RunStore:
     """The runs of one contest in `folder`; without a folder nothing is kept."""
 
-    def __init__(self, folder: str | Path | None, contest: Contest) -> None:
+    def __init__(self, folder: str | Path | None, contest: ContestSubject) -> None:
         self._folder = None if folder is None else Path(folder)
         self._contest = contest
         self._fingerprint = "" if folder is None else contest.fingerprint()
@@ -51,7 +51,7 @@ class RunStore:
             run = found["run"]
             arrays = {name: np.array(run[name], dtype=float) for name in ("found_at", "gaps", "x")}
             outcome = Outcome(**{**run, **arrays})
-            if outcome.name == name and outcome.seed == seed and self._holds(outcome):
+            if outcome.name == name and outcome.seed == seed and self._holds(outcome, search):
                 return outcome
         except FileNotFoundError:
             return None
@@ -60,19 +60,18 @@ class RunStore:
         self.damaged += 1
         return None
 
-    def _holds(self, outcome: Outcome) -> bool:
+    def _holds(self, outcome: Outcome, search: Search) -> bool:
         """Whether a run is one that can be: improvements in order, and at its best point the gap it names."""
-        at, gaps, data = outcome.found_at, outcome.gaps, self._contest.data
-        if not (at.ndim == 1 and at.shape == gaps.shape and at.size and outcome.x.shape == (data.columns.shape[2],)):
+        at, gaps = outcome.found_at, outcome.gaps
+        if not (at.ndim == 1 and at.shape == gaps.shape and at.size and outcome.x.shape == (self._contest.size,)):
             return False
         ordered = (
             np.all(np.diff(at) > 0) and np.all(np.diff(gaps) <= 0) and at[0] >= 1 and at[-1] <= outcome.evaluations
         )
         if not ordered or not np.isfinite(outcome.x).all() or not outcome.seconds >= 0.0:
             return False
-        loss = np.array(huber(data.residual(outcome.x), self._contest.delta))
-        gap = float(self._contest.gap(loss))
-        return abs(gap - outcome.gap) <= SAME * (1.0 + gap)
+        gap = float(self._contest.gap(np.array(self._contest.value(outcome.x, search))))
+        return gap == outcome.gap or abs(gap - outcome.gap) <= SAME * (1.0 + gap)
 
     def write(self, outcome: Outcome, search: Search) -> None:
         """Keep a run."""

@@ -61,15 +61,7 @@ def design(
     asked = DesignSettings.chosen(settings, changes)
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
-    room = bounds(model.motion_limits, asked.use)
-    offsets = "middle" if asked.offsets == "paper" and model.chain else asked.offsets
-    space = space_of(room, replace(asked, offsets=offsets), model.joint_names)
-    at = nominal(model, asked.numbers)
-    aim = Aim(sizes(model, at), asked.noise or Noise.white(joints=model.joints), asked.duration)
-    info = information(
-        model, at.linear, at.shape, space.limits, period=asked.period, harmonics=asked.harmonics, grid=GRID
-    )
-    search = MotionSearch(info, space, aim, asked, say)
+    search = search_of(model, asked, say)
     found = search.run()
     references: list[DesignedMotion] = []
     if asked.starts > 0 and not asked.printed and not memory_operations(model):
@@ -78,8 +70,22 @@ def design(
     best = least_of([*found, *references], lambda one: one.value, within=CONVERGED)
     say(0.95, "evaluating the motion")
     cautions = _cautions(model, asked)
-    task = _Task(model, asked.criterion, room, aim, at, asked.offsets, asked.rest, asked.seed)
+    room, at = bounds(model.motion_limits, asked.use), nominal(model, asked.numbers)
+    task = _Task(model, asked.criterion, room, search.aim, at, asked.offsets, asked.rest, asked.seed)
     return _evaluated(task, best, (*found, *references), cautions, time.perf_counter() - began)
+
+
+def search_of(model: Model, asked: DesignSettings, say: Progress = silent) -> MotionSearch:
+    """Return the search for motions of `model` that are `asked` for."""
+    room = bounds(model.motion_limits, asked.use)
+    offsets = "middle" if asked.offsets == "paper" and model.chain else asked.offsets
+    space = space_of(room, replace(asked, offsets=offsets), model.joint_names)
+    at = nominal(model, asked.numbers)
+    aim = Aim(sizes(model, at), asked.noise or Noise.white(joints=model.joints), asked.duration)
+    info = information(
+        model, at.linear, at.shape, space.limits, period=asked.period, harmonics=asked.harmonics, grid=GRID
+    )
+    return MotionSearch(info, space, aim, asked, say)
 
 
 def space_of(room: Float, asked: MotionSettings, joints: tuple[str, ...]) -> MotionSpace:
