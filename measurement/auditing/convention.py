@@ -9,7 +9,7 @@ recordings as they stand contradict the pendulum and the other reading fits far 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +31,7 @@ from measurement.auditing.hypotheses import (
 from measurement.auditing.power_left import power_left, smoothed_groups, undone
 from measurement.auditing.rough import Smooth
 from measurement.finding import Finding
-from measurement.reading.conventions import combined_map
+from measurement.reading.conventions import combined_map, conventions
 from measurement.recording import Recording
 from symbolic.joints import Joint, is_leg, parents
 
@@ -69,7 +69,8 @@ class Better:
 def check_conventions(recordings: Sequence[Recording], weighs: bool = True) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
-    All are looked at together; where no reading fits them all, each alone: they may keep different conventions.
+    All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
+    which little moves fits many machines: what it says alone must not make the fit of all together worse.
     `weighs` says whether the machine moves under gravity.
     """
     if not all(_known(one.joints) for one in recordings):
@@ -80,8 +81,20 @@ def check_conventions(recordings: Sequence[Recording], weighs: bool = True) -> t
     found = better_reading(recordings, weighs)
     if found is None and len(recordings) > 1:
         alone = ((one, better_reading([one], weighs)) for one in recordings)
-        return tuple(_finding([one], better, f"{_file(one)}=") for one, better in alone if better is not None)
+        return tuple(
+            _finding([one], better, f"{_file(one)}=")
+            for one, better in alone
+            if better is not None and _stands(_read_so(recordings, one, better, weighs)) < _stands(sets)
+        )
     return () if found is None else (_finding(recordings, found),)
+
+
+def _read_so(recordings: Sequence[Recording], odd: Recording, better: Better, weighs: bool) -> list[list[Smooth]]:
+    """Return all recordings smoothed, of which `odd` alone is read in another way."""
+    kept = combined_map(conventions(odd.conventions, odd.joints), odd.joints)
+    q, tau = better.reading.map.applied(*kept.undone(odd.q, odd.tau))
+    other = replace(odd, q=q, tau=tau, dq=None, ddq=None)
+    return smoothed_groups([other if one is odd else one for one in recordings], weighs)
 
 
 def _known(joints: Sequence[Joint]) -> bool:

@@ -286,6 +286,10 @@ class Map:
     zero: Float
     torque: Float
 
+    def applied(self, q: Float, tau: Float) -> tuple[Float, Float]:
+        """Return angles and torques (N, J) that a file has, read so."""
+        return q @ self.angle.T + self.zero, tau @ self.torque.T
+
     def undone(self, q: Float, tau: Float) -> tuple[Float, Float]:
         """Return angles and torques (N, J) as the file had them."""
         return (q - self.zero) @ np.linalg.inv(self.angle).T, tau @ np.linalg.inv(self.torque).T
@@ -310,14 +314,14 @@ def read_as(recording: Recording, called: str | Iterable[str]) -> Recording:
     if not chosen:
         return recording
     to = combined_map(chosen, recording.joints)
-    q = recording.q @ to.angle.T + to.zero
+    q, tau = to.applied(recording.q, recording.tau)
     if (np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle)))) and recording.valid.any():
         turns = np.array([joint.turns for joint in recording.joints])
         q = q - 2 * np.pi * turns * np.round(np.median(q[recording.valid], axis=0) / (2 * np.pi))
     return replace(
         recording,
         q=q,
-        tau=recording.tau @ to.torque.T,
+        tau=tau,
         dq=None if recording.dq is None else recording.dq @ to.angle.T,
         ddq=None if recording.ddq is None else recording.ddq @ to.angle.T,
         conventions=(*recording.conventions, *(one.name for one in chosen)),

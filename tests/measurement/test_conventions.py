@@ -202,6 +202,19 @@ def swung(seed, count=1200):
     return Recording(f"swung{seed}", t.ravel(), q, tau)
 
 
+@pytest.mark.parametrize("really", [False, True])
+def test_what_one_file_says_alone_must_not_make_the_fit_of_all_worse(really, monkeypatch):
+    """A file in which little moves fits a leg with hip and knee exchanged too."""
+    runs = [motion(0), motion(1), motion(2)]
+    if really:
+        runs[2] = kept(runs[2], "swapped-joints")
+    found = better_reading([kept(motion(2), "swapped-joints")])
+    monkeypatch.setattr(convention, "better_reading", lambda some, weighs: found if list(some) == [runs[2]] else None)
+    monkeypatch.setattr(convention, "LEAST", 0.0)
+    findings = check_conventions(runs)
+    assert [finding.check for finding in findings] == ["sign"] * really
+
+
 def test_a_leg_without_a_drive_at_the_hip_is_not_read_as_swapped():
     runs = [swung(seed, 700) for seed in range(2)]
     assert not check_conventions(runs)
