@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import RecordingError
+from measurement.auditing.checks.motion import NONE
 from measurement.finding import Finding, row_ranges
 from measurement.reading import angles, clock
 from measurement.reading.columns import UNIT_OF, Assigned
@@ -66,7 +67,7 @@ def repaired(
 ) -> Recording:
     """Return the recording of `joints` in `table`; raises RecordingError when too little of it can be used."""
     draft = _start(table, assigned, source, name, joints)
-    draft = _mask_cells(draft, assigned)
+    draft = _without_rounding(_mask_cells(draft, assigned))
     draft = _order_time(draft)
     draft = _clock_unit(draft)
     draft = _angles(draft)
@@ -155,6 +156,19 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
     if valid.sum() < 10:
         raise RecordingError(f"only {int(valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
     return replace(draft, columns=columns, valid=valid)
+
+
+def _without_rounding(draft: Draft) -> Draft:
+    """Read a torque that is nothing but rounding (1e-149 N·m) as the zero that it stands for, and say so."""
+    columns = dict(draft.columns)
+    for k, joint in enumerate(draft.joints):
+        name = f"tau{k + 1}"
+        most = float(np.max(np.abs(columns[name]), where=draft.valid, initial=0.0))
+        if 0.0 < most <= NONE:
+            columns[name] = np.where(draft.valid, 0.0, columns[name])
+            what = f"{name} never exceeds {most:.3g} {joint.unit('tau')}, which is rounding: it is read as zero"
+            draft = draft.noted("motion", "repaired", what, remedy=f"is this the right column? --map {name}=COLUMN")
+    return replace(draft, columns=columns)
 
 
 def _bad_cells(

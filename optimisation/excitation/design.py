@@ -19,7 +19,7 @@ import numpy as np
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from ground.ties import CONVERGED, least_of
-from measurement.trajectories.extremes import bounds, margin, uses
+from measurement.trajectories.extremes import FINE, bounds, margin, uses
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
 from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
 from optimisation.excitation.result import DesignedMotion, Excitation, Precision
@@ -89,8 +89,10 @@ def search_of(model: Model, asked: DesignSettings, say: Progress = silent) -> Mo
 
 
 def space_of(room: Float, asked: MotionSettings, joints: tuple[str, ...]) -> MotionSpace:
-    """Return the motions inside the limits `room` (J, 4) at all times, not only on the grid of a search."""
-    inner = shrunk(room, margin(asked.harmonics, GRID))
+    """Return the motions inside the limits `room` (J, 4) at all times, not only on the grid of a search, and by as much
+    as the grid on which a finished motion is evaluated needs to prove it.
+    """
+    inner = shrunk(room, margin(asked.harmonics, GRID) * margin(asked.harmonics, FINE))
     return motion_space(
         inner, period=asked.period, harmonics=asked.harmonics, offsets=asked.offsets, rest=asked.rest, joints=joints
     )

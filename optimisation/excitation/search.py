@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from ground.progress import Progress, silent
-from ground.ties import CONVERGED, ascending, index_of_least, least_of
+from ground.ties import CONVERGED, ascending, index_of_least, least_of, tied
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import CRITERIA, Aim, softened
 from optimisation.excitation.reference import solve_motions
@@ -321,5 +321,8 @@ def _whitening(function: Callable[[Float], Float], at: Float) -> Float:
     curvature = np.diag((up + down - 2.0 * middle) / STEP**2)
     curvature[one, other] = curvature[other, one] = (both - up[one] - up[other] + middle) / STEP**2
     size_of, axes = np.linalg.eigh(curvature)
+    # Which way an axis points is left to the library: here the largest part of each is positive.
+    largest_part = np.argmax(tied(-np.abs(axes), axis=0), axis=0)
+    axes *= np.sign(axes[largest_part, np.arange(size)])
     largest = np.abs(size_of).max()
     return axes / np.sqrt(np.maximum(np.abs(size_of), FLAT * largest if largest > 0.0 else 1.0))

@@ -151,8 +151,11 @@ def _inside(centre: Float, limits: Float, joints: Sequence[str]) -> Float:
 def _at_rest(alone: Float, harmonics: int) -> Float:
     """Return an orthonormal basis (2K, 2K - 2) of weighted coefficients with Σ k a_k = 0 and Σ k² b_k = 0."""
     k = np.arange(1, harmonics + 1)
-    rows = np.zeros((2, 2 * harmonics))
-    rows[0, :harmonics], rows[1, harmonics:] = k * alone, k**2 * alone
-    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-    # The rows are orthonormal; the last right singular vectors span what they leave free.
-    return np.asarray(np.linalg.svd(rows)[2][2:].T)
+    free = []
+    for row in (k * alone, k**2 * alone):
+        # What a reflection that takes the row to the first axis makes of the others: of all bases of that space a
+        # library would find another on each machine, and the search another motion.
+        mirror = row / np.linalg.norm(row) + np.eye(harmonics)[0]
+        free.append((np.eye(harmonics) - np.outer(mirror, mirror) / mirror[0])[:, 1:])
+    none = np.zeros_like(free[0])
+    return np.block([[free[0], none], [none, free[1]]])

@@ -7,6 +7,7 @@ import pytest
 from tables import leg
 
 from measurement.auditing.audit import find_checks
+from measurement.auditing.checks.frozen import frozen_stretches
 from measurement.recording import Recording
 from symbolic.joints import Joint
 
@@ -138,6 +139,47 @@ def test_a_channel_that_stays_while_the_leg_moves_is_frozen(rate, rows, said):
     assert severity("frozen", rate=rate, q=q) == said
 
 
+@pytest.mark.shows("frozen.DEAD")
+@pytest.mark.parametrize(("speed", "said"), [(0.03, ""), (1.0, "warning")])
+def test_no_joint_stops_dead(speed, said):
+    """The recording ends with an angle that stays: reached slowly, as a joint that comes to rest, or in full motion."""
+    table = leg(1500)
+    q = np.column_stack([table["q1"], table["q2"]])
+    step = np.abs(np.diff(q[:, 0]))
+    at = 700 + int(np.argmin(np.abs(step[700:1400] - speed * step[700:1400].max())))
+    q[at:, 0] = q[at, 0]
+    assert severity("frozen", q=q) == said
+
+
+def test_an_angle_that_stops_dead_and_starts_so_is_masked_where_it_did_not_jump():
+    """A bus that hung for a period of the motion: it goes on where it was."""
+    t = np.arange(1500) / 100.0
+    q = np.column_stack([0.5 + 0.4 * np.sin(np.pi * t), -0.8 + 0.3 * np.cos(np.pi * t)])
+    q[500:700, 0] = q[500, 0]
+    ((channel, rows, certain),) = frozen_stretches(recording(q=q))
+    assert channel.name == "q1" and rows.tolist() == list(range(500, 700)) and certain
+
+
+def test_a_machine_that_goes_from_dwell_to_dwell_is_not_frozen():
+    """Ramps of constant speed that begin and end within a sample, each followed by a second of rest."""
+    t = np.arange(1500) / 100.0
+    ramp = 0.1 * (np.floor(t / 2.0) + np.clip(t % 2.0, 0.0, 1.0))
+    assert severity("frozen", q=np.column_stack([ramp, -0.9 + 0.5 * ramp])) == ""
+
+
+@pytest.mark.shows("frozen.LONG", "frozen.GOES_ON")
+@pytest.mark.parametrize(("seconds", "part", "said"), [(4.0, 1.0, "warning"), (4.0, 0.2, ""), (1.5, 1.0, "")])
+def test_torques_that_go_on_while_no_angle_changes_are_said(seconds, part, said):
+    """The angles are frozen where they turn round, so that neither jumps nor stops in motion."""
+    t = np.arange(1500) / 100.0
+    q = np.column_stack([0.5 + 0.4 * np.cos(np.pi * t), -0.8 + 0.3 * np.cos(np.pi * t)])
+    tau = np.column_stack([20.0 * np.sin(3.0 * t), 8.0 * np.sin(3.7 * t)])
+    held = slice(700, 700 + round(100 * seconds))
+    q[held] = q[700]
+    tau[held] *= part
+    assert severity("frozen", q=q, tau=tau) == said
+
+
 @pytest.mark.shows("scale.WEAK")
 @pytest.mark.parametrize(("size", "said"), [(0.03, ""), (0.012, "warning")])
 def test_torques_too_small_for_any_rig_are_warned_of(size, said):
@@ -187,6 +229,16 @@ def test_a_plain_factor_shows_at_the_hip_unless_its_thigh_outweighs_all(weight, 
     tau = torques() / [1.0, 30.0] + np.column_stack([weight * np.sin(leg()["q1"]), np.zeros(1500)])
     tau[:, 1] += 0.2 * tau[:, 1].std() * np.sin(9.0 * leg()["t"])
     assert severity("scale", tau=tau) == said
+
+
+@pytest.mark.shows("motion.NONE")
+@pytest.mark.parametrize(("size", "said"), [(3e-8, "no"), (3e-10, "yes"), (1e-149, "yes"), (5e-324, "yes")])
+def test_torques_that_are_rounding_carry_nothing(size, said):
+    """In whatever unit: no drive exerts so little, and no sensor feels it."""
+    tau = size * torques() / np.ptp(torques(), axis=0)
+    assert severity("motion", tau=tau) == {"no": "", "yes": "refused"}[said]
+    alone = np.column_stack([torques()[:, 0], tau[:, 1]])
+    assert severity("motion", tau=alone) == {"no": "info", "yes": "warning"}[said]
 
 
 @pytest.mark.shows("motion.NOTHING")

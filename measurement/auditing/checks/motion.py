@@ -12,6 +12,7 @@ from measurement.recording import Recording
 
 STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")
 LITTLE = Threshold(0.15, "the same, below which it hardly moves: its inertia and friction cannot be seen")
+NONE = Threshold(1e-9, "N·m (N) over which a torque changes: rounding, which no drive and no sensor has, is fitted")
 NOTHING = Threshold(0.08, "middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing")
 
 
@@ -38,12 +39,12 @@ def check(recording: Recording) -> list[Finding]:
             consequence = "this recording alone cannot distinguish friction from inertia at this joint"
             remedy = "add a recording in which every joint moves"
             found.append(_warning(what, place(recording, channel.name), size, LITTLE, remedy, consequence))
-    constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) == 0.0]
+    constant = [channel for channel in channels(recording, "tau") if np.ptp(channel.values) <= NONE]
     if len(constant) == len(angles):
         held = [f"{channel.values[0] + 0.0:.4g} {channel.unit}" for channel in constant]
         what = f"no torque changes ({listed(held)})"
         remedy = f"are these the torque columns? --map {','.join(f'{channel.name}=COLUMN' for channel in constant)}"
-        if not any(channel.values.any() for channel in constant):
+        if not any(np.any(np.abs(channel.values) > NONE) for channel in constant):
             remedy = (
                 "a free swing tells only ratios of parameters (inertia to weight, friction to inertia), not how large "
                 f"they are: record motion in which at least one joint is driven; if one was, {remedy}"
@@ -72,7 +73,7 @@ def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Find
     found = []
     for channel, span in zip(torques, spans, strict=True):
         joint = channel.joint.name
-        if np.ptp(channel.values) == 0.0 or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
+        if np.ptp(channel.values) <= NONE or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
             continue
         what = f"the {channel.label} reads next to nothing ({span:.2g} {channel.unit}, the largest {max(spans):.2g})"
         name = recording.source.path or recording.name
