@@ -107,12 +107,15 @@ def figure_style() -> Iterator[None]:
         "svg.fonttype": "path",
         "svg.hashsalt": "exoid",  # the same figure gives the same bytes
         "text.color": INK,
+        "text.parse_math": False,  # a file may be called $x.csv
         "xtick.color": FAINT,
         "xtick.labelcolor": INK,
         "ytick.color": FAINT,
         "ytick.labelcolor": INK,
     }
-    with mpl.rc_context(settings):
+    with mpl.rc_context():
+        mpl.rcdefaults()  # and nothing of the matplotlibrc of the user or the folder (text.usetex, say)
+        mpl.rcParams.update(settings)
         yield
 
 
@@ -120,7 +123,8 @@ def new_figure(width: float = 7.0, height: float = 4.0) -> Figure:
     """Return an empty figure of `width` × `height` inches that leaves room for its labels."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    with figure_style():
+        return Figure(figsize=(width, height), layout="constrained")
 
 
 def label(quantity: str, unit: str = "") -> str:

@@ -7,6 +7,7 @@ followed.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,8 @@ LARGEST = 20_000_000
 DEEPEST = 64
 """Elements inside each other; URDF has six."""
 MOVING = ("revolute", "continuous", "prismatic")
+ENCODINGS = (LookupError, ValueError, TypeError)
+"""What looking up an encoding raises; UnicodeError is a ValueError."""
 
 
 class RobotFileError(ExoidError):
@@ -102,7 +105,9 @@ def _parsed(data: bytes, where: str) -> Element:
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse
     remedy = "expand it first: xacro robot.xacro > robot.urdf" if b"xacro" in data else "mend that line"
-    with refused(RobotFileError, "is not valid XML: {}", where, remedy, (expat.ExpatError,)):
+    # Python looks up encodings that expat does not know: not all are there, of single bytes, or of text.
+    unknown = refused(RobotFileError, "has an encoding that is not read: {}", where, "save it as UTF-8", ENCODINGS)
+    with unknown, refused(RobotFileError, "is not valid XML: {}", where, remedy, (expat.ExpatError,)):
         parser.Parse(data, True)
     return builder.close()
 
@@ -110,7 +115,11 @@ def _parsed(data: bytes, where: str) -> Element:
 def _placed(root: Element, where: str) -> RobotFile:
     """Return the robot with all its joints at their places in the world, every joint at zero."""
     name, children = root.get("name", "robot"), {link.get("name", ""): link for link in root.iter("link")}
-    elements = [one for one in root.findall("joint")]
+    elements = list(root.findall("joint"))
+    for kind, found in (("joint", elements), ("link", root.findall("link"))):
+        twice = [called for called, count in Counter(one.get("name", "") for one in found).items() if count > 1]
+        if twice:
+            raise RobotFileError(f"two {kind}s are called {twice[0][:60]!r}", where=where, remedy="rename one of them")
     of_child: dict[str, Any] = {}
     for one in elements:
         child = _link(one, "child", where)

@@ -11,6 +11,8 @@ import struct
 import zlib
 from pathlib import Path
 
+import numpy as np
+
 from measurement.reading.limits import Budget
 
 SUBSYSTEM_OFFSET = slice(116, 124)
@@ -18,8 +20,12 @@ HEADER = 128
 """Bytes before the first variable of version 5 to 7."""
 MATRIX, COMPRESSED = 14, 15
 """Types of element: an array with its header, and one that is packed."""
-CELL, STRUCT, OBJECT, CHAR, FUNCTION, OPAQUE = 1, 2, 3, 4, 16, 17
-"""Classes of array that hold something else than plain numbers."""
+CELL, STRUCT, OBJECT, CHAR, SPARSE, FUNCTION, OPAQUE = 1, 2, 3, 4, 5, 16, 17
+"""Classes of array that hold something else than plain numbers; there are none beyond."""
+INTEGERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4"}
+"""Types of element that hold whole numbers."""
+PLAIN = frozenset({*INTEGERS, 7, 9, 12, 13, 16, 17, 18})
+"""Types of element that hold numbers or text."""
 DEEPEST = 40
 """Cells and structs within each other: readers call themselves for each."""
 ARRAY = 128
@@ -121,6 +127,8 @@ def _array(data: memoryview, order: str, budget: Budget, depth: int) -> None:
         return
     _, flags, at = _element(data, 0, order)
     kind = struct.unpack_from(f"{order}I", flags)[0] & 0xFF
+    if not CELL <= kind <= OPAQUE:
+        raise Unsound(f"an array is of class {kind}, which is unknown")
     if kind in (OPAQUE, FUNCTION):
         _rest(data, at, order, budget, depth)
         return
@@ -147,12 +155,32 @@ def _array(data: memoryview, order: str, budget: Budget, depth: int) -> None:
         if count * fields > (len(data) - at) // 8:
             raise Unsound("a struct announces more elements than there are")
         _rest(data, at, order, budget, depth)
+    elif kind == SPARSE:
+        _sparse(data, at, order, dims)
     else:
         budget.take(4 * count if kind == CHAR else 0, "an array of text")
         while at + 8 <= len(data):
-            _, content, at = _element(data, at, order)
+            inner, content, at = _element(data, at, order)
+            if inner not in PLAIN:
+                raise Unsound("an array holds neither numbers nor text")
             if depth == 0 and not len(name) and bytes(content[2:4]) in (b"IM", b"MI"):
                 _subsystem(content, budget)
+
+
+def _sparse(data: memoryview, at: int, order: str, dims: tuple[int, ...]) -> None:
+    """Refuse a sparse array whose indices lead out of it: SciPy follows them."""
+    indices = []
+    for _ in range(2):
+        kind, content, at = _element(data, at, order)
+        if kind not in INTEGERS:
+            raise Unsound("a sparse array has no indices")
+        type_of = np.dtype(f"{order}{INTEGERS[kind]}")
+        indices.append(np.frombuffer(content[: len(content) // type_of.itemsize * type_of.itemsize], type_of))
+    kind, numbers, _ = _element(data, at, order)
+    rows, ends = (part.astype(np.int64) for part in indices)
+    sound = len(dims) == 2 and len(ends) == dims[1] + 1 and ends[0] == 0 and not np.any(np.diff(ends) < 0)
+    if not sound or ends[-1] > min(len(rows), len(numbers)) or np.any((rows < 0) | (rows >= dims[0])):
+        raise Unsound("the indices of a sparse array lead out of it")
 
 
 def _rest(data: memoryview, at: int, order: str, budget: Budget, depth: int) -> None:

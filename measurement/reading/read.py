@@ -15,6 +15,7 @@ from ground.errors import RecordingError, refused
 from ground.files import sha256
 from ground.inputs import open_input
 from ground.progress import Progress
+from ground.text import printable
 from measurement.auditing.audit import audit
 from measurement.finding import Finding
 from measurement.reading.columns import assign, inferred, legs
@@ -47,7 +48,7 @@ def read_recording(
     leg: str | None = None,
     name: str = "",
     convention: str | Iterable[str] = (),
-    join: Sequence[Joined] = (),
+    join: str | Path | Sequence[Joined] = (),
     joints: Sequence[Joint] | None = None,
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
@@ -76,18 +77,18 @@ def read_recording(
 
 
 def read_recordings(
-    sources: Sequence[str | Path],
+    sources: str | Path | Sequence[str | Path],
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     *,
     leg: str | None = None,
     convention: str | Iterable[str] = (),
-    join: Sequence[Joined] = (),
+    join: str | Path | Sequence[Joined] = (),
     joints: Sequence[Joint] | None = None,
     most_bytes: int = LARGE,
     progress: Progress | None = None,
 ) -> tuple[Recording, ...]:
-    """Return the recordings that files, folders, patterns ("runs/*.csv") and ZIP archives hold, in order.
+    """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv") and ZIP archives.
 
     `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
@@ -102,10 +103,11 @@ def _told(
     units: Mapping[str, str] | None,
     leg: str | None,
     convention: str | Iterable[str],
-    join: Sequence[Joined],
+    join: str | Path | Sequence[Joined],
 ) -> StatedMapping:
     called = convention if isinstance(convention, str) else ",".join(convention)
-    pairs = (other if isinstance(other, tuple) else (other, None) for other in join)
+    files = [join] if isinstance(join, (str, Path)) else join
+    pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
     others = tuple((str(file), lag) for file, lag in pairs)
     return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others)
 
@@ -167,10 +169,11 @@ def _in_pieces(
                 kept = told.over(found) if found else told
                 if found:
                     said.append(_note(home, found, path))
-            return _finished(table, origin, path.stem, kept, machine)
+            return _finished(table, origin, printable(path.stem), kept, machine)
 
         size = max(SMALL, most // PIECES)
-        out = in_stretches(chosen.pieces(real, size), finish, name=path.stem, where=str(path), progress=progress)
+        name = printable(path.stem)
+        out = in_stretches(chosen.pieces(real, size), finish, name=name, where=str(path), progress=progress)
         return (out[0].with_findings((*said, *out[0].findings)), *out[1:])
 
 
@@ -215,7 +218,7 @@ def _loaded(source: Any, told: StatedMapping, name: str) -> tuple[RawTable, Sour
     kept = remembered(home, table.names)
     if kept:
         table = replace(table, notes=(*table.notes, _note(home, kept, path)))
-    return table, origin, name or path.stem, told.over(kept) if kept else told
+    return table, origin, name or printable(path.stem), told.over(kept) if kept else told
 
 
 def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, machine: Machine) -> Recording:

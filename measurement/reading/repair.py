@@ -161,10 +161,11 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
 def _without_rounding(draft: Draft) -> Draft:
     """Read a torque that is nothing but rounding (1e-149 N·m) as the zero that it stands for, and say so."""
     columns = dict(draft.columns)
-    for k, joint in enumerate(draft.joints):
+    torques = [columns[f"tau{k + 1}"] for k in range(len(draft.joints))]
+    largest = [float(np.max(np.abs(tau), where=draft.valid, initial=0.0)) for tau in torques]
+    for k, (joint, most) in enumerate(zip(draft.joints, largest, strict=True)):
         name = f"tau{k + 1}"
-        most = float(np.max(np.abs(columns[name]), where=draft.valid, initial=0.0))
-        if 0.0 < most <= NONE:
+        if 0.0 < most <= NONE < max(largest):  # where all are, the audit refuses them as they stand
             columns[name] = np.where(draft.valid, 0.0, columns[name])
             what = f"{name} never exceeds {most:.3g} {joint.unit('tau')}, which is rounding: it is read as zero"
             draft = draft.noted("motion", "repaired", what, remedy=f"is this the right column? --map {name}=COLUMN")

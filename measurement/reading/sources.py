@@ -48,15 +48,16 @@ def suffixes() -> tuple[str, ...]:
     return tuple(suffix for module in find_formats() for suffix in module.SUFFIXES)
 
 
-def expand(paths: Sequence[str | Path]) -> list[str]:
-    """Return the path of every single recording that `paths` (files, folders, patterns, archives) mean, in order.
+def expand(paths: str | Path | Sequence[str | Path]) -> list[str]:
+    """Return the path of every single recording that `paths` (files, folders, patterns, archives; one or several) mean,
+    in order.
 
     What is a file is returned as it is, whether it can be read or not. RecordingError for a folder, a pattern or an
     archive without recordings, and, naming all of them, for files that are not there.
     """
     found: list[str] = []
     missing: list[str] = []
-    for given in map(str, paths):
+    for given in map(str, [paths] if isinstance(paths, (str, Path)) else paths):
         try:
             path = Path(given)
             if path.is_dir() and not is_bag(path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ground.errors import RecordingError
-from measurement.reading.read import read_recording
+from measurement.reading.read import read_recording, read_recordings
 from measurement.recording import Recording, write_recording
 from workbench.command import main
 
@@ -189,3 +189,26 @@ def test_links_that_go_in_a_circle_are_refused_in_words(tmp_path, monkeypatch, c
     assert main(arguments.split()) == 2
     said = capsys.readouterr().err
     assert said and "Traceback" not in said
+
+
+@pytest.mark.parametrize("name", [b"run_\xff\xe4.csv", b"$\\foo{$.csv", b"a\nb.csv"])
+def test_a_file_of_any_name_gets_its_figures(tmp_path, name):
+    """No UTF-8, what matplotlib takes for mathematics, a line feed."""
+    path = os.fsdecode(os.path.join(os.fsencode(tmp_path), name))
+    try:
+        with open(path, "w") as stream:
+            stream.write(table())
+    except OSError:
+        pytest.skip("this file system has no such names")
+    assert main(["compare", path, "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert "data:image" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_a_single_path_is_no_sequence_of_letters(tmp_path):
+    (tmp_path / "run.csv").write_text(table())
+    (tmp_path / "angles.csv").write_text(table("t,a,b,c,d"))
+    (one,) = read_recordings(str(tmp_path / "run.csv"))
+    (other,) = read_recordings(tmp_path / "run.csv")
+    assert one.name == other.name == "run"
+    with pytest.raises(RecordingError, match=r"angles\.csv"):
+        read_recording(tmp_path / "run.csv", join=str(tmp_path / "angles.csv"))

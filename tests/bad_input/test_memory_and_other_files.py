@@ -1,5 +1,6 @@
 """A small file that claims to be large is refused before anything is allocated; nothing but the file itself is read."""
 
+import contextlib
 import io
 import struct
 import tracemalloc
@@ -196,6 +197,27 @@ def test_matlab_that_is_as_it_says_is_read(tmp_path):
         np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
     scipy.io.savemat(tmp_path / "run.mat", COLUMNS, format="4")
     np.testing.assert_allclose(read_recording(tmp_path / "run.mat").q[:, 0], COLUMNS["q1"])
+
+
+def test_matlab_of_any_class_is_read_or_refused(tmp_path):
+    """Every array said to be of another class: SciPy would follow indices that are none, and end the process."""
+    import scipy.io
+    import scipy.sparse
+
+    path = tmp_path / "run.mat"
+    few = {name: column[:200] for name, column in COLUMNS.items()}
+    scipy.io.savemat(path, {**few, "sparse": scipy.sparse.eye_array(5).tocsc(), "run": {"text": "knee", "x": [1, 2]}})
+    whole = path.read_bytes()
+    flags = struct.pack("<II", 6, 8)
+    places = [k + 8 for k in range(128, len(whole), 8) if whole[k : k + 8] == flags]
+    assert len(places) == 9
+    for place in places:
+        for kind in (0, 1, 2, 3, 4, 5, 16, 17, 18, 255):
+            path.write_bytes(whole[:place] + bytes([kind]) + whole[place + 1 :])
+            with contextlib.suppress(RecordingError):
+                read_recording(path)
+    path.write_bytes(whole[: places[0]] + bytes([99]) + whole[places[0] + 1 :])
+    refused(path, "class 99, which is unknown")
 
 
 @pytest.mark.parametrize("rows", [1e9, np.nan])

@@ -5,7 +5,7 @@ import pytest
 
 from symbolic import read_model
 from symbolic.planar_machine import moving_with, planar_machine
-from symbolic.robot_file import RobotFileError, read_robot
+from symbolic.robot_file import RobotFileError, parse_robot, read_robot
 from workbench.command import main
 
 LEG = """<?xml version="1.0"?>
@@ -137,3 +137,21 @@ def test_entities_are_not_expanded(tmp_path):
     with pytest.raises(RobotFileError, match="go round"):
         robot(tmp_path, '<robot><joint name="a"><parent link="x"/><child link="y"/></joint>'
               '<joint name="b"><parent link="y"/><child link="x"/></joint></robot>')  # fmt: skip
+
+
+@pytest.mark.parametrize("encoding", ["klingon", "shift_jis", "base64", "rot13", "utf-7", "punycode", "undefined"])
+def test_an_encoding_that_is_not_read_is_refused_in_words(encoding):
+    with pytest.raises(RobotFileError, match=r"encoding|XML"):
+        parse_robot(f'<?xml version="1.0" encoding="{encoding}"?><robot name="b\xe4"/>'.encode("latin-1"))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_other_encodings_are_read(encoding):
+    said = "" if encoding != "latin-1" else ' encoding="latin-1"'
+    assert parse_robot(f'<?xml version="1.0"{said}?><robot name="b\xe4r"/>'.encode(encoding)).name == "b\xe4r"
+
+
+@pytest.mark.parametrize(("kind", "once", "again"), [("joint", "hip-yaw", "hip"), ("link", "pelvis", "thigh")])
+def test_two_of_one_name_are_refused(kind, once, again):
+    with pytest.raises(RobotFileError, match=f"two {kind}s are called '{again}'"):
+        parse_robot(LEG.replace(f'<{kind} name="{once}"', f'<{kind} name="{again}"').encode())

@@ -1,0 +1,25 @@
+"""Figures look the same whatever matplotlib was told in the user's settings."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+
+from ground.figures import figure_style, new_figure, to_svg
+
+
+def drawn() -> str:
+    with figure_style():
+        figure = new_figure(3.0, 2.0)
+        axes = figure.subplots()
+        axes.plot([-1.0, 2.0], [0.0, 1.0], label="$x_1")
+        axes.legend()
+    return to_svg(figure)
+
+
+def test_the_users_matplotlibrc_changes_no_figure():
+    usual = drawn()
+    with mpl.rc_context():
+        mpl.rcParams.update({"text.usetex": True, "axes.unicode_minus": False, "path.sketch": (1, 100, 2)})
+        mpl.rcParams.update({"savefig.bbox": "tight", "figure.figsize": (20, 1), "lines.marker": "x"})
+        assert drawn() == usual
+        assert mpl.rcParams["text.usetex"]  # theirs, outside
