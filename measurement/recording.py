@@ -31,6 +31,10 @@ BASE_COLUMNS: Mapping[str, str] = MappingProxyType({"base_angle": "rad", "base_a
 """Columns of a recording that say how a measured base moved, and their units."""
 
 
+LARGEST = 1e30
+"""Of any number in a recording: far more than readers of files let through, and sums of its squares are finite."""
+
+
 @dataclass(frozen=True)
 class Source:
     """The file a recording came from: its path as given and the SHA-256 of its bytes ("" when made in
@@ -81,8 +85,11 @@ class Recording:
             shape = (count,) if name == "t" else (count, 3 if name == "base" else len(self.joints))
             if array.shape != shape:
                 raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
-            if not np.isfinite(array).all():
-                raise ValueError(f"recording.{name} holds values that are not finite; mask those rows first")
+            if not np.max(np.abs(array), initial=0.0) <= LARGEST:
+                what = "values that are not finite"
+                if np.isfinite(array).all():
+                    what = f"values as large as {np.abs(array).max():.3g}, which no sensor measures"
+                raise ValueError(f"recording.{name} holds {what}; mask those rows first")
             object.__setattr__(self, name, array)
         valid = np.ones(count, dtype=bool) if self.valid is None else _kept(self.valid, bool)
         row = np.arange(1, count + 1) if self.row is None else _kept(self.row, np.int64)

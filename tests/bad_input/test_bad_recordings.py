@@ -168,6 +168,9 @@ def test_a_recording_checks_itself():
         Recording("r", np.array([0.0, 1.0, 1.0]), pair, pair)
     with pytest.raises(ValueError, match="not finite"):
         Recording("r", np.arange(3.0), pair * np.nan, pair)
+    for huge in (1e154, 1e308):  # NumPy would warn of its overflows, far from here
+        with pytest.raises(ValueError, match=r"as large as 1e\+.*no sensor measures"):
+            Recording("r", np.arange(3.0), pair, pair + huge)
     with pytest.raises(ValueError, match="shape"):
         Recording("r", np.arange(4.0), pair, pair)
 
