@@ -69,6 +69,8 @@ class ChangeFound(AsJson):
     def sentence(self) -> str:
         """The difference in words."""
         parts = [f"{_said(new)} after, {_said(old)} before" for old, new in zip(self.before, self.after, strict=True)]
+        if self.kind == "load":  # what was carried all along is in the model's own numbers
+            parts = [f"{_said(one)} more" for one in self.change]
         shape = "".join(f", {key} = {value:.3g}" for key, value in self.shape.items())
         if self.place is not None:
             shape = f", {_said(self.place)} down the {self.joint}"
