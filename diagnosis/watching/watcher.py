@@ -294,7 +294,9 @@ class Watcher:
             pending.asked += 1
             pending.wait = max(1, pending.age // 2)
             events = []
-            if pending.asked > 2 and not pending.told:  # a burst is over when it is asked about again
+            # A burst is over when it is asked about again, and what was named on few seconds may be larger or smaller.
+            sure = pending.age >= settings.sure or all(c.refined for c in self.applied)
+            if pending.asked > 2 and not pending.told and sure:
                 pending.told, events = True, [self._nameless(answer)]
             if pending.age >= settings.sure:  # it stays without a name: this is what is usual from here on
                 self._relearn(last)
