@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import glob
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
 from ground.inside import refuse_links
@@ -25,7 +28,7 @@ class FolderLock:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
+        self.folder, self._known = folder, False
         path = folder / LOCK
         refuse_links(path, folder)
         self._handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
@@ -35,6 +38,7 @@ class FolderLock:
             return
         try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._known = True
         except OSError as error:
             if error.errno in UNKNOWN:
                 return
@@ -43,9 +47,27 @@ class FolderLock:
                 raise FolderHeld(error.errno, "another process holds it", str(folder)) from error
             raise
 
+    @property
+    def known(self) -> bool:
+        """Whether the system knows locks, so that who has one is the only one."""
+        return self._known
+
     def release(self) -> None:
         """Let others have it."""
         handle, self._handle = self._handle, -1
         with contextlib.suppress(OSError):
             if handle >= 0:
                 os.close(handle)
+
+
+def private_folder(prefix: str) -> FolderLock:
+    """Return the lock of a new temporary folder of this user alone; those of processes that were killed are removed."""
+    made = Path(tempfile.mkdtemp(prefix=prefix))
+    lock = FolderLock(made)
+    for left in made.parent.glob(f"{glob.escape(prefix)}*") if lock.known else ():
+        with contextlib.suppress(OSError):
+            # One without a lock may have been made a moment ago, by a process that is about to hold it.
+            if left != made and (left / LOCK).is_file() and not left.is_symlink() and left.stat().st_uid == os.getuid():
+                FolderLock(left).release()
+                shutil.rmtree(left)
+    return lock

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 from typing import Any
 
 from ground.engines.engine import Engine, EngineError, not_installed
@@ -48,6 +49,8 @@ def dask(address: str, jobs: int = 0) -> Engine:
             where=f"--dask {address}",
             remedy="give the address that dask scheduler prints, for example tcp://host:8786, or local",
         ) from error
+    for name in ("distributed.client", "distributed.core", "distributed.scheduler", "distributed.worker"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is said by `lost`
     known: set[str] = set(_workers(client))
 
     def lost() -> list[str]:
@@ -71,5 +74,11 @@ def dask(address: str, jobs: int = 0) -> Engine:
 
 
 def _workers(client: Any) -> dict[str, Any]:
-    found: dict[str, Any] = client.scheduler_info(n_workers=-1)["workers"]
+    """Return the workers; EngineError where the scheduler has gone."""
+    try:
+        found: dict[str, Any] = client.scheduler_info(n_workers=-1)["workers"]
+    except (KeyError, OSError, TimeoutError, RuntimeError, ValueError) as error:
+        raise EngineError("the Dask scheduler does not answer any more") from error
+    if client.status not in ("running", "connecting"):
+        raise EngineError("the Dask scheduler does not answer any more")
     return found

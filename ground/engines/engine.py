@@ -48,7 +48,10 @@ def completed(
     running: dict[Future[Any], Job] = {}
     while True:
         for job in waiting:
-            running[engine.executor.submit(function, *arguments(job))] = job
+            try:
+                running[engine.executor.submit(function, *arguments(job))] = job
+            except RuntimeError as error:  # an executor that was closed, or lost what it talks to
+                raise EngineError(f"{engine.name} takes no more jobs ({error})") from error
             if len(running) >= engine.ahead * max(1, engine.workers()):
                 break
         if not running:

@@ -35,8 +35,11 @@ class _Submitted(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Hand over one call; its future ends when its task has."""
         future: Future[Any] = Future()
-        with self._lock:
-            self._waiting[future] = self._inner.submit(fn, *args, **kwargs)
+        try:
+            with self._lock:
+                self._waiting[future] = self._inner.submit(fn, *args, **kwargs)
+        except Exception as error:
+            raise EngineError(f"Slurm takes no more tasks ({' '.join(str(error).split())[:300]})") from error
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -50,7 +53,7 @@ class _Submitted(Executor):
     def _watch(self) -> None:
         while not self._closed.wait(POLL):
             with self._lock:
-                ended = {future: task for future, task in self._waiting.items() if task.done()}
+                ended = {future: task for future, task in self._waiting.items() if _ended(task)}
                 for future in ended:
                     del self._waiting[future]
             for future, task in ended.items():
@@ -58,6 +61,14 @@ class _Submitted(Executor):
                     future.set_result(task.result())
                 except Exception as error:  # noqa: BLE001 - whoever asks the future gets it
                     future.set_exception(error)
+
+
+def _ended(task: Any) -> bool:
+    """Whether a task has ended; one of which Slurm cannot say it has: its result says what is the matter."""
+    try:
+        return bool(task.done())
+    except Exception:  # noqa: BLE001 - one task must not end the thread that looks after all
+        return True
 
 
 def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = None) -> Engine:

@@ -15,6 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path, PurePosixPath
 from types import ModuleType
@@ -212,6 +213,20 @@ def _check(path: Path) -> None:
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")
 
 
+@contextmanager
+def noting() -> Iterator[dict[str, str]]:
+    """Yield a dictionary that takes the SHA-256 of every file that is read inside, by its path."""
+    noted: dict[str, str] = {}
+    token = _NOTED.set(noted)
+    try:
+        yield noted
+    finally:
+        _NOTED.reset(token)
+
+
+_NOTED: ContextVar[dict[str, str] | None] = ContextVar("noted", default=None)
+
+
 def digest(path: Path) -> str:
     """Return the SHA-256 of the file in hex, of a ROS 2 folder that of its files in order of their names."""
     total = hashlib.sha256()
@@ -220,6 +235,8 @@ def digest(path: Path) -> str:
         for file in files:
             with open_input(file) as stream:
                 hashlib.file_digest(stream, lambda: total)
+    if (noted := _NOTED.get()) is not None:
+        noted[str(path)] = total.hexdigest()
     return total.hexdigest()
 
 

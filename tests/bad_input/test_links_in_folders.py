@@ -17,7 +17,7 @@ from ground.inside import is_inside, refuse_links
 from ground.lock import FolderHeld, FolderLock
 from workbench.campaign.plan import Job, Plan
 from workbench.campaign.run import run_campaign
-from workbench.campaign.store import JobStore
+from workbench.campaign.store import CampaignError, JobStore
 from workbench.command import main
 from workbench.command_line.inputs import beside
 
@@ -161,7 +161,8 @@ def test_the_answers_of_a_campaign(name, plant, tmp_path):
     store = JobStore(tmp_path / "fleet", {})
     path = store.path(JOB, "k")
     plant(tmp_path / "fleet" / "jobs" if name == "jobs" else path)
-    assert store.read(JOB, "k") is None
+    with pytest.raises(CampaignError, match=r"link|ordinary"):
+        store.read(JOB, "k")
     with pytest.raises(OSError, match=r"link|ordinary|directory|exists"):
         store.write(JOB, "k", {"status": "done"})
 
@@ -172,10 +173,11 @@ def test_an_answer_that_was_linked_from_another_campaign_is_not_taken(tmp_path):
     path = store.path(JOB, "k")
     path.parent.mkdir(parents=True)
     shutil.copy(tmp_path / "theirs" / "jobs" / path.name, path)
-    assert store.read(JOB, "k") == {"status": "done"}
+    assert store.read(JOB, "k")["status"] == "done"
     path.unlink()
     path.symlink_to(tmp_path / "theirs" / "jobs" / path.name)
-    assert store.read(JOB, "k") is None
+    with pytest.raises(CampaignError, match="is a link"):
+        store.read(JOB, "k")
 
 
 @pytest.mark.parametrize("part", ["runs", "ioh"])

@@ -147,6 +147,17 @@ def test_parts_of_archives_and_mappings_beside_a_recording_are_kept_too(workspac
     assert [one.error for one in read] == [None, None]
 
 
+def test_a_copy_with_a_long_name_is_dropped_under_its_own(runs, workspace, tmp_path):
+    path = tmp_path / f"{'long' * 40}.csv"
+    path.write_text(runs["a"].read_text())
+    kept = save(workspace(path), tmp_path / "kept")
+    again = workspace()
+    for file in files(kept):
+        shutil.copy(kept / file, again.session_place(1, f"kept/{file}" if "/" in file else file))
+    reopen(again, again.place / "session-1", kept=False)
+    assert again.given[0].path.read_text() == runs["a"].read_text()
+
+
 def test_sessions_as_they_were_saved_before_still_open(runs, workspace, tmp_path):
     """Recordings were numbered, and the model that everything starts from was base.toml."""
     space = workspace(runs["a"], runs["b"])

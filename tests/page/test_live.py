@@ -157,6 +157,24 @@ def test_what_was_dropped_is_cleared_away_however_it_ends(number, started, tmp_p
     assert not [path for path in (tmp_path / "tmp").rglob("*") if path.is_file()]
 
 
+@pytest.mark.skipif(os.name != "posix", reason="locks of POSIX")
+def test_what_a_killed_one_left_is_cleared_away_by_the_next(tmp_path, monkeypatch):
+    pytest.importorskip("fcntl")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    left = tmp_path / "exoid-open-left"
+    (left / "1").mkdir(parents=True)
+    (left / ".lock").write_text("")
+    other = tmp_path / "exoid-open-link"
+    other.symlink_to(tmp_path.parent)
+    (tmp_path / "exoid-open-new").mkdir()
+    first, second = Workspace(tmp_path), Workspace(tmp_path)
+    assert not left.exists() and other.is_symlink() and (tmp_path / "exoid-open-new").is_dir()
+    assert first.place.is_dir() and second.place.is_dir()
+    for workspace in (first, second):
+        workspace.close()
+        assert not workspace.place.exists()
+
+
 def test_nothing_is_left_of_what_could_not_be_opened(tmp_path, monkeypatch):
     from workbench.command import main
 

@@ -14,7 +14,7 @@ from typing import Any
 from ground.files import write_whole
 from workbench.campaign.plan import Plan
 from workbench.campaign.pooled import pool
-from workbench.campaign.table import effect_name, flat, parameters, unreadable
+from workbench.campaign.table import effect_name, parameters, table_of, unreadable
 
 FOLDER = Path(__file__).parent
 SECONDS = 10
@@ -53,7 +53,7 @@ def data(
 ) -> dict[str, Any]:
     """Return what the page shows as plain data."""
     done = [row for row in rows if row is not None]
-    table = [flat(plan, row) for row in done]
+    table = table_of(plan, done)
     heads = [
         head
         for head in dict.fromkeys(h for row in table for h in row)

@@ -7,26 +7,31 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.engines.cell import in_cell
-from ground.engines.engine import Engine, completed
+from ground.engines.engine import Engine, EngineError, completed
 from ground.errors import refused
 from ground.files import write_whole
 from ground.frames import pandas
+from ground.inside import refuse_links
 from ground.lock import FolderHeld, FolderLock
 from ground.plain import AsJson
 from ground.progress import Progress, silent
+from workbench.campaign.copies import describe_copies
 from workbench.campaign.plan import Job, Plan
-from workbench.campaign.store import FINAL, CampaignError, JobStore, job_file_name, task_of
+from workbench.campaign.store import FINAL, AwayError, CampaignError, JobStore, job_file_name, task_of
 from workbench.campaign.work import FUNCTION
 
 if TYPE_CHECKING:
     from workbench.campaign.pooled import Pooled
 
+TABLES = ("table", "parameters", "unreadable")
+OWN = ("index.html", "reports", *(f"{name}.{end}" for name in TABLES for end in ("csv", "parquet")))
+"""What a campaign writes beside its answers; looked at before the work starts."""
 REFRESH = 5.0
 """Seconds between two versions of the page while a campaign runs, at least."""
 
@@ -55,9 +60,9 @@ class Campaign(AsJson):
     @property
     def table(self) -> list[dict[str, Any]]:
         """A flat row per job."""
-        from workbench.campaign.table import flat
+        from workbench.campaign.table import table_of
 
-        return [flat(self.plan, row) for row in self.rows]
+        return table_of(self.plan, self.rows)
 
     @property
     def pooled(self) -> list[Pooled]:
@@ -91,40 +96,85 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     with _alone(folder):
         store = JobStore(folder, here)
         report(0.0, "looking at what is there already")
-        keys = [store.key(job) for job in plan.jobs]
-        rows: list[dict[str, Any] | None] = [store.read(job, key) for job, key in zip(plan.jobs, keys, strict=True)]
-        missing = [k for k, row in enumerate(rows) if row is None or row["status"] not in FINAL]
-        kept, retried, events = len(rows) - len(missing), 0, list[str]()
+        for name in OWN:
+            with refused(CampaignError, "cannot be written: {}", folder / name, "remove it"):
+                refuse_links(folder / name, folder)
+        keys, rows, bases = _at_hand(plan, store, here)
+        kept, retried = sum(row is not None and row["status"] in FINAL for row in rows), 0
+        missing = [k for k, row in enumerate(rows) if keys[k] and (row is None or row["status"] not in FINAL)]
+        events = describe_copies(bases, plan.device)
         root = _root(plan)
         drawn = 0.0  # when the page is due
 
         def call(k: int) -> tuple[Any, ...]:
-            task = task_of(plan.jobs[k], ships=engine.ships, report=plan.reports, versions=here)
+            task = task_of(plan.jobs[k], ships=engine.ships, report=plan.reports, versions=here, store=store)
             return FUNCTION, task, plan.timeout
 
-        for number, (k, future) in enumerate(completed(engine, in_cell, missing, call), start=1):
+        def written(running: bool) -> None:
+            done = [row for row in rows if row is not None]
+            if not running:
+                write_tables(folder, plan, done)
+            write_page(folder, plan, rows, events, running=running)
+
+        for number, (k, future, lost) in enumerate(_answers(engine, missing, call, written), start=1):
             job = plan.jobs[k]
-            row, page, note = _row(job, keys[k], future, here, root)
+            row, page, note = _row(job, bases[k], future, root)
             if page is not None:
                 file = folder / "reports" / f"{job_file_name(job.name, keys[k])}.html"
                 write_whole(file, page, at_once=True, inside=folder)
             store.write(job, keys[k], row)
             rows[k] = row
             retried += note != ""
-            for event in (note, *engine.lost()):
+            for event in (note, *lost):
                 if event:
                     events.append(event)
                     report(number / len(missing), event)
             report(number / len(missing), f"{job.name}: {row['status']}")
             if time.perf_counter() > drawn:
                 start = time.perf_counter()
-                write_page(folder, plan, rows, events, running=True)
+                written(True)
                 took = time.perf_counter() - start
                 drawn = start + max(REFRESH, 20 * took)  # a large page costs at most a twentieth of the time
-        done = tuple(row for row in rows if row is not None)
-        write_tables(folder, plan, done)
-        write_page(folder, plan, rows, events, running=False)
-    return Campaign(plan, done, kept, retried, time.perf_counter() - began, tuple(events))
+        written(False)
+    done, seconds = tuple(row for row in rows if row is not None), time.perf_counter() - began
+    return Campaign(plan, done, kept, retried, seconds, tuple(events))
+
+
+def _at_hand(
+    plan: Plan, store: JobStore, here: Mapping[str, str]
+) -> tuple[list[str], list[dict[str, Any] | None], list[dict[str, Any]]]:
+    """Return of every job its key ("" where a recording is away), its row where there is one, and what any row of it
+    says.
+    """
+    keys, rows, bases = list[str](), list[dict[str, Any] | None](), list[dict[str, Any]]()
+    for job in plan.jobs:
+        names = {role: [Path(p).name for p in getattr(job, role)] for role in ("recordings", "verify")}
+        base = {"name": job.name, "key": "", "fields": dict(job.fields), "seed": job.seed, **names}
+        base["versions"] = dict(here)
+        try:
+            key = store.key(job)
+            row, base = store.read(job, key), base | {"key": key[:16]} | store.labels(job)
+        except AwayError as error:
+            key, row = "", base | {"status": "away", "reason": str(error).replace("\n", " ")}
+        keys.append(key)
+        rows.append(row)
+        bases.append(base)
+    return keys, rows, bases
+
+
+def _answers(
+    engine: Engine, missing: Sequence[int], call: Callable[[int], tuple[Any, ...]], written: Callable[[bool], object]
+) -> Iterator[tuple[int, Any, list[str]]]:
+    """Yield jobs with their futures and what was lost meanwhile; where the engine itself is, write what is there and
+    say how to go on.
+    """
+    try:
+        for k, future in completed(engine, in_cell, missing, call):
+            yield k, future, engine.lost()  # first: what a scheduler that has gone says of a job is no answer
+    except EngineError as error:
+        written(False)
+        remedy = "what was answered is kept: start it again, then give the same command, which goes on from there"
+        raise EngineError(error.what, where=error.where, remedy=remedy) from error
 
 
 def _root(plan: Plan) -> str:
@@ -136,15 +186,8 @@ def _root(plan: Plan) -> str:
         return ""
 
 
-def _row(
-    job: Job, key: str, future: Any, here: Mapping[str, str], root: str
-) -> tuple[dict[str, Any], str | None, str]:
+def _row(job: Job, base: dict[str, Any], future: Any, root: str) -> tuple[dict[str, Any], str | None, str]:
     """Return the row of a job that ended, its report, and what is to be said of how it went; paths are below `root`."""
-    base = {
-        "name": job.name, "key": key[:16], "fields": dict(job.fields), "seed": job.seed,
-        "recordings": [Path(p).name for p in job.recordings], "verify": [Path(p).name for p in job.verify],
-        "versions": dict(here),
-    }  # fmt: skip
     try:
         answer = future.result()
     except Exception as error:  # noqa: BLE001 - a worker was lost too often: that is a row, not an end

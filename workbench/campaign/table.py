@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ground.files import write_whole
+from workbench.campaign.copies import same_recordings
 from workbench.campaign.plan import Plan
 from workbench.campaign.store import job_file_name
 from workbench.report.sections.verdict import term
@@ -43,6 +44,14 @@ def flat(plan: Plan, row: Mapping[str, Any]) -> dict[str, Any]:
     out["versions"] = ", ".join(f"{name} {number}" for name, number in sorted(row.get("versions", {}).items()))
     report = f"reports/{job_file_name(row['name'], row['key'])}.html" if row.get("report") else ""
     return out | {"report": report, "key": row["key"]}
+
+
+def table_of(plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return the table of jobs; where recordings are copies of others, with a column that says of which."""
+    lines, same = [flat(plan, row) for row in rows], same_recordings(rows)
+    if any(same):
+        lines = [{**line, "same_recordings": text} for line, text in zip(lines, same, strict=True)]
+    return lines
 
 
 def effect_name(one: Mapping[str, Any]) -> str:
@@ -110,7 +119,7 @@ def unreadable(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
 def write_tables(folder: Path, plan: Plan, rows: Sequence[Mapping[str, Any]]) -> list[Path]:
     """Write table, parameters and unreadable recordings as CSV, and as Parquet where pyarrow is installed."""
     tables = {
-        "table": [flat(plan, row) for row in rows],
+        "table": table_of(plan, rows),
         "parameters": parameters(plan, rows),
         "unreadable": unreadable(rows),
     }

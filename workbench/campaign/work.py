@@ -7,12 +7,20 @@ import contextlib
 import io
 import json
 import tempfile
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ground.errors import refused
+from ground.files import sha256_file
+from measurement.reading.sources import noting
 from workbench.campaign.plan import WATCH
+from workbench.campaign.store import CHANGED, AwayError
 
+ROLES = ("recordings", "verify")
+ATTEMPTS, PAUSE = 3, 1.0
+"""Times a job is tried whose recordings cannot be reached, and seconds in between: a network folder comes back."""
 FUNCTION = f"{__name__}:work"
 """How an engine calls `work`."""
 
@@ -41,18 +49,54 @@ def work(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _asked(task: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Ask the command; where it refuses, find the recordings it cannot read and ask again without them."""
-    given = {
-        role: [_placed(one, folder, k, role) for k, one in enumerate(task[role])] for role in ("recordings", "verify")
-    }
-    status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
+    """Ask the command; where a recording is away for a moment, again a little later."""
+    gone = [one["away"] for role in ROLES for one in task[role] if one.get("away")]
+    given = {role: [_placed(one, folder, k, role) for k, one in enumerate(task[role])] for role in ROLES}
+    expected = {
+        path: one["sha256"] for role in ROLES for path, one in zip(given[role], task[role], strict=True)
+        if one.get("sha256")
+    }  # fmt: skip
+    for attempt in range(ATTEMPTS):
+        try:
+            if gone:
+                raise AwayError(gone[0])
+            return _answered(task, folder, given, expected)
+        except AwayError as error:
+            reason = " ".join(str(error).split())
+            if gone or attempt + 1 == ATTEMPTS:
+                break
+            time.sleep(PAUSE)
+    return {"status": "away", "reason": f"{reason}; asked again when the campaign goes on", "unreadable": []}
+
+
+def _answered(
+    task: Mapping[str, Any], folder: Path, given: Mapping[str, list[str]], expected: Mapping[str, str]
+) -> dict[str, Any]:
+    """Ask the command; where it refuses, find the recordings it cannot read and ask again without them.
+
+    AwayError unless every recording was read as `expected` {path: SHA-256}: an answer without it is one to another job.
+    """
+    with noting() as noted:
+        status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
     unreadable: list[dict[str, str]] = []
-    if status == 2 and task["verb"] != WATCH:
-        unreadable = _unreadable(task, folder, [*given["recordings"], *given["verify"]])
+    if status != 2:
+        _check(expected, expected, noted)
+    else:
+        paths = [path for role in ROLES for path in given[role]] if task["verb"] != WATCH else []
+        unreadable = _unreadable(task, folder, paths, expected)
         bad = {one["path"] for one in unreadable}
         left = {role: [path for path in paths if path not in bad] for role, paths in given.items()}
         if bad and left["recordings"] and bool(left["verify"]) == bool(given["verify"]):
-            status, result, said, report = _command(task, folder, left["recordings"], left["verify"])
+            with noting() as noted:
+                status, result, said, report = _command(task, folder, left["recordings"], left["verify"])
+            _check([path for paths in left.values() for path in paths if status != 2], expected, noted)
+        elif not bad and any(noted.get(path) != one for path, one in expected.items()):
+            _check(expected, expected, {})
+            before = status, said
+            status, result, said, report = _command(task, folder, given["recordings"], given["verify"])
+            _check(expected, expected, {})
+            if before != (status, said):
+                raise AwayError("a recording could be read only now and then")
     row: dict[str, Any] = {"unreadable": [{**one, "path": _shown(one["path"], folder)} for one in unreadable]}
     lines = [_shown(line, folder) for line in said]
     if status == 2:
@@ -61,6 +105,16 @@ def _asked(task: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise WorkError("\n".join(lines))
     found = json.loads(_shown(json.dumps(result), folder))
     return row | {"status": "done", "result": _steady(found), "notes": lines, "report": report}
+
+
+def _check(paths: Iterable[str], expected: Mapping[str, str], noted: Mapping[str, str]) -> None:
+    """Raise AwayError unless each of the `paths` was `noted` to hold what is expected, or at least does so now."""
+    for path in paths:
+        if path in expected and noted.get(path) != expected[path]:
+            with refused(AwayError, "could not be reached ({})", path, ""):
+                found = sha256_file(path)
+            if found != expected[path]:
+                raise AwayError(CHANGED, where=path)
 
 
 def _command(
@@ -128,21 +182,35 @@ def row_of_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _unreadable(task: Mapping[str, Any], folder: Path, paths: Sequence[str]) -> list[dict[str, str]]:
-    """Return the recordings that cannot be read, each with the reason."""
+def _unreadable(
+    task: Mapping[str, Any], folder: Path, paths: Sequence[str], expected: Mapping[str, str]
+) -> list[dict[str, str]]:
+    """Return the recordings that cannot be read, each with the reason; AwayError for one that is only away."""
+    out = []
+    for path in paths:
+        reason, noted = _why_not(task, path)
+        if path in expected and noted.get(path) != expected[path]:
+            _check([path], expected, {})
+            if _why_not(task, path)[0] != reason:
+                raise AwayError("could be read only now and then", where=path)
+        if reason:
+            out.append({"path": path, "reason": _shown(reason, folder).replace("\n", " ")})
+    return out
+
+
+def _why_not(task: Mapping[str, Any], path: str) -> tuple[str, dict[str, str]]:
+    """Return why a recording cannot be read, "" where it can, and what was read."""
     from ground.errors import ExoidError
     from workbench.command import verb_parser
     from workbench.command_line.inputs import load
 
-    out = []
-    for path in paths:
-        words = [*task["options"], path]
+    with noting() as noted:
         try:
             with contextlib.redirect_stderr(io.StringIO()):
-                load(verb_parser(task["verb"]).parse(words))
+                load(verb_parser(task["verb"]).parse([*task["options"], path]))
         except ExoidError as error:
-            out.append({"path": path, "reason": _shown(str(error), folder).replace("\n", " ")})
-    return out
+            return str(error), noted
+    return "", noted
 
 
 def _placed(one: Mapping[str, Any], folder: Path, number: int, role: str) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from workbench.command_line.files import check_folder, write_json
 from workbench.command_line.options import whole_number
 from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
     from ground.engines.engine import Engine
@@ -111,7 +111,10 @@ def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None
     kept = f", {found.kept} of them from before" if found.kept else ""
     screen.say(f"{len(rows)} jobs: {parts}{kept}; {engine.name}, {found.seconds:.0f} s")
     for event in found.events:
-        screen.say(event, "warn")
+        warn(event)
+    if away := found.counts.get("away"):
+        what = "recordings that could not be reached: give the same command again when they are there"
+        warn(f"{away} jobs wait for {what}" if away > 1 else f"1 job waits for {what}")
     if unread := unreadable(found.rows):
         screen.say(f"left out, since they cannot be read: {len(unread)}; why: {folder / 'unreadable.csv'}", "warn")
     if found.plan.device and not has_statsmodels():

@@ -31,6 +31,8 @@ LARGEST = 100_000_000
 RECORDINGS = "recordings"
 DIGITS = 32
 """Hexadecimal digits of the content's SHA-256 in the name of a copy."""
+LONGEST_STEM = 32
+"""Letters of a recording's name in that of its copy, so that a browser which drops it hands on all of it."""
 COPY = re.compile(rf".+-[0-9a-f]{{{DIGITS}}}(\.[^.]*)?")
 NAME = re.compile(rf"base\.toml|{RECORDINGS}/[A-Za-z0-9_-][A-Za-z0-9._-]*")
 """Copies as a session.json may name them; those of older ones are numbered."""
@@ -161,7 +163,7 @@ class SessionFolder:
 
     def _named(self, content: str, digest: str) -> Path:
         name = Path(safe_name(content))
-        return self.folder / RECORDINGS / f"{name.stem}-{digest[:DIGITS]}{name.suffix}"
+        return self.folder / RECORDINGS / f"{name.stem[:LONGEST_STEM]}-{digest[:DIGITS]}{name.suffix[:12]}"
 
     def _take(self, real: Path, target: Path) -> None:
         """Copy a file, or a folder of files, in one step."""

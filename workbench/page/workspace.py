@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import difflib
 import shutil
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from diagnosis.session.history import History
 from ground.errors import EffectError, ExoidError, RecordingError
+from ground.lock import private_folder
 from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
@@ -46,7 +46,8 @@ class Workspace:
     ) -> None:
         self.remembered, self.seed, self.cutoff, self.derivative = remembered, seed, cutoff, derivative
         self.mapped = 0
-        self.place = Path(tempfile.mkdtemp(prefix="exoid-open-"))
+        self._own = private_folder("exoid-open-")
+        self.place = self._own.folder
         self.given: list[Given] = []
         self.model_path: Path | None = None
         self.model_name = ""
@@ -90,6 +91,7 @@ class Workspace:
         if self.playing is not None:
             self.playing.cancel()
         shutil.rmtree(self.place, ignore_errors=True)
+        self._own.release()
 
     def end(self) -> None:
         """Wake up everybody who waits, for the last time. Safe in a handler of signals."""
