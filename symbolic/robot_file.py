@@ -25,6 +25,8 @@ LARGEST = 20_000_000
 """Bytes of a URDF; meshes are in files of their own."""
 DEEPEST = 64
 """Elements inside each other; URDF has six."""
+FARTHEST = 1e30
+"""Of any number of a machine: beyond, products of places would overflow. Limits of 1e16 and the like mean none."""
 MOVING = ("revolute", "continuous", "prismatic")
 ENCODINGS = (LookupError, ValueError, TypeError)
 """What looking up an encoding raises; UnicodeError is a ValueError."""
@@ -189,7 +191,7 @@ def numbers_of(element: Element, key: str, default: Sequence[float], where: str)
         values = np.array([float(part) for part in text.split()])
     except ValueError:
         values = np.array([math.nan])
-    if len(values) != len(default) or not np.isfinite(values).all():
+    if len(values) != len(default) or not np.all(np.abs(values) <= FARTHEST):
         raise RobotFileError(
             f'{key}="{text[:60]}" is not {len(default)} numbers', where=f"{where}: <{element.tag}>", remedy="mend it"
         )

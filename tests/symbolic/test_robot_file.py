@@ -155,3 +155,9 @@ def test_other_encodings_are_read(encoding):
 def test_two_of_one_name_are_refused(kind, once, again):
     with pytest.raises(RobotFileError, match=f"two {kind}s are called '{again}'"):
         parse_robot(LEG.replace(f'<{kind} name="{once}"', f'<{kind} name="{again}"').encode())
+
+
+@pytest.mark.parametrize("number", ["1e308", "inf", "nan", "1e400"])
+def test_numbers_that_no_machine_has_are_refused(number):
+    with pytest.raises(RobotFileError, match="is not 3 numbers"):
+        parse_robot(LEG.replace('xyz="0 0 -0.4"', f'xyz="0 0 {number}"').encode())
