@@ -72,8 +72,39 @@ def _half_a_verdict(content):
     del content["verdicts"][0]["found"]["sentence"]
 
 
+def _endless_seed(content):
+    content["seed"] = float("inf")
+
+
+def _negative_seed(content):
+    content["seed"] = -5
+
+
+def _no_cutoff(content):
+    content["cutoff"] = float("nan")
+
+
+def _endless_place(content):
+    content["history"]["at"] = float("inf")
+
+
+def _brackets(content):
+    for _ in range(900):
+        content["own_effects"] = [content["own_effects"]]
+
+
 @pytest.mark.parametrize(
-    ("spoil", "why"), [(_outside, "outside"), (_unknown_effect, "elbow"), (_half_a_verdict, "sentence")]
+    ("spoil", "why"),
+    [
+        (_outside, "outside"),
+        (_unknown_effect, "elbow"),
+        (_half_a_verdict, "sentence"),
+        (_endless_seed, "seed"),
+        (_negative_seed, "seed"),
+        (_no_cutoff, "cut-off"),
+        (_endless_place, "infinity"),
+        (_brackets, "no session"),
+    ],
 )
 def test_a_session_that_was_spoilt_is_refused_as_a_whole(full, tmp_path, spoil, why):
     folder = save(full, tmp_path / "kept")

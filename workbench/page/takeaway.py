@@ -256,8 +256,12 @@ def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) ->
         effect, _, joint = name.partition(":")
         workspace.model.with_effect(workspace.own.get(effect, effect), joint or None)  # refuses what does not exist
     workspace.cutoff = None if content["cutoff"] is None else float(content["cutoff"])
+    if workspace.cutoff is not None and not 0.0 < workspace.cutoff < math.inf:
+        raise ValueError("its cut-off is no frequency")
     workspace.derivative = str(content["derivative"])
-    workspace.seed = int(content["seed"])
+    if type(content["seed"]) is not int or content["seed"] < 0:
+        raise ValueError("its seed is no whole number from 0 on")
+    workspace.seed = content["seed"]
     for one in recordings:
         workspace.add_file(**one)
     workspace.change_history(lambda _: history)
