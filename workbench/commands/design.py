@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ground.ties import least_of
 from workbench.command_line.deliver import deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
 from workbench.command_line.options import (
@@ -109,6 +108,8 @@ def _design(args: argparse.Namespace) -> int:
     _show(screen, found)
     if args.out:
         _write_motion(screen, args.out, found, sampled)
+    from ground.ties import least_of
+
     missed = args.target is not None and not found.value <= args.target
     if missed:
         screen.say(f"{found.value:.5g} is above the target of {args.target:g}", "bad")
