@@ -41,10 +41,10 @@ class FollowedNumbers:
     followed: tuple[Acting, ...] = ()
     past: deque[_Moment] = field(default_factory=lambda: deque(maxlen=SPANS[-1]))
 
-    def take(self, one: Window) -> None:
-        """Learn from a window of samples as they came."""
+    def take(self, one: Window, base: Float | None = None) -> None:
+        """Learn from a window of samples as they came; `base` are the model's columns (J, K, P) there, if known."""
         self.past.append(_Moment(one, deepcopy(self.estimator), self.followed))
-        self._learn(one)
+        self._learn(one, self.now.block_of(one).columns if base is None else base)
 
     def estimates(self) -> tuple[Estimate, ...]:
         """Return the numbers as they are now, those of the model first."""
@@ -80,8 +80,7 @@ class FollowedNumbers:
             self.estimator = self.estimator.extended(own, tuple(e.unit for e in one.change), size)
             self.followed = (*self.followed, one.acting.scaled(scale))
 
-    def _learn(self, one: Window) -> None:
-        base = self.now.block_of(one).columns
+    def _learn(self, one: Window, base: Float) -> None:
         own = base[:, :, : len(self.now.model.parameters)]
         columns = [own, *(acting.columns(one, base, self.now) * acting.size for acting in self.followed)]
         whole: Float = np.moveaxis(np.concatenate(columns, axis=2), 0, 1)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.watching.alarm import Detector
 from diagnosis.watching.questions import questions
 from diagnosis.watching.scores import Scores, placebos, scores
@@ -30,9 +31,9 @@ class Usual:
     scale: Float
     rms: Float
 
-    def scores(self, one: Window) -> Scores:
-        """Return how much of all columns a window has beyond what is usual."""
-        block = self.now.block_of(one)
+    def scores(self, one: Window, block: RecordingEvidence | None = None) -> Scores:
+        """Return how much of all columns a window has beyond what is usual; `block` is it as evidence, if known."""
+        block = block or self.now.block_of(one)
         return scores(self.watched.columns(one, block.columns), block.residual, block.use, self.scale, block)
 
     def errors(self, one: Window) -> Float:

@@ -165,16 +165,21 @@ class Watcher:
     # -- blocks -----------------------------------------------------------------------------------------------
 
     def _block(self, one: Window) -> list[Event]:
-        if self.numbers is not None:
-            self.numbers.take(one)
         if self.reference is None:
-            self.kept.append(one if self.numbers is None else as_usual(one, self.numbers.now, self.lasting))
+            if self.numbers is not None:
+                self.numbers.take(one)
+                one = as_usual(one, self.numbers.now, self.lasting)
+            self.kept.append(one)
             return self._learn() if len(self.kept) >= self.settings.learn else []
+        usual = self._as_usual(one)
+        block = self.reference.now.block_of(usual)
+        if self.numbers is not None:
+            self.numbers.take(one, block.columns)
         events = self._told()
         detector = self.reference.detector
         leaving = self.recent[0] if len(detector.recent) == SPANS[-1] else None
         self.recent.append(one)
-        found = detector.take(self._scores(one))
+        found = detector.take(self.reference.scores(usual, block))
         if leaving is not None:
             self._remember(self._as_usual(leaving))
         if self.pending is not None:
