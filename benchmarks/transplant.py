@@ -44,7 +44,8 @@ from measurement.bench.hidden import Hidden, true_model  # noqa: E402
 from measurement.bench.leg import Leg  # noqa: E402
 from measurement.reading.read import read_recording  # noqa: E402
 from measurement.recording import Recording  # noqa: E402
-from measurement.signals.conditioning import derivatives, low_pass, uniform_sampling, widen  # noqa: E402
+from measurement.signals.conditioning import derivatives, low_pass, uniform_sampling  # noqa: E402
+from measurement.signals.masks import widen  # noqa: E402
 from optimisation.fitting.identify import identify  # noqa: E402
 from optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
 from optimisation.preparation.prepare import prepare  # noqa: E402

@@ -50,8 +50,9 @@ class Recording:
 
     `joints` (J,) are those of the machine, in the order of the columns: hip and knee unless given.
     `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
-    (interpolated) that must not be used. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and the cuff
-    `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
+    (interpolated) that must not be used. `angle_valid` and `torque_valid` (N, J) say the same of each angle and
+    each torque: what is missing of one says nothing of another. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and
+    the cuff `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
     text files), for messages. `payloads` are known masses that hung on the leg meanwhile, `conventions` the
     names of those it was converted from, `passive` the joints that had no drive meanwhile: their torque is zero,
     whatever their channel reads. `base` (N, 3) is how a measured base moved: its angle rad and its acceleration
@@ -74,6 +75,8 @@ class Recording:
     passive: tuple[str, ...] = ()
     joints: tuple[Joint, ...] = LEG
     base: Float | None = None
+    angle_valid: NDArray[np.bool_] = None  # type: ignore[assignment]
+    torque_valid: NDArray[np.bool_] = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
@@ -100,6 +103,20 @@ class Recording:
         for name, value in (("valid", valid), ("row", row)):
             value.setflags(write=False)
             object.__setattr__(self, name, value)
+        for name in ("angle_valid", "torque_valid"):
+            object.__setattr__(self, name, self._cells(name, getattr(self, name)))
+
+    def _cells(self, name: str, given: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+        """Return which values (N, J) of a channel are valid: never those of a row that is not."""
+        shape = (len(self), len(self.joints))
+        rows = np.broadcast_to(self.valid[:, None], shape)
+        if given is None:
+            return rows
+        if np.shape(given) != shape:
+            raise ValueError(f"recording.{name} has shape {np.shape(given)}, expected {shape}")
+        cells = rows & np.asarray(given, dtype=bool)
+        cells.setflags(write=False)
+        return cells
 
     def __len__(self) -> int:
         return int(self.t.shape[0])
@@ -113,6 +130,11 @@ class Recording:
     def rate(self) -> float:
         """Median sampling rate in Hz (0 for fewer than two samples)."""
         return 1.0 / float(np.median(np.diff(self.t))) if len(self) > 1 else 0.0
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """Rows (N,) of which every angle and every torque is valid."""
+        return np.asarray(self.valid & self.angle_valid.all(axis=1) & self.torque_valid.all(axis=1))
 
     @property
     def duration(self) -> float:
@@ -163,18 +185,19 @@ class Recording:
         return {name: values for name, values in every.items() if values is not None}
 
     def columns(self) -> dict[str, Float]:
-        """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; invalid rows are
-        NaN."""
+        """Return {name: (N,)} with the canonical names t, q1, q2, tau1, ... in SI units; what is not valid is NaN."""
         out: dict[str, Float] = {"t": self.t}
+        rows = np.broadcast_to(self.valid[:, None], self.q.shape)
+        cells = {"q": self.angle_valid, "tau": self.torque_valid}
         for label, values in self.quantities.items():
             for joint in range(len(self.joints)):
-                out[f"{label}{joint + 1}"] = np.where(self.valid, values[:, joint], np.nan)
+                out[f"{label}{joint + 1}"] = np.where(cells.get(label, rows)[:, joint], values[:, joint], np.nan)
         if self.base is not None:
             out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(BASE_COLUMNS)}
         return out
 
     def to_frame(self) -> Any:
-        """Return a pandas DataFrame of the canonical columns; invalid rows are NaN except for their time."""
+        """Return a pandas DataFrame of the canonical columns; what is not valid is NaN, times excepted."""
         return pandas().DataFrame(self.columns())
 
     def to_polars(self) -> Any:
@@ -228,7 +251,7 @@ def _kept(values: Any, kind: type) -> NDArray[Any]:
 def to_csv(recording: Recording) -> bytes:
     """Return `recording` as CSV: canonical names, LF, shortest digits that read back as the same numbers.
 
-    A row that is not valid is written with empty cells after its time, so that it is masked again when read.
+    What is not valid is written as an empty cell, so that it is masked again when read.
     """
     columns = recording.columns()
     text = io.StringIO()

@@ -30,7 +30,6 @@ from ground.engines.workers import postpone, share_out
 from ground.minimum import minimum
 from ground.ties import least_of
 from measurement.signals.compiled import solved_banded
-from measurement.signals.conditioning import derivatives
 from optimisation.fitting.identify import identify
 from optimisation.linear.factor import factorise
 from symbolic.catalogue import find_effect
@@ -268,7 +267,8 @@ class _Link:
         load = self.one.wide_tau[:, self.joint] - own[:, self.friction] @ linear[self.friction]
         rigid = own[:, self.inertial] @ carried[self.inertial]
         turned = twist(load, rigid, self.slopes(linear), compliance, rate)[:, None]
-        speed, rise = derivatives(turned, rate)
+        speed, rise = np.gradient(turned, 1.0 / rate, axis=0), np.zeros_like(turned)
+        rise[1:-1] = (turned[2:] - 2.0 * turned[1:-1] + turned[:-2]) * rate**2  # as the twist was found with
         at, only = self.motion, np.eye(self.motion.q.shape[1])[self.joint]
         link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
         columns = self.still.copy()

@@ -88,6 +88,6 @@ def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> Pre
         used=one.used[:, inside],
         kept=kept - first,
         wide_tau=one.wide_tau[first:last],
-        logged_tau=None if one.logged_tau is None else one.logged_tau[first:last],
         stuck=one.stuck[first:last],
+        hidden=one.hidden[first:last],
     )

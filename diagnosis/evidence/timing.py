@@ -14,12 +14,13 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
 from ground.engines.workers import share_out
 from ground.ties import index_of_least, least_of
-from measurement.signals.conditioning import median_outliers
+from measurement.reading.angles import running_median
 from optimisation.linear.factor import factorise
-from optimisation.preparation.filtering import OUTLIER, OUTLIER_SECONDS
 from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 
+NEARBY, FAR = 0.11, 4.0
+"""Width in s of the median beside which a changed torque has spikes, and robust deviations from which on it does."""
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s."""
 LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
@@ -148,7 +149,7 @@ class _Readings:
     """The torque of the fitted recordings as it was logged, to be read otherwise and explained anew.
 
     It is the torque that is changed, not the model: what dry friction does while a joint sticks stays where it is, and
-    so do outliers, which a filter smears and its inverse restores.
+    so do spikes, which a filter smears and its inverse restores.
     """
 
     def __init__(self, base: FittedModel) -> None:
@@ -173,16 +174,16 @@ class _Readings:
         copies of this process.
         """
         tried = [(kind, value) for kind, (_, values) in CHANGES.items() for value in values]
-        found = dict(zip(tried, self._each(tried, None, 1), strict=True))
+        found = dict(zip(tried, self._each(tried, None), strict=True))
         return {kind: {value: found[kind, value] for value in sorted(values)} for kind, (_, values) in CHANGES.items()}
 
-    def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None, rounds: int) -> list[Float]:
+    def _each(self, tried: Sequence[tuple[str, float]], which: np.ndarray | None) -> list[Float]:
         """Return what is left (J,) with the torques of `which` changed in each of the ways `tried` (kind, seconds)."""
         found: dict[int, Float] = {}
 
         def work(k: int) -> list[float]:
             kind, value = tried[k]
-            return self.left(CHANGES[kind][0], value, which, rounds).tolist()
+            return self.left(CHANGES[kind][0], value, which).tolist()
 
         share_out(work, range(len(tried)), lambda k, left: found.update({k: np.array(left)}))
         return [found[k] for k in range(len(tried))]
@@ -199,40 +200,38 @@ class _Readings:
             return None
         least, kind, value, alike = min(
             (float(left[which].sum()), *one, bool(np.all(left[which] <= 2.0 * rules.late_gain * self.now[which])))
-            for one, left in zip(fine, self._each(fine, which, 2), strict=True)
+            for one, left in zip(fine, self._each(fine, which), strict=True)
         )
         return _Reading(kind, value, least / float(self.now[which].sum()), which) if least <= most and alike else None
 
     def left(
-        self,
-        change: Callable[[Float, float], Float] | None,
-        seconds: float = 0.0,
-        which: np.ndarray | None = None,
-        rounds: int = 2,
+        self, change: Callable[[Float, float], Float] | None, seconds: float = 0.0, which: np.ndarray | None = None
     ) -> Float:
         """Return the share (J,) of its variance that a fit leaves of each torque if those of `which` are changed."""
-        linear, square, size = self.linear, np.zeros(len(self.use)), np.zeros(len(self.use))
-        for _ in range(rounds):  # outliers are judged beside the model, which is fitted without them
-            parts = [self._read(k, linear, change, seconds, which) for k in range(len(self.train))]
-            tau = np.concatenate(parts, axis=1)
-            linear = self.solve @ (tau * self.use).ravel()
-            square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
-            size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
+        tau = np.concatenate([self._read(k, change, seconds, which) for k in range(len(self.train))], axis=1)
+        linear = self.solve @ (tau * self.use).ravel()
+        square = np.sum(((tau - self.columns @ linear) * self.use) ** 2, axis=1)
+        size = np.array([t[u].var() * u.sum() if u.any() else 0.0 for t, u in zip(tau, self.use, strict=True)])
         return np.where(size > 0.0, square / np.where(size > 0.0, size, 1.0), 0.0)
 
     def _read(
-        self,
-        index: int,
-        linear: Float,
-        change: Callable[[Float, float], Float] | None,
-        seconds: float,
-        which: np.ndarray | None,
+        self, index: int, change: Callable[[Float, float], Float] | None, seconds: float, which: np.ndarray | None
     ) -> Float:
         one = self.train[index]
-        tau = one.wide_tau if one.logged_tau is None else one.logged_tau
-        if change is not None:
-            changed = change(tau, seconds * one.rate)
-            tau = changed if which is None else np.where(which, changed, tau)
-        known = (self.raw[index] @ linear).T
-        bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, one.rate, OUTLIER)
-        return one.smooth(np.where(bad, known + middle, tau))
+        if change is None:
+            return one.torque
+        changed = change(one.wide_tau, seconds * one.rate)
+        changed = changed if which is None else np.where(which, changed, one.wide_tau)
+        return one.smooth(_without_spikes(changed, (self.raw[index] @ self.linear).T, one.rate))
+
+
+def _without_spikes(tau: Float, known: Float, rate: float) -> Float:
+    """Return `tau` (N, J) without what stands far off its neighbours beside the torque `known` (N, J): a filter smears
+    spikes, and its inverse restores them.
+    """
+    window = max(5, round(NEARBY * rate) | 1)
+    rest = tau - known
+    middle = np.column_stack([running_median(channel, window) for channel in rest.T])
+    away = np.abs(rest - middle)
+    scale = np.median(away, axis=0) / 0.6745
+    return np.where(away > FAR * np.maximum(scale, 1e-300), known + middle, tau)

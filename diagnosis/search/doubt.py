@@ -11,7 +11,7 @@ from diagnosis.evidence.model_error import fitted_seconds
 from diagnosis.rules import Rules
 from diagnosis.search.state import Extension
 from ground.ties import index_of_greatest
-from measurement.signals.conditioning import widen
+from measurement.signals.masks import widen
 from optimisation.fitting.shapes import to_unit
 from optimisation.preparation.prepare import Prepared
 from symbolic.language.torque import is_transform

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from ground.errors import ExpressionError, NotEnoughDataError
 from ground.plain import AsJson
-from measurement.signals.conditioning import ORDER, widen
+from measurement.signals.conditioning import ORDER
+from measurement.signals.masks import widen
 from measurement.trajectories.trajectory import Fourier
 from optimisation.excitation.criteria import Noise
 from optimisation.fitting.assemble import Assembly, settle
@@ -96,6 +97,7 @@ def planned(
         angle_noise=none,
         band=INNER * cutoff,
         stuck=stuck,
+        hidden=stuck,
         standing=none > 0.0,
         driven=none == 0.0,
         full_rate=RATE,

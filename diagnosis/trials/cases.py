@@ -37,7 +37,8 @@ from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, random_leg
 from measurement.bench.machine import Machine, random_machine
 from measurement.bench.simulation import BenchError, BenchRun, simulate_runs
-from measurement.signals.conditioning import low_pass, widen
+from measurement.signals.conditioning import low_pass
+from measurement.signals.masks import widen
 from measurement.trajectories.trajectory import random_trajectory
 from optimisation.preparation.filtering import STICK, reaches
 from symbolic.catalogue import catalogue

@@ -66,6 +66,7 @@ def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
         angle_noise=np.zeros(joints),
         band=filters.cutoff,
         stuck=samples.good == 0.0,
+        hidden=samples.good == 0.0,
         standing=idle,
         driven=~idle,
         full_rate=filters.rate,
@@ -106,6 +107,7 @@ def _joined(group: Sequence[Window]) -> Window:
         kept=np.concatenate([one.kept - cut + at for one, cut, at in zip(group, cuts, starts[:-1], strict=True)]),
         wide_tau=whole(one.wide_tau for one in group),
         stuck=whole(one.stuck for one in group),
+        hidden=whole(one.hidden for one in group),
         weights=whole(one.weights for one in group),
     )
 

@@ -43,12 +43,13 @@ class Channel:
 
 
 def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
-    """Yield the channels of the quantities `keys` ("q", "tau", ...) that the recording has, valid rows
+    """Yield the channels of the quantities `keys` ("q", "tau", ...) that the recording has, valid samples
     only."""
-    at = np.flatnonzero(recording.valid)
-    whole = at.size == len(recording)
+    valid = {"q": recording.angle_valid.T, "tau": recording.torque_valid.T}
     for key, values in recording.quantities.items():
         for j, joint in enumerate(recording.joints if key in keys else ()):
+            at = np.flatnonzero(valid[key][j] if key in valid else recording.valid)
+            whole = at.size == len(recording)
             label = f"{joint.name} {WORDS[key][not joint.turns]}"
             yield Channel(f"{key}{j + 1}", label, joint.unit(key), values[:, j] if whole else values[at, j], at, joint)
 

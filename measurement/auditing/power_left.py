@@ -84,7 +84,8 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
 def _rows(motion: Smooth, thin: int) -> Smooth:
     keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
     q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
-    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=None if motion.base is None else motion.base[keep])
+    base = None if motion.base is None else motion.base[keep]
+    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=base, measured=motion.measured[keep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,14 +103,15 @@ class _Sums:
 
 def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sums:
     tau = np.concatenate([motion.tau for motion in group])
-    counts = np.concatenate([np.repeat(m[None], len(one.q), axis=0) for m, one in zip(moves, group, strict=True)])
+    counts = np.concatenate([one.measured[:, None] & m for m, one in zip(moves, group, strict=True)])
     mean = np.sum(tau * counts, axis=0) / np.maximum(counts.sum(axis=0), 1)
     tau = (tau - mean) * counts  # constant offsets are nobody's sign
     q, dq, ddq = (np.concatenate(parts) for parts in zip(*((one.q, one.dq, one.ddq) for one in group), strict=True))
     known = [one.base for one in group if one.base is not None]
     base = np.concatenate(known) if len(known) == len(group) else None
     turn = to.angle.T
-    whole = replace(group[0], q=q @ turn + to.zero, dq=dq @ turn, ddq=ddq @ turn, tau=tau, base=base)
+    q, dq, ddq = q @ turn + to.zero, dq @ turn, ddq @ turn
+    whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, measured=np.asarray(counts.any(axis=1)))
     y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size, count = y.shape[2], tau.shape[1]

@@ -23,6 +23,7 @@ from measurement.auditing.non_negative import non_negative
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import both_ways, low_pass_filter
+from measurement.signals.masks import widen
 from symbolic.joints import LEG, Joint, is_leg, parents
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
 from symbolic.motion import Float
@@ -30,6 +31,8 @@ from symbolic.motion import Float
 CUTOFF = 5.0
 """Hz. Low on purpose: noise of the second derivative pulls inertias to zero."""
 MOST_SECONDS, ROWS = 120.0, 1500
+HOLE = 5.0
+"""Median steps between samples that count as a hole."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +51,24 @@ class Smooth:
     base: Float | None = None
     joints: tuple[Joint, ...] = LEG
     weighs: bool = True
+    measured: NDArray[np.bool_] = None  # type: ignore[assignment]
+    """Samples (K,) at which angles and torques were measured, and not filled in; all where nothing is said."""
+
+    def __post_init__(self) -> None:
+        if self.measured is None:
+            object.__setattr__(self, "measured", np.ones(len(self.q), dtype=bool))
 
     @cached_property
-    def sums(self) -> tuple[Float, Float, NDArray[np.int_]]:
-        """The columns (J, K, P) around their means, without offsets, their Gram matrices (J, P, P), the rows (K,)."""
+    def sums(self) -> tuple[Float, Float, NDArray[np.int_], Float]:
+        """The columns (J, K, P) around their means, without offsets, their Gram matrices (J, P, P), the rows (K,), and
+        the share of each in the means.
+        """
         rows = np.arange(len(self.q))[self.keep]
+        seen = self.measured[rows]
         parts = columns(self.q[rows], self.dq[rows], self.ddq[rows])[:, :, :OFFSETS]
-        parts = parts - parts.mean(axis=1, keepdims=True)
-        return parts, np.swapaxes(parts, 1, 2) @ parts, rows
+        share = seen / max(1, int(seen.sum()))
+        parts = (parts - (share @ parts)[:, None]) * seen[:, None]
+        return parts, np.swapaxes(parts, 1, 2) @ parts, rows, share
 
 
 _SMOOTH: dict[tuple[int, ...], Smooth | None] = {}
@@ -65,7 +78,7 @@ _SMOOTH: dict[tuple[int, ...], Smooth | None] = {}
 def smooth(recording: Recording) -> Smooth | None:
     """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
     short."""
-    arrays = (recording.t, recording.q, recording.tau, recording.valid)
+    arrays = (recording.t, recording.q, recording.tau, recording.valid, recording.angle_valid, recording.torque_valid)
     key = tuple(map(id, arrays))
     if key not in _SMOOTH:
         _SMOOTH[key] = _smoothed(recording)
@@ -77,16 +90,19 @@ def smooth(recording: Recording) -> Smooth | None:
 def _smoothed(recording: Recording) -> Smooth | None:
     if not len(recording):
         return None
-    valid = recording.valid & (recording.t <= recording.t[0] + MOST_SECONDS)
-    t = recording.t[valid]
-    if t.size < 100 or t[-1] - t[0] < 3.0 or recording.rate < 4 * CUTOFF:
+    near = recording.t <= recording.t[0] + MOST_SECONDS
+    moved, pulled = (near & valid.all(axis=1) for valid in (recording.angle_valid, recording.torque_valid))
+    t = recording.t[moved]
+    if np.count_nonzero(moved & pulled) < 100 or t.size < 100 or t[-1] - t[0] < 3.0 or recording.rate < 4 * CUTOFF:
         return None
     step = max(1.0 / recording.rate, 0.005)
     even = np.arange(t[0], t[-1], step)
     pairs = []
-    for pair in (recording.q, recording.tau, *(() if recording.base is None else (recording.base,))):
+    base_motion = () if recording.base is None else ((recording.base, moved),)
+    for pair, valid in ((recording.q, moved), (recording.tau, pulled), *base_motion):
         # the running median takes out single outliers, which a filter would smear over its whole length
-        values = np.column_stack([np.interp(even, t, running_median(column, 7)) for column in pair[valid].T])
+        known = recording.t[valid]
+        values = np.column_stack([np.interp(even, known, running_median(column, 7)) for column in pair[valid].T])
         pairs.append(both_ways(low_pass_filter(2, 2.0 * CUTOFF * step), values, 9))
     q, tau, *others = pairs
     dq = np.gradient(q, step, axis=0)
@@ -97,7 +113,20 @@ def _smoothed(recording: Recording) -> Smooth | None:
         base = np.column_stack([angle, rate, np.gradient(rate, step), others[0][:, 1:]])
     edge = round(0.5 / step)
     thin = max(1, (even.size - 2 * edge) // ROWS)
-    return Smooth(q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin), base, recording.joints)
+    measured = _measured(even, recording.t[moved & pulled], 1.0 / recording.rate)
+    return Smooth(
+        q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin), base, recording.joints,
+        measured=measured,
+    )  # fmt: skip
+
+
+def _measured(even: Float, t: Float, step: float) -> NDArray[np.bool_]:
+    """Return which of the samples `even` (K,) lie within what was measured at `t` s, every `step`, and half a period of
+    the cut-off away from holes.
+    """
+    after = np.clip(np.searchsorted(t, even, side="right"), 1, t.size - 1)
+    hole = (t[after] - t[after - 1] > HOLE * step) | (even > t[-1]) | (even < t[0])
+    return np.asarray(~widen(hole, round(0.5 / CUTOFF / (even[1] - even[0]))))
 
 
 def unexplained(
@@ -108,20 +137,20 @@ def unexplained(
 
     Where even numbers that may be negative leave more than `most`, summed over the joints, it is infinite.
     """
-    parts, grams, rows = motion.sums
+    parts, grams, rows, share = motion.sums
     shift = np.array(delays) / motion.step
     whole = np.floor(shift).astype(int)
     far = int(np.abs(whole).max()) + 1
     torques = np.pad(motion.tau.T, ((0, 0), (far, far)), mode="edge")
-    count, thin = rows.size, int(rows[1] - rows[0])
+    thin = int(rows[1] - rows[0])
     slopes, square = np.empty((whole.size, *grams.shape[:2])), np.empty((whole.size, len(torques)))
     for k, (first, part) in enumerate(zip((rows[0] + far + whole).tolist(), shift - whole, strict=True)):
-        place = slice(first, first + (count - 1) * thin + 1, thin)
+        place = slice(first, first + (rows.size - 1) * thin + 1, thin)
         after = slice(place.start + 1, place.stop + 1, thin)
         tau = torques[:, place] if part == 0.0 else (1.0 - part) * torques[:, place] + part * torques[:, after]
-        tau = tau - tau.mean(axis=1, keepdims=True)  # constant offsets are nobody's sign, so they may have both
+        tau = tau - (tau @ share)[:, None]  # constant offsets are nobody's sign, so they may have both
         slopes[k] = (tau[:, None] @ parts)[:, 0]
-        square[k] = np.sum(tau**2, axis=1) / count
+        square[k] = tau**2 @ share
     # Each joint counts alike, whatever its torque.
     scale = np.maximum(np.sqrt(square), 1e-12)
     weight = np.array(factors) * scale
@@ -129,7 +158,7 @@ def unexplained(
     slopes /= (scale * weight)[:, :, None]
     slope = slopes.sum(axis=1)
     gram = np.tensordot(1.0 / weight**2, grams, 1)
-    out = np.full(power.shape, np.inf)
+    out, count = np.full(power.shape, np.inf), max(1, int(np.count_nonzero(share)))
     x = np.zeros(OFFSETS)
     promising = power.sum(axis=1) - _most_explained(gram, slope) / count <= most
     for k in np.flatnonzero(promising).tolist():

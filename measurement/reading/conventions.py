@@ -16,6 +16,7 @@ from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ground.errors import RecordingError
 from ground.suggest import did_you_mean
@@ -315,14 +316,26 @@ def read_as(recording: Recording, called: str | Iterable[str]) -> Recording:
         return recording
     to = combined_map(chosen, recording.joints)
     q, tau = to.applied(recording.q, recording.tau)
-    if (np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle)))) and recording.valid.any():
+    angle_valid, torque_valid = (
+        _mapped(valid, matrix)
+        for valid, matrix in ((recording.angle_valid, to.angle), (recording.torque_valid, to.torque))
+    )
+    valid = angle_valid.all(axis=1)
+    if (np.any(to.zero) or np.any(to.angle - np.diag(np.diag(to.angle)))) and valid.any():
         turns = np.array([joint.turns for joint in recording.joints])
-        q = q - 2 * np.pi * turns * np.round(np.median(q[recording.valid], axis=0) / (2 * np.pi))
+        q = q - 2 * np.pi * turns * np.round(np.median(q[valid], axis=0) / (2 * np.pi))
     return replace(
         recording,
+        angle_valid=angle_valid,
+        torque_valid=torque_valid,
         q=q,
         tau=tau,
         dq=None if recording.dq is None else recording.dq @ to.angle.T,
         ddq=None if recording.ddq is None else recording.ddq @ to.angle.T,
         conventions=(*recording.conventions, *(one.name for one in chosen)),
     )
+
+
+def _mapped(valid: NDArray[np.bool_], matrix: Float) -> NDArray[np.bool_]:
+    """Return which values (N, J) are valid after `matrix` (J, J): those of which every part is."""
+    return valid if valid.all() else np.asarray((~valid).astype(float) @ (matrix != 0.0).T == 0.0)

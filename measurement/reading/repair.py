@@ -6,7 +6,7 @@ Order matters: cells first, then the clock, then angles; each step sees only row
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,10 @@ ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usa
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """Columns {canonical: (N,)} in SI units that may still hold NaN, with `valid` (N,) and `row` (N,)."""
+    """Columns {canonical: (N,)} in SI units that may still hold NaN, with `valid` (N,) and `row` (N,).
+
+    `missing` {canonical: (N,)} are cells of angles and torques that say nothing, in rows that are valid otherwise.
+    """
 
     columns: Mapping[str, Float]
     valid: NDArray[np.bool_]
@@ -42,6 +45,29 @@ class Draft:
     file: str
     findings: tuple[Finding, ...] = ()
     joints: tuple[Joint, ...] = LEG
+    missing: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+
+    def good(self, name: str) -> NDArray[np.bool_]:
+        """Return which cells (N,) of a column can be used."""
+        return self.valid & ~self.missing[name] if name in self.missing else self.valid
+
+    def without(self, name: str, cells: NDArray[np.bool_]) -> Draft:
+        """Return the draft without the `cells` (N,) of a column: without whole rows where it is no angle or torque."""
+        if name not in self.own:
+            return replace(self, valid=self.valid & ~cells)
+        known = self.missing.get(name, np.zeros_like(cells))
+        return replace(self, missing={**self.missing, name: known | cells})
+
+    @property
+    def own(self) -> frozenset[str]:
+        """Columns in which a cell may be missing by itself."""
+        return frozenset(f"{key}{k + 1}" for key in ("q", "tau") for k in range(len(self.joints)))
+
+    def rows(self, chosen: NDArray[Any]) -> Draft:
+        """Return the draft of the rows `chosen`, in that order."""
+        columns = {name: values[chosen] for name, values in self.columns.items()}
+        missing = {name: cells[chosen] for name, cells in self.missing.items()}
+        return replace(self, columns=columns, valid=self.valid[chosen], row=self.row[chosen], missing=missing)
 
     def noted(self, check: str, severity: str, what: str, where: str = "", **more: Any) -> Draft:
         """Return the draft with one finding more; `where` follows the file name."""
@@ -77,9 +103,12 @@ def repaired(
         for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"), ("force", "f"))
         if f"{key}1" in columns
     }
+    angle_valid, torque_valid = (
+        np.column_stack([draft.good(f"{key}{k + 1}") for k in range(len(joints))]) for key in ("q", "tau")
+    )
     return Recording(
         name, columns["t"], **pairs, valid=draft.valid, source=source, findings=draft.findings, row=draft.row,
-        joints=joints, base=_base(columns),
+        joints=joints, base=_base(columns), angle_valid=angle_valid, torque_valid=torque_valid,
     )  # fmt: skip
 
 
@@ -134,28 +163,38 @@ def _conversion(name: str, item: Assigned, joints: tuple[Joint, ...]) -> str:
 
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
-    """Mask rows with empty, textual, infinite or absurd cells; refuse a column that is mostly such."""
+    """Mask empty, textual, infinite or absurd cells; refuse a column that says next to nothing, or other things.
+
+    A missing angle or torque is masked alone, any other cell with its row.
+    """
     columns = dict(draft.columns)
-    valid = draft.valid.copy()
     reported: dict[bytes, list[str]] = {}
+    told = draft
     for name, values in draft.columns.items():
         bad = ~credible(values, time=name == "t")
         if bad.any():
             reported.setdefault(np.packbits(bad).tobytes(), []).append(name)
             columns[name] = np.where(bad, np.nan, values)
-            valid &= ~bad
-        if bad.mean() > 0.5:
-            what, shown, rows = _bad_cells(draft, [name], assigned)
+            draft = draft.without(name, bad)
+        wrong = int(np.count_nonzero(bad & ~np.isnan(values))) + assigned[name].column.text_count
+        few = np.count_nonzero(~bad) < 10 if name in draft.own else bad.mean() > 0.5
+        if few or wrong > 0.5 * bad.size:
+            what, shown, rows = _bad_cells(told, [name], assigned)
             remedy = f"is this the right column? --map {name}=COLUMN names another"
             where = f"{draft.file}, column {shown}, {row_ranges(np.sort(draft.row[rows]))}"
             raise RecordingError(what, where=where, remedy=remedy)
     for names in reported.values():
-        what, shown, bad = _bad_cells(draft, names, assigned)
+        what, shown, bad = _bad_cells(told, names, assigned)
+        alone = draft.own.issuperset(names)
         remedy = "nothing, if the rows are few; otherwise look at the logger"
-        draft = draft.mended("cells", f"{what}; these rows are masked", bad, remedy, shown, consequence=UNUSED)
-    if valid.sum() < 10:
-        raise RecordingError(f"only {int(valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
-    return replace(draft, columns=columns, valid=valid)
+        if alone and bad.mean() > 0.5:
+            remedy = f"is this the right column? --map {names[0]}=COLUMN names another"
+        said = "these cells are masked" if alone else "these rows are masked"
+        used = "none: the cells do not enter the fit" if alone else UNUSED
+        draft = draft.mended("cells", f"{what}; {said}", bad, remedy, shown, consequence=used)
+    if draft.valid.sum() < 10:
+        raise RecordingError(f"only {int(draft.valid.sum())} usable rows", where=draft.file, remedy=ENOUGH)
+    return replace(draft, columns=columns)
 
 
 def _without_rounding(draft: Draft) -> Draft:
@@ -217,12 +256,8 @@ def _order_time(draft: Draft) -> Draft:
         )
     fresh = found.bad & np.isfinite(t[found.order])
     moved = draft.row[found.order] != draft.row
-    draft = replace(
-        draft,
-        columns={n: v[found.order] for n, v in draft.columns.items()},
-        valid=draft.valid[found.order] & ~found.bad,
-        row=draft.row[found.order],
-    )
+    draft = draft.rows(found.order)
+    draft = replace(draft, valid=draft.valid & ~found.bad)
     if found.kind in ("sorted", "reversed"):
         if found.kind == "reversed":
             draft = draft.noted(
@@ -256,12 +291,7 @@ def _ticks(draft: Draft) -> Draft:
         what = f"{int(same.sum())} rows repeat the row before in every cell; they are left out"
         draft = draft.mended("time", what, same, "log each sample once")
         keep &= ~same
-    draft = replace(
-        draft,
-        columns={n: v[keep] for n, v in draft.columns.items()},
-        valid=draft.valid[keep],
-        row=draft.row[keep],
-    )
+    draft = draft.rows(keep)
     t = _since_start(draft.columns["t"])
     repeats = float(np.mean(np.diff(t) == 0))
     if repeats > 0:
@@ -301,13 +331,14 @@ def _stamped(draft: Draft, t: Float) -> Draft:
 def _clock_unit(draft: Draft) -> Draft:
     """Convert a clock that can only be in ms or µs, unless somebody said its unit."""
     draft = replace(
-        draft, columns={n: angles.fill(v, draft.valid) if n != "t" else v for n, v in draft.columns.items()}
+        draft, columns={n: angles.fill(v, draft.good(n)) if n != "t" else v for n, v in draft.columns.items()}
     )
     if "t" in draft.told or draft.valid.sum() < 10:
         return draft
     t = draft.columns["t"]
     q = np.column_stack([draft.columns[f"q{k + 1}"] for k in range(len(draft.joints))])
-    unit, scale = clock.clock_unit(t[draft.valid], q[draft.valid])
+    known = np.logical_and.reduce([draft.good(f"q{k + 1}") for k in range(len(draft.joints))])
+    unit, scale = clock.clock_unit(t[known], q[known])
     step = float(np.median(np.diff(t)))
     if unit == "index":
         return draft.noted(
@@ -339,19 +370,18 @@ def _angles(draft: Draft) -> Draft:
     """Unwrap jumps of a full turn and mask single-sample spikes of the encoders."""
     for k, joint in enumerate(draft.joints):
         name = f"q{k + 1}"
-        values, wraps = angles.unwrapped(draft.columns[name], draft.valid)
+        values, wraps = angles.unwrapped(draft.columns[name], draft.good(name))
         if not joint.turns:
             values = draft.columns[name]
         elif wraps.any():
             what = f"{name} jumps by a full turn {int(wraps.sum())} times; it was unwrapped"
             draft = draft.mended("wraps", what, wraps, "nothing", name)
-        spikes = angles.angle_spikes(values, draft.valid)
-        valid = draft.valid
+        spikes = angles.angle_spikes(values, draft.good(name))
         if spikes.any():
-            valid = valid & ~spikes
             what = f"{name} has {int(spikes.sum())} spikes of one or two samples; they are masked"
             remedy = "look at the encoder cable"
             draft = draft.mended("spikes", what, spikes, remedy, name, consequence=UNUSED, confidence="likely")
-            values = angles.fill(values, valid)
-        draft = replace(draft, columns={**draft.columns, name: values}, valid=valid)
+            draft = draft.without(name, spikes)
+            values = angles.fill(values, draft.good(name))
+        draft = replace(draft, columns={**draft.columns, name: values})
     return draft

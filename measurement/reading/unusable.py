@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from measurement.auditing.channels import Channel
 from measurement.auditing.checks import frozen, saturated
 from measurement.finding import Finding
 from measurement.recording import Recording
@@ -19,23 +21,30 @@ MOST = 0.3
 
 
 def mask_unusable(recording: Recording) -> Recording:
-    """Return `recording` without the rows in which a channel is certainly frozen or at its end of scale."""
-    bad = np.zeros(len(recording), dtype=bool)
+    """Return `recording` without the samples of channels that are certainly frozen or at their end of scale."""
+    valid = {"q": np.array(recording.angle_valid), "tau": np.array(recording.torque_valid)}
     findings: list[Finding] = []
     for channel, rows, certain in frozen.frozen_stretches(recording):
         if certain:
-            bad[rows] = True
+            _of(valid, channel)[rows] = False
             found = frozen.frozen_finding(recording, channel, rows)
-            findings.append(_masked(found, "none: the rows do not enter the fit", "certain"))
+            findings.append(_masked(found, "none: they do not enter the fit", "certain"))
     for channel, level, rows in saturated.saturated_stretches(recording):
-        bad[rows] = True
+        _of(valid, channel)[rows] = False
         found = saturated.saturated_finding(recording, channel, level, rows)
-        what = "what happened at full scale is not known; the rows do not enter the fit"
+        what = "what happened at full scale is not known and does not enter the fit"
         findings.append(_masked(found, what, found.confidence))
-    bad &= recording.valid
-    if not bad.any() or bad.sum() > MOST * recording.valid.sum():
+    kept = valid["q"].all(axis=1) & valid["tau"].all(axis=1)
+    if not findings or kept.sum() < (1.0 - MOST) * recording.complete.sum():
         return recording
-    return replace(recording, valid=recording.valid & ~bad, findings=(*recording.findings, *findings))
+    findings = [*recording.findings, *findings]
+    return replace(recording, angle_valid=valid["q"], torque_valid=valid["tau"], findings=tuple(findings))
+
+
+def _of(valid: dict[str, NDArray[np.bool_]], channel: Channel) -> NDArray[np.bool_]:
+    """Return which samples (N,) of a channel are valid, to be written to."""
+    quantity = channel.name.rstrip("0123456789")
+    return valid[quantity][:, int(channel.name.removeprefix(quantity)) - 1]
 
 
 def _masked(found: Finding, consequence: str, confidence: str) -> Finding:

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ground.errors import NotEnoughDataError
-from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.bridging import Bridge
 from measurement.signals.butterworth import (
@@ -26,6 +25,8 @@ from measurement.signals.butterworth import (
     low_pass_filter,
 )
 from measurement.signals.compiled import POLES
+from measurement.signals.masks import straight
+from measurement.signals.spikes import spikes
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
 from symbolic.waves import FEW, Waves, are_even
@@ -35,41 +36,58 @@ MOST_APART = 0.9
 """Share of samples left out of an estimate of noise beyond which none are."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
+LOST, WIDE, BRIEF = 1.9, 2.5, 0.02
+"""Median steps between samples from which one is missing; from which angles are, unless it is as brief as so many s:
+the cubic across it is then as good as measured."""
+MISSING = 0.25
+"""Part of an averaged torque that must be missing for it to be missing."""
+BESIDE = 0.05
+"""Seconds on either side of a hole from which its ends are taken."""
 
 
 @dataclass(frozen=True, eq=False)
 class UniformSignals:
-    """A uniformly sampled recording: `t` (N,), `q` and `tau` (N, J), `gap` (N,) where rows were bad or missing.
+    """A uniformly sampled recording: `t` (N,), `q` and `tau` (N, J).
 
-    The logged time stamps are what it was interpolated from; `rate` is in Hz. `passive` (J,) are joints declared
-    to have no drive; their torque is zero. `base` (N, 3) is that of the recording.
+    The logged time stamps are what it was interpolated from; `rate` is in Hz. `gap` (N,) is where an angle was bad or
+    missing, or a whole row, `torque_gap` (N, J) where a torque was; there stands what neighbours suggest. `passive`
+    (J,) are joints declared to have no drive; their torque is zero. `base` (N, 3) is that of the recording.
     """
 
     t: Float
     q: Float
     tau: Float
     gap: NDArray[np.bool_]
+    torque_gap: NDArray[np.bool_]
     rate: float
     passive: NDArray[np.bool_]
     payloads: tuple[Payload, ...] = ()
     base: Float | None = None
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
+    _beside: dict[int, NDArray[np.bool_]] = field(default_factory=dict, init=False, repr=False)
 
     def stretch(self, first: int, last: int) -> UniformSignals:
         """Return the samples from `first` to before `last` as signals of their own."""
         part = slice(first, last)
         base = None if self.base is None else self.base[part]
         return UniformSignals(
-            self.t[part], self.q[part], self.tau[part], self.gap[part], self.rate, self.passive, self.payloads, base
-        )
+            self.t[part], self.q[part], self.tau[part], self.gap[part], self.torque_gap[part],
+            self.rate, self.passive, self.payloads, base,
+        )  # fmt: skip
 
     def slower_torque(self, factor: int) -> Float:
         """Return the torque (N / factor, J) at a rate lower by `factor`, without spikes; as it is for 1."""
         if factor == 1:
             return self.tau
         if factor not in self._slower:
-            self._slower[factor] = decimate(self.despiked, factor, self.rate)
+            self._slower[factor] = averaged(self.despiked, factor)
         return self._slower[factor]
+
+    def slower_gap(self, factor: int) -> NDArray[np.bool_]:
+        """Return which of these torques (N / factor, J) are missing: much of what they are made of is."""
+        if factor == 1 or not self.torque_gap.any():
+            return self.torque_gap[::factor]
+        return np.asarray(averaged(self.torque_gap.astype(float), factor) > MISSING)
 
     @cached_property
     def reach(self) -> Float:
@@ -92,10 +110,24 @@ class UniformSignals:
         return np.asarray(np.ptp(np.quantile(self.tau, (0.1, 0.9), axis=0), axis=0))
 
     @cached_property
+    def spikes(self) -> NDArray[np.bool_]:
+        """Samples (N, J) at which the torque has spikes of a few milliseconds, which decimation would smear."""
+        return spikes(self.tau, self.rate, self.torque_gap)
+
+    def slower_spikes(self, factor: int, known: Float, lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return which of the slower torques (N / factor, J) are spikes among their neighbours, or among those of what
+        the torque `known` of a model leaves; those `lost` do not count. Asked once: all cut-offs see the same samples.
+        """
+        if factor not in self._beside:
+            tau, rate = self.slower_torque(factor), self.rate / factor
+            found = (self.spikes if factor == 1 else spikes(tau, rate, lost)) | spikes(tau - known, rate, lost)
+            self._beside[factor] = found & (self.reach > 0.0)  # what is constant has none, whatever a model says
+        return self._beside[factor]
+
+    @cached_property
     def despiked(self) -> Float:
-        """Torque (N, J) in N·m without spikes of a few milliseconds, which decimation would smear."""
-        spiky, middle = spikes(self.tau, self.rate)
-        return np.where(spiky, middle, self.tau)
+        """Torque (N, J) in N·m with straight lines across spikes."""
+        return np.column_stack([straight(x, bad) for x, bad in zip(self.tau.T, self.spikes.T, strict=True)])
 
 
 def uniform_sampling(recording: Recording) -> UniformSignals:
@@ -104,8 +136,7 @@ def uniform_sampling(recording: Recording) -> UniformSignals:
     Bad rows and holes are bridged so that filters can run, and marked in `gap` so that no fit uses them.
     Refuses a recording that is too short.
     """
-    good = recording.valid
-    t = recording.t[good]
+    t = recording.t[recording.valid]
     if t.size < 2 or t[-1] - t[0] < SHORTEST:
         raise NotEnoughDataError(
             f"only {0.0 if t.size < 2 else t[-1] - t[0]:.2f} s of usable data",
@@ -117,16 +148,66 @@ def uniform_sampling(recording: Recording) -> UniformSignals:
     if grid.size == t.size and np.max(np.abs(grid - t)) < 1e-3 * step:
         grid = t
 
-    def even(x: Float) -> Float:
-        if grid is t:
-            return np.asarray(x[good])
-        return np.column_stack([np.interp(grid, t, x[good, j]) for j in range(x.shape[1])])
+    def even(x: Float, valid: NDArray[np.bool_], wide: float) -> tuple[Float, NDArray[np.bool_]]:
+        """Return the valid values (N, J) of `x` on the grid, and where there are holes of more than `wide` s."""
+        if grid is t and valid.all():
+            return np.asarray(x[recording.valid]), np.zeros((grid.size, x.shape[1]), dtype=bool)
+        pairs = [_interpolated(grid, recording.t[known], x[known, j], step, wide) for j, known in enumerate(valid.T)]
+        values, holes = (np.column_stack(each) for each in zip(*pairs, strict=True))
+        return values, holes
 
-    q, tau, base = even(recording.q), even(recording.tau), None if recording.base is None else even(recording.base)
-    after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
-    hole = (t[after] - t[after - 1]) > 2.5 * step
+    rows = recording.valid[:, None]
+    slow = max(WIDE * step, BRIEF)
+    q, unknown = even(recording.q, recording.angle_valid, slow)
+    tau, torque_gap = even(recording.tau, recording.torque_valid, LOST * step)
+    gap = np.asarray(unknown.any(axis=1))
+    base = None
+    if recording.base is not None:
+        base, swayed = even(recording.base, np.broadcast_to(rows, (len(rows), 3)), slow)
+        gap |= swayed.any(axis=1)
     passive = np.array([joint in recording.passive for joint in recording.joint_names])
-    return UniformSignals(grid, q, np.where(passive, 0.0, tau), hole, 1.0 / step, passive, recording.payloads, base)
+    tau = np.where(passive, 0.0, tau)
+    return UniformSignals(grid, q, tau, gap, torque_gap & ~passive, 1.0 / step, passive, recording.payloads, base)
+
+
+def _interpolated(
+    grid: Float, t: Float, x: Float, step: float, wide: float
+) -> tuple[Float, NDArray[np.bool_]]:
+    """Return what was logged as `x` (M,) at times `t` on the `grid` (N,), and where there is a hole of more than `wide`
+    s. Across missing samples goes the cubic that continues level and slope on either side.
+    """
+    if t.size < 2:
+        return np.zeros(grid.size), np.ones(grid.size, dtype=bool)
+    after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
+    apart, off = t[after] - t[after - 1], np.minimum(np.abs(grid - t[after - 1]), np.abs(t[after] - grid)) > 1e-3 * step
+    outside = (grid > t[-1] + 0.5 * step) | (grid < t[0] - 0.5 * step)
+    hole = outside | (off & (apart > wide))
+    out = np.interp(grid, t, x)
+    inside = off & ~outside & (apart > LOST * step) & (grid > t[0]) & (grid < t[-1])
+    if inside.any():
+        ends, which = np.unique(after[inside], return_inverse=True)
+        width = t[ends] - t[ends - 1]
+        at = (grid[inside] - t[ends - 1][which]) / width[which]
+        before, behind = (_end(t, x, ends - 1, -1), _end(t, x, ends, 1))
+        (level, rise), (goal, fall) = ((each[0][which], each[1][which] * width[which]) for each in (before, behind))
+        out[inside] = (
+            level * (2 * at**3 - 3 * at**2 + 1) + rise * (at**3 - 2 * at**2 + at)
+            + goal * (3 * at**2 - 2 * at**3) + fall * (at**3 - at**2)
+        )  # fmt: skip
+    return out, hole
+
+
+def _end(t: Float, x: Float, last: NDArray[np.int_], side: int) -> tuple[Float, Float]:
+    """Return level and slope (H,) of `x` (M,) at its samples `last`, by parabolas through those on their `side`."""
+    step = float(np.median(np.diff(t)))
+    count = max(5, round(BESIDE * (1.0 / step)))
+    rows = np.clip(last[:, None] + side * np.arange(count), 0, t.size - 1)
+    ago = (t[rows] - t[last][:, None]) / (count * step)
+    near = (np.abs(ago) <= 1.5).astype(float)  # what lies beyond another hole has no part
+    powers = ago[:, :, None] ** np.arange(3) * near[:, :, None]
+    gram = np.swapaxes(powers, 1, 2) @ powers + 1e-9 * np.eye(3)
+    found = np.linalg.solve(gram, np.swapaxes(powers, 1, 2) @ (x[rows] * near)[:, :, None])[:, :, 0]
+    return found[:, 0], found[:, 1] / (count * step)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:
@@ -215,23 +296,35 @@ def low_pass_every(x: Float, cutoff: float, rate: float, factor: int) -> Float:
     return out
 
 
-def decimate(x: Float, factor: int, rate: float) -> Float:
-    """Return every `factor`-th sample of `x` (N, J) after a zero-phase anti-alias filter."""
-    return x if factor == 1 else low_pass_every(x, 0.4 * rate / factor, rate, factor)
+def averaged(x: Float, factor: int) -> Float:
+    """Return the mean of `x` (N, J) around every `factor`-th sample, as (N / factor, J): the value there of the cubic
+    that fits the samples less than two of these steps away (Cleveland, Journal of the American Statistical Association
+    74, 1979). A jump of `x` reaches no further.
+    """
+    if factor == 1:
+        return x
+    weights = _averaging(factor)
+    half = weights.size // 2
+    padded = np.pad(x, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, weights.size, axis=0)[::factor]
+    return np.asarray(windows @ weights)
+
+
+@lru_cache(maxsize=32)
+def _averaging(factor: int) -> Float:
+    """Return the weights (4 factor - 1,) of the samples around one."""
+    at = np.arange(1 - 2 * factor, 2 * factor) / (2.0 * factor)
+    near = (1.0 - at**2) ** 2
+    powers = at[:, None] ** np.arange(4)
+    return np.asarray(np.linalg.solve(powers.T @ (near[:, None] * powers), (near[:, None] * powers).T)[0])
 
 
 def derivatives(q: Float, rate: float) -> tuple[Float, Float]:
-    """Return velocity and acceleration (N, J) of angles that are already smooth, by central differences."""
+    """Return velocity and acceleration (N, J) of angles that are already smooth, by differences of fourth order."""
     dq = np.gradient(q, 1.0 / rate, axis=0)
     ddq = np.empty_like(q)
     ddq[1:-1] = (q[2:] - 2.0 * q[1:-1] + q[:-2]) * rate**2
     ddq[0], ddq[-1] = ddq[1], ddq[-2]
-    return dq, ddq
-
-
-def fine_derivatives(q: Float, rate: float) -> tuple[Float, Float]:
-    """Return the same by differences of fourth order: what `derivatives` gets wrong shows in the difference."""
-    dq, ddq = derivatives(q, rate)
     dq[2:-2] = (8.0 * (q[3:-1] - q[1:-3]) - (q[4:] - q[:-4])) * rate / 12.0
     ddq[2:-2] = (16.0 * (q[3:-1] + q[1:-3]) - (q[4:] + q[:-4]) - 30.0 * q[2:-2]) * rate**2 / 12.0
     return dq, ddq
@@ -250,17 +343,35 @@ def noise_density(even: UniformSignals) -> Float:
     return np.asarray(np.median(power[frequency > 0.4 * even.rate], axis=0)) / median
 
 
-def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None = None) -> Float:
+def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None = None, factor: int = 1) -> Float:
     """Return the RMS (J,) that the steady noise of `x` (N, J) leaves below `cutoff` Hz, if it is white.
 
     Taken from the upper half of the spectrum by the median absolute deviation, so that bursts and jumps do not count,
-    and without the samples `apart` (N, J) unless hardly any others are left.
+    and without the samples `apart` (N, J) unless hardly any others are left. `x` is the mean of `factor` times as many
+    samples (`averaged`), or as it was measured.
     """
     fast = x - low_pass(x, 0.25 * rate, rate)
     left = np.ones(x.shape, dtype=bool) if apart is None else ~(apart & (np.mean(apart, axis=0) < MOST_APART))
     told = [channel[keep] for channel, keep in zip(fast.T, left.T, strict=True)]
     scale = np.array([np.median(np.abs(channel - np.median(channel))) for channel in told]) / 0.6745
-    return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate)))
+    return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate) / _left_by_averaging(factor)))
+
+
+@lru_cache(maxsize=32)
+def _left_by_averaging(factor: int) -> float:
+    """Return the power that white noise keeps in the upper half of the spectrum where it is averaged, of that which it
+    keeps in the lowest frequencies.
+    """
+    if factor == 1:
+        return 1.0
+    weights = _averaging(factor)
+    lags = np.arange(4)
+    both = np.array([weights[: weights.size - k * factor] @ weights[k * factor :] for k in lags])
+    both[1:] *= 2.0
+    frequency = (np.arange(512) + 0.5) / 1024.0
+    power = np.cos(2.0 * np.pi * np.outer(frequency, lags)) @ both / both.sum()
+    gain = 1.0 / (1.0 + np.tan(np.pi * frequency) ** (2 * ORDER))  # of `low_pass`, both ways, at a quarter of the rate
+    return float(power @ (1.0 - gain) ** 2 / np.sum((1.0 - gain) ** 2))
 
 
 def acceleration_quality(even: UniformSignals, cutoff: float) -> Float:
@@ -293,41 +404,3 @@ def velocity_noise(density: Float, cutoff: float) -> Float:
     `density` (J,) is that of the angle noise, rad²/Hz.
     """
     return np.sqrt(density * (2 * np.pi) ** 2 * cutoff**3 / 3.0)
-
-
-def median_outliers(x: Float, seconds: float, rate: float, limit: float) -> tuple[NDArray[np.bool_], Float]:
-    """Return where `x` (N, J) leaves its running median by more than `limit` robust deviations, and the median."""
-    window = max(5, round(seconds * rate) | 1)
-    middle = np.column_stack([running_median(channel, window) for channel in x.T])
-    away = np.abs(x - middle)
-    scale = np.median(away, axis=0) / 0.6745
-    return away > limit * np.maximum(scale, 1e-300), middle
-
-
-SPIKE_SECONDS, SPIKE_SIZE = 0.005, 8.0
-"""Width in s of the medians before and after a spike, and robust deviations that it leaves both by."""
-
-
-def spikes(x: Float, rate: float) -> tuple[NDArray[np.bool_], Float]:
-    """Return where `x` (N, J) has spikes of a few milliseconds, and its running median.
-
-    A spike leaves what is before it and what is after it on the same side, by more than these differ: a jump does not.
-    """
-    far, middle = median_outliers(x, 0.03, rate, SPIKE_SIZE)
-    if not far.any():
-        return far, middle
-    width = max(5, round(SPIKE_SECONDS * rate) | 1)
-    beside = np.column_stack([running_median(channel, width) for channel in x.T])
-    reach = width // 2 + 1
-    padded = np.pad(beside, ((reach, reach), (0, 0)), mode="edge")
-    before, after = padded[: len(x)], padded[2 * reach :]
-    alone = np.where((x > before) == (x > after), np.minimum(np.abs(x - before), np.abs(x - after)), 0.0)
-    return far & (alone > np.abs(after - before)), middle
-
-
-def widen(mask: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
-    """Return `mask` (N,) grown by `samples` on either side."""
-    if samples <= 0 or not mask.any():
-        return mask
-    kernel = np.ones(2 * samples + 1)
-    return np.convolve(mask.astype(float), kernel, mode="same")[: mask.size] > 0.5

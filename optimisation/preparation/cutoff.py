@@ -7,18 +7,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import product
 
 import numpy as np
 
 from ground.thresholds import Threshold
-from measurement.signals.conditioning import UniformSignals, acceleration_noise, acceleration_quality
+from measurement.signals.conditioning import UniformSignals, acceleration_quality
 from optimisation.fitting.assemble import assemble
-from optimisation.fitting.plausibility import mass_matrix
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.preparation.filtering import PreparedRecording, prepare_one
-from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter
+from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -55,8 +53,6 @@ PARTS, PART = 12, 100.0
 """A recording longer than so many stretches of so many s is judged by as many of them."""
 RESOLVED = 1e-5
 """Part of a torque below which its noise is none of a sensor: that of a simulation is what the filter gets wrong."""
-MOST_POSES = 64
-"""Postures in which the mass matrix is looked at, at most."""
 
 
 def typical(even: UniformSignals) -> list[UniformSignals]:
@@ -125,8 +121,9 @@ def choose_cutoff(
     if not trials.noise(fastest).clean or relative[fastest] > 1.0 + tolerance:
         weighed = list(range(len(tried)))
         relative = trials.relative(weighed)
-        good = [k for k in weighed if relative[k] <= 1.0 + tolerance and trials.noise(k).clean]
-        index = good[-1] if good else min(weighed, key=lambda k: relative[k] + trials.noise(k).share)
+        alike = [k for k in weighed if relative[k] <= 1.0 + tolerance]
+        good = [k for k in alike if trials.noise(k).clean]
+        index = good[-1] if good else alike[0]  # where none is clean, the slowest carries the least noise
     table = tuple((tried[k], relative[k], trials.noise(k).share) for k in weighed)
     return CutoffChoice(tried[index], _reason(trials, index, relative, tolerance), table=table)
 
@@ -158,7 +155,6 @@ class _Trials:
     ) -> None:
         self.tried = tried
         even = [one for _, one in inputs]
-        masses = _largest_masses(base, beta, even)
 
         @cache
         def prepared(k: int) -> list[PreparedRecording]:
@@ -167,16 +163,19 @@ class _Trials:
             return [prepare_one(base, name, e, tried[k], beta, COMMON_BAND, derivative) for name, e in inputs]
 
         @cache
-        def density(k: int) -> Float:
-            return noise_floor(prepared(k), 1.0)
+        def carried(k: int) -> float:
+            angles = mean_square(torque_of_noise(base, beta, prepared(k)), prepared(k))
+            size = np.max([one.wide_tau.std(axis=0) for one in prepared(k)], axis=0)
+            sensor = np.maximum(noise_floor(prepared(k)), RESOLVED * size) ** 2
+            # A joint without a drive has no torque sensor: there it is relative to the noise of the others.
+            return float(np.max(angles / np.where(sensor > 0.0, sensor, sensor.max()))) if sensor.any() else 0.0
 
         @cache
         def noise(k: int, of: int) -> _Noise:
-            # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong.
+            # The cleanest recording of each joint decides: a joint held still has no acceleration to get wrong. That of
+            # accelerations grows with the fifth power of a cut-off, the sensor's with the first.
             share = noise_share(prepared(of), even, tried[k])
-            size = np.max([one.wide_tau.std(axis=0) for one in prepared(of)], axis=0)
-            sensor = np.maximum(density(of) * np.sqrt(tried[k]), RESOLVED * size)
-            return _Noise(share, _carried_noise(masses, even, tried[k], sensor))
+            return _Noise(share, carried(of) * (tried[k] / tried[of]) ** 4)
 
         @cache
         def data(k: int) -> LinearData:
@@ -247,30 +246,6 @@ def noise_share(prepared: Sequence[PreparedRecording], even: Sequence[UniformSig
     moves = ~np.array([one.standing for one in prepared])
     best = np.min(quality, axis=0, where=moves, initial=np.inf)
     return float(np.max(best[np.isfinite(best)], initial=0.0))
-
-
-def _largest_masses(base: Model, beta: Float, even: Sequence[UniformSignals]) -> Float:
-    """Return the largest size (J, J) that each entry of the mass matrix has with the links stretched out or folded,
-    sliding joints at the ends of their range.
-    """
-    ends = [
-        (0.0, np.pi) if joint.turns else (min(e.q[:, j].min() for e in even), max(e.q[:, j].max() for e in even))
-        for j, joint in enumerate(base.joints)
-    ]
-    poses = np.array(list(product(*ends)))
-    if len(poses) > MOST_POSES:
-        poses = poses[np.random.default_rng(0).choice(len(poses), MOST_POSES, replace=False)]
-    return np.asarray(np.abs(mass_matrix(base, beta, None, poses)).max(axis=0))
-
-
-def _carried_noise(masses: Float, even: Sequence[UniformSignals], cutoff: float, floor: Float) -> float:
-    """Return the noise power that accelerations carry into the model's torque, relative to the torque's own.
-
-    A joint without a drive has no torque sensor: there it is relative to the noise of the others.
-    """
-    acceleration = np.median([acceleration_noise(e, cutoff) for e in even], axis=0)
-    sensor = np.where(floor > 0.0, floor, floor.max())
-    return float(np.max(masses**2 @ acceleration**2 / sensor**2)) if sensor.all() else 0.0
 
 
 def _reason(trials: _Trials, index: int, relative: Mapping[int, float], tolerance: float) -> str:

@@ -1,13 +1,20 @@
 """One recording made ready for a fit: filtered angles and their derivatives, torque without outliers, what may be used.
 
-Angles are low-passed at twice the common cut-off, torque and model through one common filter afterwards. Where a joint
-may be sticking its torque carries no information on the model, and is bridged; so is every outlier.
+Angles are low-passed at twice the common cut-off, torque and model through one common filter afterwards. What must not
+count is hidden first: samples at which a joint may be sticking, spikes, torques that are missing, and all torques where
+an angle is. Hiding them and filtering is one linear operator, and everything goes through it alike: the measured
+torque, the model's, and every column of a regressor. With L = F B (bridges across hidden samples B, low-pass F) and
+torque = Y φ + noise,
+
+    L torque - (L Y) φ = L noise,
+
+whichever samples are hidden, rightly or wrongly: a true model leaves filtered noise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,20 +25,17 @@ from measurement.signals.bridging import Bridge, bridging
 from measurement.signals.butterworth import WaveProducts
 from measurement.signals.conditioning import (
     UniformSignals,
-    acceleration_deviation,
     derivatives,
-    fine_derivatives,
     low_pass,
     low_pass_at,
     low_pass_every,
-    median_outliers,
     noise_density,
     quiet_noise,
     velocity_noise,
     wave_products,
-    widen,
 )
 from measurement.signals.derivatives import METHODS
+from measurement.signals.masks import straight, widen
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.linear.loss import Bool
 from symbolic.joints import Joint
@@ -41,27 +45,8 @@ from symbolic.waves import Waves
 
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
-OUTLIER_SECONDS = 0.11
-"""Width of the local median, s."""
-OUTLIER = Threshold(
-    4.0,
-    "robust deviations from the local median beyond which a torque sample is replaced: spikes spread by the filter",
-)
-QUICK = Threshold(
-    0.1,
-    "noise of accelerations in the whole band, of the accelerations' own size, up to which outliers are looked for "
-    "beside them: a jump of the force, which slower angles cannot follow, passes for a spike",
-)
-MANY = Threshold(
-    0.1,
-    "share of a joint's samples far off their neighbours beyond which they are no spikes, which are rare, unless they "
-    "are far off beside hardly filtered angles too: fewer jumps are left out, where clocks that differ count most",
-)
-SPIKE = Threshold(
-    0.6,
-    "part of its distance from its neighbours that a torque sample keeps beside angles that are hardly filtered, from "
-    "which it is an outlier: a jump of the force, which the motion follows, is taken off the torque",
-)
+USED = 0.5
+"""Part of what the common filter takes that must have been measured; the rest lies on bridges."""
 SIGN_WIDTH = (1e-4, 5e-2)
 """Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
 INNER = 2.0
@@ -82,10 +67,6 @@ LOADED = Threshold(
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
-RESTS = Threshold(
-    0.5,
-    "share of a recording in which a joint sticks, from which deviations are those of rest: motion taken for outliers",
-)
 EDGE = 0.5
 """Seconds cut at both ends, where a zero-phase filter is not settled."""
 
@@ -94,14 +75,13 @@ EDGE = 0.5
 class PreparedRecording:
     """A recording ready to be fitted: `motion` at N working samples, `torque` and `used` (J, K) at the K kept ones.
 
-    `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples bridged,
-    `wide_tau` (N, J) the torque with outliers bridged but not low-passed, `angle_noise` (J,) rad²/Hz the density of the
+    `kept` (K,) are indices into the working samples, `outliers` (J,) the share of torque samples that are spikes,
+    `wide_tau` (N, J) the torque without them and not low-passed, `angle_noise` (J,) rad²/Hz the density of the
     encoders' noise and `band` in Hz what the angles contain of it. `stuck` (N, J) are working samples at which a joint
-    may be sticking; its torque there is bridged. `standing` (J,) are joints that never move enough to be free of dry
-    friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,) are
-    joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording,
-    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad. `logged_tau` (N, J) is the
-    torque with its outliers, where it is known.
+    may be sticking, `hidden` (N, J) all that are bridged. `standing` (J,) are joints that never move enough to be free
+    of dry friction: their torque, where they have one to show, is used without friction and not bridged. `driven` (J,)
+    are joints with a drive: the torque of the others is zero for certain. `full_rate` in Hz is that of the recording,
+    `reach` (J,) what of its own unit each joint moves where a turning one moves 1 rad.
     """
 
     name: str
@@ -116,11 +96,11 @@ class PreparedRecording:
     angle_noise: Float
     band: float
     stuck: Bool
+    hidden: Bool
     standing: Bool
     driven: Bool
     full_rate: float
     reach: Float
-    logged_tau: Float | None = field(default=None, kw_only=True)
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -149,12 +129,17 @@ class PreparedRecording:
 
     def smooth_rows(self, x: Float, joints: Sequence[int], axis: int, out: Float | None = None) -> Float:
         """Do the same to `x` (..., N), which is bridged in place, and return (..., K), in `out` where that is given."""
-        ahead: tuple[slice | int, ...] = (slice(None),) * axis
-        for place, joint in enumerate(joints):
-            self._bridges[joint].across(x[(*ahead, place)])
+        self.bridged(x, joints, axis)
         out = np.empty((*x.shape[:-1], len(self.kept))) if out is None else out
         low_pass_at(x.reshape(-1, x.shape[-1]), self.cutoff, self.rate, self.kept, out.reshape(-1, len(self.kept)))
         return out
+
+    def bridged(self, x: Float, joints: Sequence[int] | None = None, axis: int = 0) -> Float:
+        """Bridge the hidden samples of `x` (..., N) in place and return it; along `axis` lie `joints`, or all."""
+        ahead: tuple[slice | int, ...] = (slice(None),) * axis
+        for place, joint in enumerate(range(x.shape[axis]) if joints is None else joints):
+            self._bridges[joint].across(x[(*ahead, place)])
+        return x
 
     def wave_products(
         self, waves: Waves, shapes: Float, joints: Sequence[int], weights: Float, signals: Float
@@ -167,8 +152,8 @@ class PreparedRecording:
 
     @cached_property
     def _bridges(self) -> list[Bridge]:
-        """For each joint what bridges the samples at which it may be sticking."""
-        return [bridging(column, self.rate) for column in self.stuck.T]
+        """For each joint what bridges its hidden samples."""
+        return [bridging(column, self.rate) for column in self.hidden.T]
 
     @property
     def t(self) -> Float:
@@ -190,7 +175,7 @@ def prepare_one(
     reach: float = np.inf,
     derivative: str = BUTTERWORTH,
 ) -> PreparedRecording:
-    """Prepare one recording; without `beta` outliers are found by the torque's own running median.
+    """Prepare one recording; without `beta` (P,) spikes are found in the torque alone, with it beside `base` too.
 
     Around samples that may stick, as much is left out as a cut-off of `reach` Hz would ask for, if that is lower.
     """
@@ -206,40 +191,63 @@ def prepare_one(
     held = _held_still(q / reach_of, dq / reach_of, rate, velocity_noise(noise, inner) / reach_of)
     standing = stuck.all(axis=0) | held
     stuck = stuck & ~standing
+    turned = _turning(dq) & ~standing if factor > 1 else np.zeros(stuck.shape, dtype=bool)
     # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
     sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
-    asked = beta is not None and METHODS[derivative] is None
-    quick = _quick(motion, even, factor, rate, noise, reach_of) if asked else None
-    bad, usual = _outliers(tau, rate, base, beta, stuck, motion, quick)
-    bad = bad & (even.reach > 0.0)  # a channel that is constant has no outliers, whatever a model says
-    logged, tau = tau, np.where(bad, usual, tau)
-    gap = widen(even.gap[::factor][: len(q)], int(0.5 * rate / cutoff))
+    gap = widen(even.gap[::factor][: len(q)], int(np.ceil(0.5 * rate / inner)))
+    missing = gap[:, None] | even.slower_gap(factor) | turned
+    lost = missing | stuck
+    known = None if beta is None else base.torque(motion, beta)
+    bad = _spikes(even, factor) if known is None else even.slower_spikes(factor, known, lost)
+    hidden = lost | bad
+    wide = np.column_stack([straight(x, off) for x, off in zip(tau.T, (bad | missing).T, strict=True)])
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    loaded = held & _bears_load(tau, rate, cutoff) if held.any() else held
-    use = ~gap[kept, None] & ~stuck[kept] & ~(standing & ~loaded)
+    loaded = held & _bears_load(wide, rate, cutoff) if held.any() else held
+    rows = np.concatenate([tau.T, hidden.T])
+    for row, column in zip(rows, hidden.T, strict=False):
+        bridging(column, rate).across(row)
+    smooth = low_pass_at(rows, cutoff, rate, kept)
+    measured = smooth[len(hidden.T) :] < USED
+    use = measured & ~stuck[kept].T & ~(standing & ~loaded)[:, None]
     return PreparedRecording(
         name=name,
         motion=motion,
-        torque=low_pass_at(np.ascontiguousarray(bridged(tau, stuck, rate).T), cutoff, rate, kept),
-        used=np.ascontiguousarray(use.T),
+        torque=np.ascontiguousarray(smooth[: len(hidden.T)]),
+        used=use,
         kept=kept,
         cutoff=cutoff,
         rate=rate,
-        outliers=bad.mean(axis=0),
-        wide_tau=tau,
+        outliers=(bad & ~lost).mean(axis=0),
+        wide_tau=wide,
         angle_noise=noise,
         band=min(inner, 0.4 * rate),
         stuck=stuck,
+        hidden=hidden,
         standing=standing,
         driven=~(even.passive | _reads_nothing(even, cutoff)),
         full_rate=even.rate,
         reach=reach_of,
-        logged_tau=logged,
     )
+
+
+def _turning(dq: Float) -> Bool:
+    """Return the working samples (N, J) that are means over both directions of motion (`averaged`): friction jumps in
+    between, however fast the joint turns back.
+    """
+    back = np.signbit(dq[1:]) != np.signbit(dq[:-1])
+    around = np.zeros((len(dq) + 3, dq.shape[1]), dtype=bool)
+    for shift in range(4):
+        around[shift : shift + len(back)] |= back
+    return around[1 : 1 + len(dq)]
+
+
+def _spikes(even: UniformSignals, factor: int) -> Bool:
+    """Return the spikes (N, J) that show without a model; slower torques are without them already."""
+    return even.spikes if factor == 1 else np.zeros(even.slower_torque(factor).shape, dtype=bool)
 
 
 def _smoothed(
@@ -257,54 +265,12 @@ def _smoothed(
     return q, dq, ddq, noise / periods
 
 
-def _outliers(
-    tau: Float, rate: float, base: Model, beta: Float | None, stuck: Bool, motion: Motion, quick: Motion | None
-) -> tuple[Bool, Float]:
-    """Return which torque samples (N, J) are outliers, and what stands there instead (N, J): by the torque's own
-    running median, or with `beta` (P,) by that of what `base` leaves along `motion`.
-
-    Where these are many, along the `quick` motion too, of angles that are hardly filtered, if there is one.
-    """
-    if beta is None:
-        return median_outliers(tau, OUTLIER_SECONDS, rate, 6.0)
-    known = base.torque(_at_rest(motion, stuck), beta)
-    bad, middle = median_outliers(tau - known, OUTLIER_SECONDS, rate, OUTLIER)
-    if quick is not None and np.any(bad.mean(axis=0) > MANY):
-        beside_quick = tau - base.torque(_at_rest(quick, stuck), beta)
-        too, around = median_outliers(beside_quick, OUTLIER_SECONDS, rate, OUTLIER)
-        spikes = too & (np.abs(beside_quick - around) > SPIKE * np.abs(tau - known - middle))
-        bad = bad & (spikes | (bad.mean(axis=0) <= MANY))
-    return bad, known + middle
-
-
 def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:
     """Return how a measured base moves at the working samples (N, 5), smoothed as the angles are."""
     assert even.base is not None  # `prepare` has refused the recording otherwise
     smooth = low_pass_every(even.base, inner, even.rate, factor)
     turning, swinging = derivatives(smooth[:, :1], rate)
     return np.column_stack([smooth[:, :1], turning, swinging, smooth[:, 1:]])
-
-
-def _at_rest(motion: Motion, stuck: Bool) -> Motion:
-    """Return `motion` without a direction where a joint sticks that does so for much of the time: the sign of noise
-    would make outliers of a constant torque.
-    """
-    rests = stuck & (stuck.mean(axis=0) > RESTS)
-    return replace(motion, sign=np.where(rests, 0.0, motion.sign)) if rests.any() else motion
-
-
-def _quick(motion: Motion, even: UniformSignals, factor: int, rate: float, noise: Float, reach: Float) -> Motion | None:
-    """Return `motion` with angles filtered as little as the torque is; None where they are too noisy for that.
-
-    Where the force jumps, it differs from what slower angles ask for as if it had outliers there.
-    """
-    band = 0.4 * rate
-    if np.any(acceleration_deviation(noise, band) > QUICK * motion.ddq.std(axis=0)):
-        return None
-    angles = low_pass(even.q, band, even.rate)
-    q, dq, ddq = (part[::factor] for part in (angles, *fine_derivatives(angles, even.rate)))
-    sign = np.where(motion.sign == 0.0, 0.0, np.tanh(dq / sign_width(noise, band, reach)))
-    return replace(motion, q=q, dq=dq, ddq=ddq, sign=sign)
 
 
 def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
@@ -333,14 +299,6 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     if not little.any():
         return zero
     return np.asarray(zero | little & ~_bears_load(even.despiked, even.rate, cutoff))
-
-
-def bridged(x: Float, stuck: Bool, rate: float) -> Float:
-    """Return `x` (N, J, ...) bridged where each joint may stick, (N, J)."""
-    out = np.array(np.moveaxis(x, 0, -1), dtype=float, order="C")
-    for row, column in zip(out, stuck.T, strict=True):
-        bridging(column, rate).across(row)
-    return np.moveaxis(out, -1, 0)
 
 
 def sign_width(noise: Float, band: float, reach: Float) -> Float:

@@ -6,32 +6,59 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from measurement.signals.conditioning import fine_derivatives, low_pass, quiet_noise
+from measurement.signals.conditioning import derivatives, low_pass, quiet_noise
+from measurement.signals.masks import widen
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 
+BESIDE = 6
+"""Samples on either side of hidden ones in which the bend of a bridge is no noise."""
+DRAWS, ENOUGH = 8, 24_000
+"""Draws of white noise that are filtered, and samples from which on there are fewer."""
 
-def noise_floor(prepared: Sequence[PreparedRecording], cutoff: float) -> Float:
-    """Return the RMS (J,) in N·m that sensor noise leaves below the cut-off, from the top of the torque's spectrum.
+
+def torque_noise(prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the noise (J,) of the torques in N·m/√Hz, from the top of their spectrum.
 
     Estimated without a model, from recordings in which the joint is driven: a torque that is zero for certain has no
-    noise. Where a joint may be sticking its controller chatters, and no model is fitted: that is left out. A torque
-    sensor whose noise is not white has a floor of its own; this one is then low.
+    noise. What is hidden is left out: where a joint may be sticking its controller chatters. A torque sensor whose
+    noise is not white has a floor of its own; this one is then low.
     """
-    square = np.array([quiet_noise(p.wide_tau, p.rate, cutoff, p.stuck) ** 2 for p in prepared])
+    square = np.array([_own_noise(p) ** 2 for p in prepared])
     driven = np.array([p.driven for p in prepared])
     return np.sqrt(np.sum(square, axis=0, where=driven) / np.maximum(driven.sum(axis=0), 1))
 
 
+def _own_noise(one: PreparedRecording) -> Float:
+    bridged = one.bridged(np.array(one.wide_tau.T, order="C")).T
+    apart = np.column_stack([widen(column, BESIDE) for column in one.hidden.T])
+    return quiet_noise(bridged, one.rate, 1.0, apart, max(1, round(one.full_rate / one.rate)))
+
+
+def noise_floor(prepared: Sequence[PreparedRecording]) -> Float:
+    """Return the RMS (J,) in N·m that the torques' noise leaves in what is fitted: white noise of their size, hidden
+    and filtered as they are.
+    """
+    square, count = 0.0, 0.0
+    for index, one in enumerate(prepared):
+        joints, samples = one.hidden.shape[1], len(one.motion)
+        draws = max(1, min(DRAWS, ENOUGH // samples))
+        white = np.random.default_rng(index).standard_normal((draws, joints, samples))
+        smooth = one.smooth_rows(white, range(joints), 1)
+        square = square + np.mean(np.sum(np.where(one.used, smooth, 0.0) ** 2, axis=2), axis=0) * one.rate / 2.0
+        count = count + one.used.sum(axis=1)
+    return np.asarray(torque_noise(prepared) * np.sqrt(square / np.maximum(count, 1)))
+
+
 def torque_of_filter(base: Model, beta: Float, prepared: Sequence[PreparedRecording]) -> list[Float]:
-    """Return for each recording what filter and derivatives get wrong, (J, K) N·m: the model's torque once more with
-    the angles filtered twice and differentiated more exactly.
+    """Return for each recording what the filter gets wrong, (J, K) N·m: the model's torque once more with the angles
+    filtered twice.
     """
     out = []
     for one in prepared:
         q = low_pass(one.motion.q, one.band, one.rate)
-        dq, ddq = fine_derivatives(q, one.rate)
+        dq, ddq = derivatives(q, one.rate)
         out.append(
             _torque_change(base, beta, one, q, np.where(one.standing, 0.0, dq), np.where(one.standing, 0.0, ddq))
         )

@@ -34,6 +34,8 @@ from symbolic.motion import Float
 
 SWAYS = Threshold(0.02, "rad by which a base taken to stand still may turn: its motion passes for effects")
 LEAST_CYCLES = Threshold(2.0, "cycles of the cut-off in the shortest recording: the filter leaves a line")
+NOTED = Threshold(0.005, "share of a torque hidden as spikes from which it is said: a spike or two are no finding")
+MANY = Threshold(0.02, "share from which it is a warning with the place: a bad sensor is passed over")
 UNDRIVEN = Threshold(
     0.5,
     "part of the largest torque that a joint said to be passive may show: a driven joint fitted as free",
@@ -126,7 +128,7 @@ def prepare(
         verify=tuple(done[count:]),
         choice=choice,
         noise_floor=np.sqrt(
-            noise_floor(done, choice.cutoff) ** 2 + wrong**2 + mean_square(torque_of_noise(base, beta, done), done)
+            noise_floor(done) ** 2 + wrong**2 + mean_square(torque_of_noise(base, beta, done), done)
         ),
         filter_error=wrong,
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
@@ -208,10 +210,15 @@ def _check_base(model: Model, recordings: Sequence[Recording]) -> tuple[Finding,
 
 
 def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[str]) -> tuple[Finding, ...]:
-    most = np.max([one.outliers for one in prepared], axis=0)
-    if most.max() < 0.01:
+    """Return what share of the torques is hidden as spikes, a warning where it is more than a few, with the place."""
+    shares = np.array([one.outliers for one in prepared])
+    most = shares.max(axis=0)
+    if most.max() < NOTED:
         return ()
-    shares = ", ".join(f"{joint} up to {100 * share:.0f} %" for joint, share in zip(joints, most, strict=True))
-    what = f"torque samples far off their neighbours were bridged before filtering ({shares})"
-    remedy = "look at the torque sensor and its cable if this is unexpected"
-    return (Finding("torque_outliers", "repaired", what, "all recordings", float(most.max()), 0.01, remedy),)
+    many = bool(most.max() > MANY)
+    worst = prepared[int(np.argmax(shares.max(axis=1)))].name if many else "all recordings"
+    told = ", ".join(f"{joint} up to {100 * share:.2g} %" for joint, share in zip(joints, most, strict=True))
+    what = f"spikes of the torque were hidden before filtering ({told} of the samples)"
+    remedy = "look at the torque sensor and its cable" + ("" if many else " if this is unexpected")
+    severity, limit = ("warning", MANY) if many else ("repaired", NOTED)
+    return (Finding("torque_outliers", severity, what, worst, float(most.max()), limit, remedy),)

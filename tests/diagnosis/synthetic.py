@@ -65,6 +65,7 @@ def recording(name: str, seed: int, hidden: Hidden, noise: float = 0.1, scale: f
         angle_noise=np.full(2, 1e-14),
         band=2.0 * CUTOFF,
         stuck=stuck,
+        hidden=stuck,
         standing=np.zeros(2, bool),
         driven=np.ones(2, bool),
         full_rate=RATE,

@@ -68,7 +68,7 @@ def test_a_soft_drive_explains_the_motion_it_was_fitted_to_as_well(monkeypatch):
     assert found is not None and np.all(found.fitted < base.train_rms)
     monkeypatch.setattr(soft_drives, "swinging", lambda fitted: None)
     for left, kept in ((0.35, True), (0.45, False)):
-        rest = np.full(2, found.fitted.max() / np.sqrt(left))
+        rest = found.fitted / np.sqrt(left)
         last = SimpleNamespace(model=base.model, evaluation_rms=base.evaluation_rms, train_rms=rest)
         monkeypatch.setattr(soft_drives, "_best", lambda fitted, joint: found)
         assert (soft_drive(base, last, 0.01 * NOISE) is not None) is kept

@@ -32,7 +32,7 @@ def test_bad_cells_are_masked_and_counted(tmp_path):
     rows[30] += ",1,2"
     rows[40] = rows[40].replace(rows[40].split(",")[3], "inf")
     recording, _ = found(tmp_path, rows=rows)
-    assert np.flatnonzero(~recording.valid).tolist() == [9, 19, 29, 39]
+    assert np.flatnonzero(~recording.complete).tolist() == [9, 19, 29, 39]
     assert recording.row[9] == 11
     told = " ".join(f"{f.what} {f.where}" for f in recording.findings if f.check == "cells")
     assert "'ERR' in row 11" in told and "rows 21, 31" in told and "infinite" in told
@@ -120,7 +120,7 @@ def _spiked(x):
         (_with(tau2=_held), "frozen", "knee torque is frozen in 100 rows"),
         (_with(q2=_held), "frozen", "knee angle is frozen"),
         (_with(q1=lambda x: np.round(x / 0.03) * 0.03), "quantised", "steps of 0.03 rad"),
-        (_with(tau1=_bursts), "outliers", "stand more than"),
+        (_with(tau1=_bursts), "outliers", "stand far off"),
         (_with(tau2=lambda x: np.roll(x, 3), tau1=lambda x: np.roll(x, 3)), "delay", "30 ms earlier"),
         (_with(q2=lambda x: x * 0 - 0.5), "motion", "knee stands still"),
         (_with(tau2=lambda x: x * 0), "motion", "knee torque is 0 N·m throughout"),

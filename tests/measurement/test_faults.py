@@ -139,15 +139,16 @@ def test_a_fault_is_named_with_place_and_remedy(clean, name):
 
 def test_rows_without_a_measurement_are_masked_and_their_neighbours_are_not(clean):
     frozen = read(FAULTS["angle frozen"][0](clean))
-    assert np.flatnonzero(~frozen.valid).tolist() == list(range(1000, 1100))
+    assert np.flatnonzero(~frozen.complete).tolist() == list(range(1000, 1100)) and frozen.torque_valid.all()
     capped = read(FAULTS["torque saturated"][0](clean))
     at_limit = capped.tau[:, 0] == capped.tau[:, 0].max()
-    np.testing.assert_array_equal(~capped.valid, at_limit)
+    np.testing.assert_array_equal(~capped.complete, at_limit)
+    assert capped.angle_valid.all() and capped.torque_valid[:, 1].all()
 
 
 def test_mostly_saturated_is_left_for_a_person_to_judge(clean):
     recording = read(put(tau1=lambda x: np.minimum(x, np.quantile(x, 0.5)))(clean))
-    assert recording.valid.all()
+    assert recording.complete.all()
     assert [one.severity for one in recording.findings if one.check == "saturated"] == ["warning"]
 
 

@@ -120,7 +120,7 @@ def test_cells_of_errors_and_a_header_in_the_middle_are_masked(tmp_path):
     rows.insert(700, HEAD)
     (tmp_path / "a.csv").write_text("\n".join(rows))
     recording = read_recording(tmp_path / "a.csv")
-    assert np.flatnonzero(~recording.valid).tolist() == [6, 699]
+    assert np.flatnonzero(~recording.complete).tolist() == [6, 699]
     assert recording.row[[6, 699]].tolist() == [8, 701]
 
 

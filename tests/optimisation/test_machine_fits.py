@@ -62,7 +62,8 @@ def test_a_joint_that_rests_most_of_the_time_makes_no_outliers():
     rest = run.q[-1] + 1e-7 * rng.standard_normal((count, 1)), run.tau[-1] + 0.1 * rng.standard_normal((count, 1))
     t = np.concatenate([run.t, run.t[-1] + step * np.arange(1, count + 1)])
     longer = replace(
-        run, t=t, q=np.concatenate([run.q, rest[0]]), tau=np.concatenate([run.tau, rest[1]]), valid=None, row=None
+        run, t=t, q=np.concatenate([run.q, rest[0]]), tau=np.concatenate([run.tau, rest[1]]), valid=None, row=None,
+        angle_valid=None, torque_valid=None,
     )
     assert prepare(SLIDE, [longer], cutoff=6.0).train[0].outliers.max() < 0.15
 

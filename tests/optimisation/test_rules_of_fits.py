@@ -17,11 +17,9 @@ from optimisation.fitting.neighbours import Neighbours
 from optimisation.fitting.thigh_length import ThighLength
 from optimisation.preparation import cutoff
 from optimisation.preparation.cutoff import _Noise
-from optimisation.preparation.filtering import STICK, _at_rest, _bears_load, _quick, prepare_one
+from optimisation.preparation.filtering import STICK, _bears_load, prepare_one
 from optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
-from symbolic.joints import Joint
 from symbolic.model import Model
-from symbolic.motion import Motion
 
 
 def swinging(seconds=10.0, knee=1.0):
@@ -143,7 +141,7 @@ def test_the_filter_decides_where_it_makes_a_third_of_the_error(wrong, decides, 
     """The error at the slowest cut-off is 1 N·m."""
     data = SimpleNamespace(groups=np.zeros(9), use=np.ones((1, 9)), residual=lambda x: np.ones((1, 9)))
     said = {"mean_square": np.array([wrong**2]), "assemble": data, "_folds": [np.ones(9, bool)], "_part": data}
-    said |= dict.fromkeys(("_largest_masses", "prepare_one", "torque_of_filter", "_torque_of_slower", "_fit"))
+    said |= dict.fromkeys(("prepare_one", "torque_of_filter", "_torque_of_slower", "_fit"))
     for name, answer in said.items():
         monkeypatch.setattr(cutoff, name, lambda *given, answer=answer: answer)
     trials = cutoff._Trials(SimpleNamespace(joints=(None,)), [("run", None)], np.zeros(8), "", (3.0,))
@@ -155,7 +153,8 @@ def signals(*angles: np.ndarray, tau: np.ndarray | None = None) -> UniformSignal
     q = np.column_stack(angles)
     none = np.zeros(q.shape[1], bool)
     torque = q.copy() if tau is None else tau
-    return UniformSignals(np.arange(len(q)) / 100.0, q, torque, np.zeros(len(q), bool), 100.0, none)
+    gap = np.zeros(q.shape, bool)
+    return UniformSignals(np.arange(len(q)) / 100.0, q, torque, gap[:, 0], gap, 100.0, none)
 
 
 T = np.arange(0.0, 30.0, 0.01)
@@ -179,73 +178,12 @@ def test_samples_near_standstill_are_left_out_as_far_as_the_filter_smears_it():
     assert one.stuck[inside, 0].sum() - slow[inside].sum() == pytest.approx(2 * 5 * begins, abs=6)
 
 
-@pytest.mark.shows("filtering.OUTLIER")
-@pytest.mark.parametrize(("size", "most", "least"), [(0.0, 0.003, 0.0), (6.0, 0.02, 0.008)])
-def test_spikes_are_replaced_and_noise_is_not(size, most, least):
-    """Noise of one robust deviation, with spikes of six in every hundredth sample."""
-    tau = np.random.default_rng(0).standard_normal((T.size, 2))
-    tau[50::100] = size * np.sign(tau[50::100]) if size else tau[50::100]
-    beta = np.full(8, 1e-9)
-    one = prepare_one(Model.standard(), "run", signals(SWING, SWING[::-1], tau=tau), 5.0, beta)
-    assert np.all((least <= one.outliers) & (one.outliers <= most))
-
-
-def pushed(spike: float, every: float = 1.0) -> tuple[UniformSignals, Model]:
-    """A mass of 1 kg on a slide at 1 kHz, pushed for 80 ms `every` s; every half second its force has a spike."""
-    t = np.arange(0.0, 20.0, 1e-3)
-    push = np.where((t % every > 0.5) & (t % every < 0.58), np.sign(np.sin(3.0 * t)), 0.0)
-    ddq = 0.5 * np.sin(2.0 * t) + np.convolve(push, np.full(5, 0.2), "same")
-    dq = np.cumsum(ddq) * 1e-3
-    tau = ddq + 0.02 * np.random.default_rng(0).standard_normal(t.size)
-    for k in range(12):  # longer than what is taken off at the full rate
-        tau[203 + k :: 500] += spike
-    none = np.zeros(t.size, bool)
-    even = UniformSignals(t, np.cumsum(dq)[:, None] * 1e-3, tau[:, None], none, 1e3, np.zeros(1, bool))
-    return even, Model("slide", gravity=0.0, chain=(Joint("axis", "prismatic"),))
-
-
-@pytest.mark.shows("filtering.SPIKE")
-@pytest.mark.parametrize(("spike", "least", "most"), [(0.0, 0.0, 0.012), (0.8, 0.03, 0.08)])
-def test_a_force_that_jumps_has_no_outliers_there(spike, least, most):
-    """Slow angles do not follow the jumps, those that are hardly filtered do; a spike stays one beside both."""
-    even, model = pushed(spike)
-    one = prepare_one(model, "run", even, 12.0, np.array([1.0, 0.0, 0.0]))
-    assert least <= one.outliers[0] <= most
-
-
-@pytest.mark.shows("filtering.MANY")
-@pytest.mark.parametrize(("every", "least", "most"), [(2.0, 0.05, 0.07), (1.0, 0.0, 0.012)])
-def test_jumps_stay_where_they_are_too_many_for_spikes(every, least, most):
-    """A mass pushed for 80 ms every other second is far off in 6 % of the time, and every second in 11 %."""
-    even, model = pushed(0.0, every)
-    one = prepare_one(model, "run", even, 12.0, np.array([1.0, 0.0, 0.0]))
-    assert least <= one.outliers[0] <= most
-
-
-@pytest.mark.shows("filtering.QUICK")
-@pytest.mark.parametrize(("noise", "used"), [(0.07, True), (0.14, False)])
-def test_quick_angles_are_used_where_their_noise_is_little(noise, used):
-    even, model = pushed(0.0)
-    one = prepare_one(model, "run", even, 12.0, None)
-    density = (noise * one.motion.ddq.std(axis=0)) ** 2 * 5.0 / ((2.0 * np.pi) ** 4 * (0.4 * one.rate) ** 5)
-    assert (_quick(one.motion, even, 6, one.rate, density, np.array([0.1])) is not None) is used
-
-
 @pytest.mark.shows("filtering.LOADED")
 @pytest.mark.parametrize(("wave", "bears"), [(0.6, False), (1.3, True)])
 def test_a_joint_that_stands_shows_its_load_where_its_torque_varies_more_than_noise(wave, bears):
     noise = np.random.default_rng(1).standard_normal(T.size)
     tau = np.column_stack([noise + wave * np.sqrt(2.0) * np.sin(2.0 * np.pi * 0.3 * T)])
     assert _bears_load(tau, 100.0, 5.0).tolist() == [bears]
-
-
-@pytest.mark.shows("filtering.RESTS")
-@pytest.mark.parametrize(("share", "rests"), [(0.4, False), (0.6, True)])
-def test_a_joint_that_sticks_for_much_of_the_time_has_no_direction_there(share, rests):
-    stuck = np.repeat((np.arange(1000) < 1000 * share)[:, None], 2, axis=1)
-    still = np.zeros((1000, 2))
-    motion = Motion(np.arange(1000) / 100.0, still, still, still, np.ones((1000, 2)))
-    assert bool((_at_rest(motion, stuck).sign[:300] == 0.0).all()) is rests
 
 
 @pytest.mark.shows("extend.WORTH")

@@ -72,7 +72,7 @@ def test_a_long_recording_is_judged_by_stretches_in_which_it_moves(monkeypatch):
     t = np.arange(0.0, 40.0, 0.01)
     q = np.outer(np.sin(t) * ((t > 8.0) & (t < 14.0) | (t > 30.0) & (t < 36.0)), [1.0, 2.0])
     still = np.zeros(t.size, dtype=bool)
-    even = UniformSignals(t, q, q, still, 100.0, np.zeros(2, dtype=bool))
+    even = UniformSignals(t, q, q, still, np.zeros(q.shape, dtype=bool), 100.0, np.zeros(2, dtype=bool))
     parts = cutoff.typical(even)
     assert [len(part.t) for part in parts] == [500, 500]
     assert 5.0 < parts[0].t[0] < 12.0 and 27.0 < parts[1].t[0] < 33.0

@@ -1,0 +1,136 @@
+"""Torque samples that neither what is before them nor what is behind them predicts: spikes of a sensor.
+
+Every sample is predicted by a linear combination of its neighbours on both sides, the one that predicts this torque
+best (an autoregressive model, as clicks are found in recordings of sound: Godsill, Rayner, Digital Audio Restoration,
+Springer 1998). A sample far off is a spike where parabolas through what is before it and through what is behind it miss
+it in the same direction too; where a force jumps, its own side of the jump predicts it. No model of the machine takes
+part, so that nothing that a model lacks can be taken for spikes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ground.thresholds import Threshold
+from measurement.signals.masks import Mask, straight
+from symbolic.motion import Float
+
+SPIKE = Threshold(
+    3.5,
+    "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
+)
+ALONE = Threshold(
+    0.3,
+    "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
+)
+SIDE, PARABOLA = 5, 8
+"""Samples on either side that predict together, and alone."""
+LASTS, MOST = 0.003, 5
+"""Seconds that a spike lasts, at most, and samples; it may always last two."""
+ROUNDS = 3
+"""Times that a torque is judged, anew without what was found."""
+STEPS, BISQUARE = 3, 4.7
+"""Steps of the robust fit of a prediction, and deviations beyond which samples have no part in it (Tukey)."""
+MANY = 4_000
+"""Samples that it takes, at most."""
+NEARBY = 100
+"""Samples whose usual miss is taken together: a torque may be rough for a while."""
+LEAST = 1e-7
+"""Part of a torque's range that counts as its noise, at least."""
+
+
+def spikes(x: Float, rate: float, unknown: Mask | None = None) -> Mask:
+    """Return which samples of `x` (N, J), evenly spaced at `rate` Hz, are spikes; two in a row are found, or as many as
+    last 3 ms. Those `unknown` (N, J) are none, nor do they count.
+    """
+    longest = int(np.clip(round(LASTS * rate), 2, MOST))
+    out = np.zeros(x.shape, dtype=bool)
+    for j, channel in enumerate(x.T):
+        lost = np.zeros(len(x), dtype=bool) if unknown is None else unknown[:, j]
+        if np.count_nonzero(~lost) > 8 * PARABOLA and np.ptp(channel[~lost]) > 0.0:
+            out[:, j] = _of_channel(np.ascontiguousarray(channel), lost, (0, longest - 1))
+    return out
+
+
+def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
+    """Return which samples of `x` (N,) are spikes, judged anew without those found until nothing changes; beside one so
+    many have no part in its prediction.
+    """
+    bad = np.zeros(x.size, dtype=bool)
+    least = LEAST * float(np.ptp(x[~lost]))
+    predictions = [_Prediction(guard) for guard in guards]
+    for _ in range(ROUNDS):
+        hidden = bad | lost
+        clean = straight(x, hidden)
+        found = np.logical_or.reduce([one.far(x, clean, hidden, least) for one in predictions]) & ~lost
+        if np.array_equal(found, bad):
+            break
+        bad = found
+    return bad
+
+
+class _Prediction:
+    """How a torque's samples follow from their neighbours, `guard` of which on either side have no part in it."""
+
+    def __init__(self, guard: int) -> None:
+        self.reach = PARABOLA + guard
+        beside = np.arange(guard + 1, guard + 1 + SIDE)
+        self.offsets = np.concatenate([-beside[::-1], beside])
+        self.weights = _parabola(self.offsets)
+        self.steps = STEPS
+        self.one_sided = np.zeros(2 * self.reach + 1)
+        self.one_sided[:PARABOLA] = _parabola(np.arange(PARABOLA) - float(self.reach))
+
+    def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
+        """Return which samples of `x` (N,) are far off what the `clean` ones around them predict, from either side."""
+        ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
+        padded = np.concatenate([ends[0], clean, ends[1]])
+        missed = x - self._predicted(padded, clean, hidden, least)
+        at = np.flatnonzero(np.abs(missed) > SPIKE * _usual(np.abs(missed), hidden, least))
+        rows = padded[at[:, None] + np.arange(2 * self.reach + 1)]
+        sign = np.sign(missed[at])
+        sides = [sign * (x[at] - rows @ taken) for taken in (self.one_sided, self.one_sided[::-1])]
+        out = np.zeros(x.size, dtype=bool)
+        out[at] = np.minimum(*sides) > ALONE * np.abs(missed[at])
+        return out
+
+    def _predicted(self, padded: Float, clean: Float, hidden: Mask, least: float) -> Float:
+        """Return what is predicted of every sample (N,), by weights that are fitted robustly to those not hidden."""
+        thin = max(1, -(-clean.size // MANY))
+        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * self.reach + 1)[::thin]
+        rows, target, counts = windows[:, self.reach + self.offsets], clean[::thin], ~hidden[::thin]
+        for _ in range(self.steps):
+            missed = target - rows @ self.weights
+            scale = max(_median(np.abs(missed[counts])) / 0.6745, least)
+            share = np.maximum(1.0 - (missed / (BISQUARE * scale)) ** 2, 0.0) * counts
+            weighted = rows * (share * share)[:, None]
+            gram = weighted.T @ rows
+            gram[np.diag_indices(len(gram))] += 1e-13 * np.trace(gram) + 1e-300
+            self.weights = np.linalg.solve(gram, weighted.T @ target)
+        self.steps = 1
+        taken = np.zeros(2 * self.reach + 1)
+        taken[self.reach + self.offsets] = self.weights
+        return np.convolve(padded, taken[::-1], mode="valid")
+
+
+def _parabola(at: NDArray[Any]) -> Float:
+    """Return the weights (M,) of samples at the places `at` that give the value at 0 of a parabola through them."""
+    return np.asarray(np.linalg.pinv(np.asarray(at, dtype=float)[:, None] ** np.arange(3))[0])
+
+
+def _usual(missed: Float, hidden: Mask, least: float) -> Float:
+    """Return the standard deviation (N,) that sizes `missed` (N,) have around each sample, at least that of all."""
+    known = missed if not hidden.any() else straight(missed, hidden)
+    whole = max(_median(missed[~hidden]), 0.6745 * least)
+    count = -(-known.size // NEARBY)
+    blocks = np.resize(known, count * NEARBY).reshape(count, NEARBY)
+    middle = np.partition(blocks, NEARBY // 2, axis=1)[:, NEARBY // 2]
+    return np.asarray(np.repeat(np.maximum(middle, whole), NEARBY)[: known.size] / 0.6745)
+
+
+def _median(x: Float) -> float:
+    """Return about the median of `x`."""
+    return float(np.partition(x, x.size // 2)[x.size // 2])
