@@ -39,17 +39,20 @@ def main() -> None:
     curves = paper.converge(fits[ROUGH][0])
     searches = {name: paper.search_motion(*how, SEARCH_SEEDS) for name, how in SEARCHES.items()}
     designs = paper.designs(SEARCH_SEEDS)
+    contest = paper.rivals_of_motion(SEARCH_SEEDS)
     published = paper.condition(paper_trajectory())
     drawn = {
         "trajectory": paper_trajectory().plot(),
         "search": figures.search(searches, published, designs[0].condition),
         "fit": figures.fit(fits[ROUGH][0]), "ratio": figures.ratios(fits, paper.PAPER_RATIO),
-        "convergence": figures.convergence(curves),
+        "convergence": figures.convergence(curves), "rivals": contest.plot(),
     }  # fmt: skip
     for name, figure in drawn.items():
         (DOCS / f"paper_{name}.png").write_bytes(to_png(figure, dpi=90))
     page = (Path(__file__).parent / "paper_page.md").read_text(encoding="utf-8")
-    for name, text in numbers(fits, curves, searches, designs, published).items():
+    for name, text in {
+        **numbers(fits, curves, searches, designs, published), "rivals": rival_table(contest)
+    }.items():  # fmt: skip
         page = page.replace("{" + name + "}", text)
     (DOCS / "paper.md").write_text(page, encoding="utf-8")
     sys.stdout.write("docs/paper.md\n")
@@ -124,6 +127,19 @@ def search_table(searches, designs) -> str:
     ipopt = min(c.value for c in designs[0].candidates if c.name.startswith("IPOPT"))
     rows.append(("IPOPT from three starts", "", f"{ipopt:.1f}"))
     return table(("NFO, 20 × 400 evaluations", "runs that found a motion inside", "cond(Ȳ), median (range)"), rows)
+
+
+def rival_table(contest) -> str:
+    """Return how near every optimiser came to the best motion known, rescaled and with the penalty."""
+    best = contest.contest.best
+    rows = []
+    for name, middle, low, high, hits, runs, *_ in contest.rows():
+        values = [f"{best * (1.0 + gap):.1f}" if np.isfinite(gap) else "∞" for gap in (middle, low, high)]
+        how = "∞ outside, ±0.2 rad" if name.endswith("_penalty") else "rescaled, ±1 rad"
+        who = name.removesuffix("_penalty").upper().replace("_", "-")
+        rows.append((who, how, values[0], f"{values[1]} to {values[2]}", f"{hits} of {runs}"))
+    head = ("20 × 400 evaluations", "limits", "cond(Ȳ), median", "quartiles", "runs within 1 % of the best known")
+    return table(head, rows)
 
 
 def parameters(fits) -> str:

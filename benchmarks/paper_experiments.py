@@ -17,6 +17,8 @@ from measurement.bench.simulation import Bench, BenchRun
 from measurement.bench.simulation import run_bench as run_bench
 from measurement.signals.conditioning import derivatives, low_pass
 from measurement.trajectories.trajectory import CENTRE, Fourier, largest_scale, paper_trajectory, within
+from optimisation.contest.rivals import rivals
+from optimisation.contest.standings import Rivals
 from optimisation.excitation.design import design
 from optimisation.excitation.result import Excitation
 from optimisation.fitting.identify import identify
@@ -196,6 +198,11 @@ def _excitation(x: np.ndarray, rescaled: bool, samples: int) -> float:
 def designs(seeds: int) -> list[Excitation]:
     """Return what `exoid design` finds, with IPOPT's best known motion from the first seed."""
     return [design(LEG, seed=seed, starts=3 if seed == 0 else 0) for seed in range(seeds)]
+
+
+def rivals_of_motion(seeds: int) -> Rivals:
+    """Let NFO, PSO, GA, DE and CMA-ES search motions, 20 × 400, rescaled and with the infinite penalty."""
+    return rivals(LEG, problem="excitation", seeds=seeds, jobs=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,7 +32,7 @@ def search(found: Mapping[str, Search], published: float, best: float) -> Figure
             low, high = one.history.min(axis=0), np.where(np.isfinite(one.history), one.history, 1e6).max(axis=0)
             axes.fill_between(one.counts, low, high, color=colour, alpha=0.15, linewidth=0)
         axes.axhline(published, color=INK, linewidth=0.9, linestyle=":", label="the published coefficients")
-        axes.axhline(best, color=INK, linewidth=1.0, linestyle="--", label="the best motion known (IPOPT)")
+        axes.axhline(best, color=INK, linewidth=1.0, linestyle="--", label="the best motion known")
         axes.set(yscale="log", ylim=(50, 300), xlabel="evaluations", ylabel="condition number of Ȳ")
         axes.set_yticks([50, 75, 100, 150, 200, 300], ["50", "75", "100", "150", "200", "300"])
         axes.minorticks_off()
