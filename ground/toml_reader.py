@@ -79,14 +79,22 @@ class Table:
         return value
 
     def number(
-        self, key: str, default: float | None = None, above: float | None = None, below: float | None = None
+        self,
+        key: str,
+        default: float | None = None,
+        above: float | None = None,
+        below: float | None = None,
+        least: float | None = None,
     ) -> float:
-        """Return the finite number under `key`, strictly between `above` and `below`, or the default."""
+        """Return the finite number under `key`, between `above` and `below`, `least` or more, or the default."""
         if key not in self.values:
             if default is None:
                 raise self.error(None, f"{key} is missing", f"add {key} = <number>")
             return default
-        return self._checked(key, self.values[key], above, below)
+        number = self._checked(key, self.values[key], above, below)
+        if least is not None and number < least:
+            raise self.error(key, f"{key} = {number:g} is out of range", f"give {least:g} or more")
+        return number
 
     def optional(self, key: str) -> float | None:
         """Return the finite number under `key`, or None."""

@@ -101,8 +101,8 @@ def check_joints(joints: Sequence[Joint]) -> None:
             raise EffectError(f"there are two joints called {joint.name!r}", where=where, remedy="rename one")
         if joint.kind not in KINDS:
             raise EffectError(f"unknown kind {joint.kind!r}", where=where, remedy='use "revolute" or "prismatic"')
-        if joint.length is not None and not (math.isfinite(joint.length) and joint.length > 0.0):
-            raise EffectError(f"length is {joint.length!r}", where=where, remedy="give a positive number (m)")
+        if joint.length is not None and not (math.isfinite(joint.length) and joint.length >= 0.0):
+            raise EffectError(f"length is {joint.length!r}", where=where, remedy="give 0 or more (m)")
         if joint.parent is not None and joint.parent != BASE and joint.parent not in names[:k]:
             raise EffectError(
                 f"there is no joint {joint.parent!r} before it",

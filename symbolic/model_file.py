@@ -235,7 +235,7 @@ def _moving_base(top: Table) -> bool:
 
 def _joint(entry: Table) -> Joint:
     entry.only("name", "kind", "length", "parent", "position", "velocity", "acceleration")
-    length = entry.number("length", above=0.0, below=100.0) if "length" in entry.values else None
+    length = entry.number("length", below=100.0, least=0.0) if "length" in entry.values else None
     parent = entry.text("parent") if "parent" in entry.values else None
     return Joint(entry.text("name"), entry.text("kind", "revolute"), length, parent)
 

@@ -84,6 +84,21 @@ def test_the_rigid_machine_obeys_newton_and_euler(joints, gravity):
     assert fast.jacobian(on, 0.1).shape == (30, 2, len(joints))
 
 
+def test_two_joints_on_one_axis_are_a_machine(tmp_path):
+    """Coaxial drives: the second link's angle counts from the first, and neither carries the other's weight."""
+    path = tmp_path / "coaxial.toml"
+    path.write_text('[[joints]]\nname = "first"\nlength = 0\n[[joints]]\nname = "second"\n', encoding="utf-8")
+    model, on = read_model(path), motion(2)
+    assert [joint.length for joint in model.joints] == [0.0, None]
+    inertia, moment = (0.3, 0.2), (0.8, 0.5)
+    phi = np.cumsum(on.q, axis=1)
+    turning = np.array(inertia) * np.cumsum(on.ddq, axis=1) + 9.81 * np.array(moment) * np.sin(phi)
+    wanted = np.column_stack([turning.sum(axis=1), turning[:, 1]])
+    columns = np.moveaxis(model.columns(on), 1, 0)[:, :, : len(model.inertial)]
+    x, y = columns.reshape(-1, columns.shape[2]), wanted.ravel()
+    assert np.abs(x @ np.linalg.lstsq(x, y, rcond=None)[0] - y).max() < 1e-10
+
+
 def test_two_joints_that_are_hip_and_knee_give_the_torque_of_the_leg():
     """The general derivation against the leg's own, of the same masses."""
     joints = (Joint("hip", length=0.40), Joint("shank"))
