@@ -57,7 +57,10 @@ class Rules:
     )
     false_discovery_rate: float = _rule(ACCEPTANCE, 0.05, "entries named by chance, over the catalogue at every step")
     small_gain: float = _rule(
-        ACCEPTANCE, 0.15, "share below which a term is only possible far above the noise: it absorbs model error"
+        ACCEPTANCE,
+        0.15,
+        "share below which a term is only possible beside a curve at its joint that explains more: it absorbs what "
+        "nobody knows",
     )
     farther: float = _rule(
         ACCEPTANCE, 2.0, "factor on this share for every ten times that the error is farther above: hardly a beginning"
@@ -89,8 +92,10 @@ class Rules:
         1e-3,
         "distance from a bound, of the range, at which a parameter says it is another effect",
     )
-    noise_made: float = _rule(
-        ACCEPTANCE, 4.0, "most that noise makes of a gain, in units of what as much again adds: effects never named"
+    beyond_null: float = _rule(
+        ACCEPTANCE,
+        2.0,
+        "times what a term gains on recordings that the model without it made itself: noise of the angles named",
     )
     least_novelty: float = _rule(ACCEPTANCE, 1e-6, "share of a column new to the model: the rest its parameters absorb")
     least_active: float = _rule(ACCEPTANCE, 0.003, "share of samples on which a column is not zero: a lucky burst")
@@ -154,11 +159,6 @@ class Rules:
         "share of a plain effect's torque that another, at a limit of its shape, may miss and still contain it: an "
         "offset would be ambiguous beside a drift that began long ago",
     )
-    dominant: float = _rule(
-        ALIKE,
-        2.0,
-        "times the gain of one that too few splits support, or that is doubted: a part of it is accepted in its place",
-    )
     refinements: int = _rule(ALIKE, 3, "rounds of refinement of a shape value: a coarse grid decides nothing")
 
     most_terms: int = _rule(SEARCH, 6, "terms added at most; a model that needs more has another problem")
@@ -172,9 +172,6 @@ class Rules:
         "part of its gain that a candidate with per-recording positions keeps beside an offset per recording",
     )
     sure: float = _rule(SEARCH, 0.01, "p-value an accepted term keeps beside the others: a superfluous term")
-    merged: float = _rule(
-        SEARCH, 0.97, "part of the gain of two terms with which one replaces them: two for one effect"
-    )
     many_numbers: int = _rule(SEARCH, 4, "a term with so many numbers is compared with plainer ones in its place")
     rounds: int = _rule(SEARCH, 4, "times the search goes on after it took back a proxy")
 
@@ -186,9 +183,10 @@ class Rules:
     curve_level: float = _rule(REMAINDER, 0.005, "p-value of a curve; a few dozen are tried")
     own_handicap: float = _rule(REMAINDER, 0.85, "factor on the share of a curve per recording: freedom must be earned")
     beaten: float = _rule(REMAINDER, 3.0, "standard errors by which a curve leads to reveal a proxy: a true term lost")
-    beaten_share: float = _rule(REMAINDER, 0.02, "share of the loss by which a curve leads to reveal a proxy")
+    spared: float = _rule(
+        REMAINDER, 0.85, "part of what a curve explains with which a term stays: a true one beside errors of the model"
+    )
     superseded: float = _rule(REMAINDER, 0.5, "part of its gain a proxy adds to the curve that replaces it")
-    as_good: float = _rule(REMAINDER, 0.97, "part of the gain with which a bump with fewer numbers reveals a proxy")
 
     near_noise: float = _rule(
         CHANNELS, 3.0, "times the floor up to which an error is near the noise; beyond, a model is not called adequate"

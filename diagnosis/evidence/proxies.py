@@ -61,9 +61,10 @@ def beaten(
 ) -> BetterCurve | None:
     """Return the curve without physics at `joint` that clearly beats the columns (one node) of a term on the same data.
 
-    Beaten is a term that a curve gains clearly more than, in the scatter of blocks of time, or that a single bump with
-    fewer numbers than the `numbers` of the term gains as much as; and that adds little to that curve: it was a
-    proxy. A term beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
+    Beaten is a term that explains less than most of what a curve does, clearly so in the scatter of blocks of time, or
+    of what a single bump with fewer numbers than the `numbers` of the term does; and that adds little to that curve: it
+    was a proxy. A true effect of a machine that has errors besides explains most of what a curve can bend to. A term
+    beside which something else is left adds nearly as much to a curve as it gains alone. `now` and
     `evidence` are of the model without the term.
     """
     rules = evidence.rules
@@ -80,7 +81,7 @@ def beaten(
                 return None
             share = _share(parts, splines.columns, rules.curve_ridge)
             curve = BetterCurve(splines.columns, tuple(parts), rules.curve_ridge, share)
-            if curve.share <= mine + rules.beaten_share:
+            if mine >= rules.spared * curve.share:
                 return None
             lead = losses - _blocks(parts, splines.columns, rules.curve_ridge)
             clear = lead.sum() >= rules.beaten * np.sqrt(np.sum((lead - lead.mean()) ** 2))
@@ -98,7 +99,7 @@ def beaten(
         score = weigh(evidence, candidate, columns)
         best = tuple(c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True))
         bump = BetterCurve(best, common, None, score.share)
-        return bump if score.share >= rules.as_good * alone and bump.supersedes(term) else None
+        return bump if alone < rules.spared * score.share and bump.supersedes(term) else None
 
     contests += [partial(by_bump, candidate) for candidate in _bumps(now, joint) if candidate.numbers < numbers]
     won = first_passing(lambda k: contests[k]() is not None, len(contests))

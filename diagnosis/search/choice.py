@@ -11,10 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.gain import Evidence, RecordingEvidence
-from diagnosis.evidence.look_alikes import columns_at, gains_beside, look_alikes
+from diagnosis.evidence.look_alikes import columns_at, look_alikes
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.search.containing import EXACT, contains, is_within
 from diagnosis.search.context import SearchContext
@@ -42,10 +40,6 @@ def choose(
     """Return the model with the best candidate that really helps after a full refit."""
     failed: frozenset[str] = frozenset()
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
-        shadow = _overshadowed(context, extension, evidence, good[0], scores)
-        if context.note_doubt(extension, good[0].name, shadow):
-            failed |= {good[0].name}
-            continue
         out = banned | failed
         # A rival need not beat its own placebos: that something is missing is certain, the question is what.
         rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
@@ -56,31 +50,6 @@ def choose(
             return Choice(found, failed)
         failed |= {near[0].name}
     return Choice(None, failed)
-
-
-def _overshadowed(
-    context: SearchContext, extension: Extension, evidence: Evidence, score: Score, scores: Sequence[Score]
-) -> str:
-    """Return that a candidate takes up part of what another one explains far better, which most splits support, but too
-    few to accept it, or against which something else speaks; "" where none does. What is missing is then not known, and
-    the lesser one is hardly it.
-    """
-    rules, key = context.rules, context.key(extension)
-    own: tuple[Score, list[Columns]] | None = None
-    for lead in scores:
-        if lead.caution or not lead.helps or lead.share <= rules.dominant * score.share:
-            continue
-        refused, told = context.doubts.get((key, lead.name)), lead.agreement
-        if refused is None and (lead.steady or told is None or not (told.share or 0.0) > 0.5):
-            continue
-        own = own or context.refined(evidence, extension, score)
-        if not gains_beside(evidence, context.refined(evidence, extension, lead), *own):
-            why = "" if told is None else f"supported by {told.accepted} of {told.of} splits of the recordings"
-            return (
-                f"explains {100 * score.share:.1f} %, and {lead.name} explains {100 * lead.share:.1f} % and that too, "
-                + (why if refused is None else f"but is doubted: {refused.reason}")
-            )
-    return ""
 
 
 def shortlist(
@@ -198,38 +167,15 @@ def _twins(
 
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
-    """Whether a candidate still gains enough once the part that the noise of the angles makes is taken off.
-
-    Noise makes accelerations, and so the model's torque, rougher than the motion was; whatever smooths it (a
-    flexible drive, a delay) then gains. With the noise added again and again that part grows, the true part does not.
-    It does not grow in proportion: smoothing can take away no more than all of the noise. So the gain is extrapolated
-    to no noise at all by T + A n / (n + B), n times the noise (the rational extrapolant of Cook and Stefanski 1994).
-    """
+    """Whether a candidate gains clearly more than on recordings that the present model made itself, noise added."""
     rules, loss = context.rules, float(evidence.fold_losses.sum())
     single = replace(score.candidate, nodes=score.shape[:, None, :])
-
-    def gain(noisy: FittedModel) -> float:
-        rougher = noisy.evidence(seed=context.seed, draws=0, sigma=evidence.sigma, rules=rules)
-        with_noise = weigh(rougher, single, context.columns_of(score, noisy))
-        return with_noise.share * float(rougher.fold_losses.sum()) / loss
-
-    twice = noisier(extension.fitted, context.seed)
-    first = max(gain(twice) - score.share, 0.0)
-    if score.share - rules.noise_made * first >= rules.least_share or score.share - first < rules.least_share:
-        return score.share - first >= rules.least_share  # whichever way it grows
-    fourfold = noisier(noisier(twice, context.seed + 1), context.seed + 2)
-    growth = (gain(fourfold) - score.share - first) / first  # 2 where in proportion, 1/2 where all is taken away
-    half = (4.0 * growth - 2.0) / (2.0 - growth) if growth < 2.0 else np.inf
-    made = min(1.0 + 2.0 / half, rules.noise_made) if half > 0.0 else rules.noise_made
-    return score.share - made * first >= rules.least_share
-
-
-def noisier(fitted: FittedModel, seed: int) -> FittedModel:
-    """Return the same model on the recordings as they would be with the noise of their encoders doubled."""
-    rng = np.random.default_rng(seed)
-    train = tuple(one.noisier(rng) for one in fitted.prepared.train)
-    verify = tuple(one.noisier(rng) for one in fitted.prepared.verify)
-    return fitted.on(replace(fitted.prepared, train=train, verify=verify))
+    gains = []
+    for made in context.simulated(extension):
+        theirs = made.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=rules)
+        share = weigh(theirs, single, context.columns_of(score, made)).share
+        gains.append(share * float(theirs.fold_losses.sum()) / loss)
+    return score.share - rules.beyond_null * max(0.0, float(np.mean(gains))) >= rules.least_share
 
 
 def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> bool:

@@ -20,6 +20,7 @@ from diagnosis.evidence.own_sway import own_sway
 from diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
 from diagnosis.evidence.repeats import repeats
 from diagnosis.evidence.score import Score, weigh
+from diagnosis.evidence.simulated import made_by_itself
 from diagnosis.rules import RULES, Rules
 from diagnosis.search.doubt import Objection, doubt
 from diagnosis.search.state import Extension, State
@@ -31,6 +32,8 @@ from symbolic.model import Model
 from symbolic.motion import Float
 
 Ranked = tuple[Evidence, list[Score]]
+DRAWN = 2
+"""Sets of recordings that the present model makes itself."""
 RESOLUTION = 1.2
 """How much finer than the strictest p-value of a ranking its placebos resolve."""
 
@@ -60,6 +63,9 @@ class SearchContext:
     """A model with these terms fitted from these shapes: moves take the same terms out again and again."""
     noises: dict[tuple[str, ...], Float] = field(default_factory=dict)
     """The noise (J,) N·m beside a model with these terms."""
+
+    own: dict[tuple[str, ...], tuple[FittedModel, ...]] = field(default_factory=dict)
+    """A model with these terms on recordings that it made itself."""
 
     # -- models -----------------------------------------------------------------------------------------------
 
@@ -184,6 +190,14 @@ class SearchContext:
         if key not in self.noises:
             self.noises[key] = noise_with(repeats(extension.fitted), self.prepared)
         return self.noises[key]
+
+    def simulated(self, extension: Extension) -> tuple[FittedModel, ...]:
+        """Return the model of `extension` on recordings that it made itself, a few times."""
+        key = self.key(extension)
+        if key not in self.own:
+            floor = self.prepared.noise_floor
+            self.own[key] = tuple(made_by_itself(extension.fitted, floor, self.seed + k) for k in range(DRAWN))
+        return self.own[key]
 
     @staticmethod
     def key(extension: Extension) -> tuple[str, ...]:

@@ -157,9 +157,11 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
 
 
 def small_while_far(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
-    """Return that the term gains little while an error stays far above the noise `floor` (J,)."""
+    """Return that a term which follows the model's own torque gains little while an error stays far above the noise
+    `floor` (J,): elastic, late or scaled torque takes up part of nearly anything that nobody knows.
+    """
     score = after.added
-    if score is None:
+    if score is None or not is_transform(score.candidate.term):
         return ""
     refitted = before.unseen_gain(after, rules) if before.fitted.verified else 0.0
     share = max(score.share, score.unseen or 0.0, refitted)

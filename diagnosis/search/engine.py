@@ -1,10 +1,9 @@
 """The search for what a model is missing: moves, applied until nothing changes.
 
-A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `merge` puts one in
-the place of two, `exchange` compares each with its rivals, `drop_unsteady` drops terms that only some splits of the
-recordings support, `take_back` takes back proxies. At the end `drop_dependent` drops what helps beside one of two
-look-alikes only, and `outweighed` what explains little beside something that nobody knows. A new move is a file with
-one function, and a place in `run`.
+A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `exchange` compares
+each with its rivals, `drop_unsteady` drops terms that only some splits of the recordings support, `take_back` takes
+back proxies. At the end `outweighed` drops what explains little beside something that nobody knows. A new move is a
+file with one function, and a place here.
 """
 
 from __future__ import annotations
@@ -13,17 +12,15 @@ from dataclasses import dataclass, replace
 
 from diagnosis.evidence.score import Score
 from diagnosis.search.context import SearchContext
-from diagnosis.search.drop_dependent import drop_dependent
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
-from diagnosis.search.merge import merge
 from diagnosis.search.outweighed import outweighed
 from diagnosis.search.prune import prune
 from diagnosis.search.state import Extension, State
 from diagnosis.search.take_back import left_over, take_back
 
-BACKWARD = (prune, merge, exchange)
+BACKWARD = (prune, exchange)
 """Moves after each way forward, in this order."""
 
 
@@ -56,12 +53,11 @@ def run_search(context: SearchContext, start: Extension) -> Found:
 
 
 def _doubted(context: SearchContext, state: State) -> State:
-    """Return the state without the terms that the last moves drop, and what is left then."""
-    for move in (drop_dependent, outweighed):
-        shorter = move(context, state)
-        if shorter.names != state.names:
-            state = replace(shorter, left=left_over(context, shorter.last))
-    return state
+    """Return the state without the terms that a curve outweighs, and what is left then."""
+    shorter = outweighed(context, state)
+    if shorter.names == state.names:
+        return state
+    return replace(shorter, left=left_over(context, shorter.last))
 
 
 def search_without_proxies(context: SearchContext, state: State) -> State:

@@ -84,14 +84,17 @@ def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
         (0.1, 40.0, True, True),
     ],
 )
-def test_the_farther_from_the_noise_the_more_a_term_must_explain(share, times, repeats, doubted):
-    """Unless it repeats over many recordings."""
+def test_the_farther_from_the_noise_the_more_an_elastic_torque_must_explain(share, times, repeats, doubted):
+    """Where it follows the model's own torque, and unless it repeats over many recordings."""
     fitted = SimpleNamespace(
         verified=False, evaluation_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
     )
     before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
-    after.added = SimpleNamespace(share=share, unseen=None, repeats=lambda rules: repeats)
+    elastic = SimpleNamespace(term=Term(catalogue()["joint_elasticity"], "hip"))
+    after.added = SimpleNamespace(share=share, unseen=None, repeats=lambda rules: repeats, candidate=elastic)
     assert bool(small_while_far(before, after, np.ones(2), RULES)) is doubted
+    elastic.term = Term(catalogue()["stribeck"], "hip")
+    assert small_while_far(before, after, np.ones(2), RULES) == ""
 
 
 @pytest.mark.shows("leading")

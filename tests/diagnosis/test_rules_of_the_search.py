@@ -10,10 +10,11 @@ import pytest
 from synthetic import recording
 from test_rules_of_evidence import at, block, candidate, noise
 
+from diagnosis.evidence.columns import Columns
 from diagnosis.evidence.gain import Evidence
 from diagnosis.evidence.stretches import searched_stretches
 from diagnosis.rules import RULES
-from diagnosis.search import choice, engine, merge
+from diagnosis.search import choice, engine
 from diagnosis.search.choice import contains, outlives_noise, outlives_offsets, refitted, shortlist
 from diagnosis.search.doubt import made_by_the_filter
 from diagnosis.search.exchange import _rivals
@@ -106,24 +107,24 @@ def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(mis
     plain, rival = score("plain", 0.5, coefficients=[1.0]), score("rival", 0.5)
     rival.candidate.nodes = np.array([[[0.0], [1.0], [2.0]]])
     nodes = np.array([np.sqrt(1.0 - missed) * own + np.sqrt(missed) * other, noise(3), noise(4)])
-    columns = [choice.Columns((0,), nodes[:, None, :, None])]
+    columns = [Columns((0,), nodes[:, None, :, None])]
     library = SimpleNamespace(columns=lambda one, fitted: columns, find=lambda name: rival.candidate)
     context = SimpleNamespace(library=library, columns_of=lambda one, fitted: at(own))
     evidence = Evidence([block(noise(5))], [], seed=0, draws=0)
     assert contains(context, SimpleNamespace(fitted=None), evidence, rival.candidate, plain) is inside
 
 
-@pytest.mark.shows("noise_made")
-@pytest.mark.parametrize(("grows", "stays"), [(0.02, True), (0.03, False)])
-def test_what_noise_makes_of_a_gain_is_four_times_what_as_much_again_adds(grows, stays, monkeypatch):
-    """A gain of 10 % that grows with the noise, and by half of that again with four times as much."""
-    gains = iter([0.1 + grows, 0.1 + 1.5 * grows])
-    rougher = SimpleNamespace(fold_losses=np.ones(1))
-    noisy = SimpleNamespace(evidence=lambda **asked: rougher)
-    monkeypatch.setattr(choice, "noisier", lambda fitted, seed: noisy)
+@pytest.mark.shows("beyond_null")
+@pytest.mark.parametrize(("without", "stays"), [(0.04, True), (0.05, False)])
+def test_a_term_gains_more_than_twice_what_it_gains_where_it_is_certainly_not(without, stays, monkeypatch):
+    """A gain of 10 %, at least a hundredth of it beyond what recordings show that the model without it made itself."""
+    made = SimpleNamespace(evidence=lambda **asked: SimpleNamespace(fold_losses=np.ones(1)))
     monkeypatch.setattr(choice, "replace", lambda one, **changes: one)
+    gains = iter([0.5 * without, 1.5 * without])
     monkeypatch.setattr(choice, "weigh", lambda *asked: SimpleNamespace(share=next(gains)))
-    context = SimpleNamespace(rules=RULES, seed=0, columns_of=lambda one, fitted: [])
+    context = SimpleNamespace(
+        rules=RULES, simulated=lambda extension: (made, made), columns_of=lambda one, fitted: []
+    )  # fmt: skip
     evidence = SimpleNamespace(fold_losses=np.ones(1), sigma=np.ones(1))
     one = score("it", 0.1, shape=np.zeros((1, 0)))
     assert outlives_noise(context, SimpleNamespace(fitted=None), evidence, one) is stays
@@ -142,28 +143,6 @@ def test_an_effect_that_moves_with_each_recording_is_more_than_an_offset_in_each
     one = score("it", 1.0, shape=np.zeros((2, 0)))
     one.candidate.per_recording = [0]
     assert outlives_offsets(SimpleNamespace(fitted=None), evidence, one) is stays
-
-
-@pytest.mark.shows("merged")
-@pytest.mark.parametrize(("share", "would"), [(0.98, True), (0.95, False)])
-def test_one_effect_takes_the_place_of_two_where_it_gains_as_much(share, would, monkeypatch):
-    model = SimpleNamespace(terms=[])
-    evidence = SimpleNamespace(
-        sigma=np.ones(1), plain=lambda columns: None, fold_losses=np.ones(1),
-        gain=lambda grams: SimpleNamespace(total=np.array([0.5])), within_reach=lambda joints: 1.0,
-    )  # fmt: skip
-    context = SimpleNamespace(
-        rules=RULES,
-        without=lambda extension, pair: SimpleNamespace(fitted=SimpleNamespace(model=model)),
-        evidence=lambda extension, draws: evidence,
-        columns_of=lambda one, fitted: [],
-        library=SimpleNamespace(candidates=[candidate(name="one", joints=(0,))]),
-        all_weighed=lambda extension, evidence, several: [score(c.name, 0.5 * share, eligible=True) for c in several],
-        agreed=lambda extension, evidence, scores: scores,
-    )
-    monkeypatch.setattr(merge, "as_fitted", lambda one, extension: one)
-    state = SimpleNamespace(last=None, banned=set(), unsteady=set())
-    assert merge._one_would_do(context, state, [score("a", 0.3), score("b", 0.3)]) is would
 
 
 @pytest.mark.shows("many_numbers")

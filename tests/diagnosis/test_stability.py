@@ -17,7 +17,7 @@ from diagnosis.evidence.repeats import Repeats
 from diagnosis.evidence.stability import Splits, splits_of
 from diagnosis.results import stability_of
 from diagnosis.rules import RULES
-from diagnosis.search.doubt import Objection, doubt, on_bound, small_while_far, too_short, undetermined
+from diagnosis.search.doubt import Objection, doubt, on_bound, too_short, undetermined
 from diagnosis.search.engine import run_search
 from diagnosis.search.possible import agreements_of, possible_of
 from measurement.bench.hidden import Hidden
@@ -164,17 +164,6 @@ def test_a_peak_of_which_only_the_flank_shows_is_there_all_the_same(correlation,
     wide = replace(fit.estimate("stribeck:hip.c"), low=-value, high=3.0 * value)
     after = replace(after, fit=replace(fit, estimates=(wide,), covariance=spread))
     assert (undetermined(after, "stribeck:hip") == "") is shown
-
-
-def test_a_small_gain_is_possible_while_the_error_is_far_above_the_noise():
-    context = search(OFFSET, ["torque_offset:knee"])
-    after = state_with(context, "torque_offset:knee").last
-    small = replace(after, added=replace(after.added, share=0.05, unseen=0.05))
-    floor = after.fitted.evaluation_rms
-    assert small_while_far(small, small, floor, RULES) == ""
-    assert "times the noise" in small_while_far(small, small, floor / 10.0, RULES)
-    assert small_while_far(after, after, floor / 10.0, RULES) == ""
-    assert doubt(small, small, floor / 10.0, RULES).reason == small_while_far(small, small, floor / 10.0, RULES)
 
 
 @pytest.mark.shows("least_splits")

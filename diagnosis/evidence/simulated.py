@@ -1,0 +1,51 @@
+"""Recordings that the present model makes itself: what a candidate gains there it gains from noise alone.
+
+A motion a little smoother than the measured one plays the truth; the model's torque in it is filtered as the measured
+one was, and the sensors' noise is added anew. Noise of the angles makes accelerations, and so the torque of any model,
+rougher than the motion was; whatever smooths it (a flexible drive, a delay) then gains although nothing is missing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from measurement.signals.conditioning import derivatives, low_pass
+from optimisation.fitting.identify import identify
+from optimisation.preparation.filtering import PreparedRecording
+from symbolic.motion import Float
+
+SMOOTHER = 0.5
+"""Part of a recording's band that the motion which plays the truth has: the rest of it may be noise already."""
+LEAST_SENSOR = 0.1
+"""Part of the noise that comes from the torque sensors at least."""
+
+
+def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
+    """Return the model of `fitted`, fitted to recordings that it made itself, `floor` (J,) N·m of noise in them."""
+    rng = np.random.default_rng([seed, len(fitted.residuals)])
+    pairs = zip(fitted.prepared.all, fitted.shapes, strict=True)
+    made = [_made(fitted, one, shape, np.maximum(floor, 1e-12), rng) for one, shape in pairs]
+    count = len(fitted.prepared.train)
+    prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
+    start = fitted.shape if fitted.model.shapes else None
+    return fitted_model(identify(fitted.model, prepared.train, optimisers=(), start=start), prepared)
+
+
+def _made(
+    fitted: FittedModel, one: PreparedRecording, shape: Float, floor: Float, rng: np.random.Generator
+) -> PreparedRecording:
+    """Return a recording as the model would have made it."""
+    model, linear = fitted.model, fitted.linear
+    q = low_pass(one.motion.q, SMOOTHER * one.band, one.rate)
+    dq, ddq = (np.where(one.standing, 0.0, part) for part in derivatives(q, one.rate))
+    sign = np.where(one.standing, 0.0, np.sign(dq))
+    true = replace(one, motion=replace(one.motion, q=q, dq=dq, ddq=ddq, sign=sign))
+    torque = true.smooth(model.torque(true.motion, linear, shape))
+    seen = true.noisier(rng)
+    away = np.where(one.used, torque - seen.smooth(model.torque(seen.motion, linear, shape)), 0.0)
+    by_angles = np.sum(away**2, axis=1) / np.maximum(one.used.sum(axis=1), 1)
+    sensor = np.sqrt(np.maximum(floor**2 - by_angles, (LEAST_SENSOR * floor) ** 2))
+    return replace(seen, torque=torque + sensor[:, None] * rng.standard_normal(torque.shape))
