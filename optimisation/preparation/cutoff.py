@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 
 from ground.thresholds import Threshold
+from ground.ties import least_of
 from measurement.signals.conditioning import UniformSignals, acceleration_quality
 from optimisation.fitting.assemble import assemble
 from optimisation.linear.problem import LinearData
@@ -70,7 +71,7 @@ def typical(even: UniformSignals) -> list[UniformSignals]:
         return float(np.sum(even.q[part].std(axis=0)) * np.mean(~even.gap[part]))
 
     starts = [
-        max(range(first, last - length + 1, max(1, length // 2)), key=motion)
+        least_of(range(first, last - length + 1, max(1, length // 2)), lambda start: -motion(start))
         for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True)
     ]
     return [even.stretch(first, first + length) for first in starts]

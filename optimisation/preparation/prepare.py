@@ -17,6 +17,7 @@ from ground.engines.memory import reuse_freed_memory
 from ground.errors import NotEnoughDataError, RecordingError
 from ground.html import bullets, lines, table
 from ground.thresholds import Threshold
+from ground.ties import index_of_greatest
 from measurement.auditing.checks.scale import check_scales
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
@@ -176,7 +177,7 @@ def _refuse_driven(recording: Recording) -> None:
     if idle.all() or not idle.any() or not len(tau):
         return
     span = np.ptp(np.percentile(tau, [10, 90], axis=0), axis=0)
-    worst = int(np.argmax(np.where(idle, span, -1.0)))
+    worst = index_of_greatest(np.where(idle, span, -1.0))
     if span[worst] > UNDRIVEN * span[~idle].max():
         joint = called[worst]
         raise RecordingError(
@@ -216,7 +217,7 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
     if most.max() < NOTED:
         return ()
     many = bool(most.max() > MANY)
-    worst = prepared[int(np.argmax(shares.max(axis=1)))].name if many else "all recordings"
+    worst = prepared[index_of_greatest(shares.max(axis=1))].name if many else "all recordings"
     told = ", ".join(f"{joint} up to {100 * share:.2g} %" for joint, share in zip(joints, most, strict=True))
     what = f"spikes of the torque were hidden before filtering ({told} of the samples)"
     remedy = "look at the torque sensor and its cable" + ("" if many else " if this is unexpected")
