@@ -122,7 +122,8 @@ def choose_cutoff(
     if not trials.noise(fastest).clean or relative[fastest] > 1.0 + tolerance:
         weighed = list(range(len(tried)))
         relative = trials.relative(weighed)
-        alike = [k for k in weighed if relative[k] <= 1.0 + tolerance]
+        # Each joint may be predicted best at another cut-off: then none is as good as any at all joints.
+        alike = [k for k in weighed if relative[k] <= min(relative.values()) * (1.0 + tolerance)]
         good = [k for k in alike if trials.noise(k).clean]
         index = good[-1] if good else alike[0]  # where none is clean, the slowest carries the least noise
     table = tuple((tried[k], relative[k], trials.noise(k).share) for k in weighed)

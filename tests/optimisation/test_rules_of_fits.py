@@ -201,3 +201,29 @@ def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monke
     found = extend.add(model, "stribeck", "hip", [])
     assert found.helped is helped
     assert ("does not lower" in found.sentence) is not helped
+
+
+class Uneven(Cutoffs):
+    """Trials in which another cut-off predicts each joint best, and of which none is clean."""
+
+    def noise(self, k, of=None):
+        return _Noise(1.0, 1.0)
+
+    def relative(self, weighed):
+        return {k: 1.8 - 0.1 * k for k in weighed}
+
+
+def test_where_every_joint_wants_another_cut_off_one_is_chosen(monkeypatch):
+    monkeypatch.setattr(cutoff, "_Trials", Uneven(1.0, 1.0))
+    found = cutoff.choose_cutoff(Model.standard(), [("run", SimpleNamespace(rate=100.0))], np.zeros(8), "butterworth")
+    assert found.cutoff == 6.0
+
+
+def test_of_cut_offs_that_tie_and_are_not_clean_the_lowest_is_chosen(monkeypatch):
+    class Alike(Uneven):
+        def relative(self, weighed):
+            return {k: 1.0 + 1e-3 * (k % 2) for k in weighed}
+
+    monkeypatch.setattr(cutoff, "_Trials", Alike(1.0, 1.0))
+    found = cutoff.choose_cutoff(Model.standard(), [("run", SimpleNamespace(rate=100.0))], np.zeros(8), "butterworth")
+    assert found.cutoff == cutoff.CUTOFFS[0]
