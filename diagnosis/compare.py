@@ -17,12 +17,14 @@ from diagnosis.evidence.channels import channel_findings
 from diagnosis.evidence.curves import variables
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders
+from diagnosis.outside import ForceUse, force_uses
 from diagnosis.plots import against, over_time
 from diagnosis.where import Where, samples_of, where_it_sits
 from ground.frames import pandas
 from ground.html import table
 from ground.plain import AsJson
 from measurement.finding import Finding
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -47,11 +49,12 @@ class Comparison(AsJson):
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
     `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.
+    `forces` are the measured ones of the model: where each acts, and what it makes.
     """
 
     JSON = (
         "joints rms verify_rms signal_rms noise_floor sse_verify_rms where per_recording=rms_of filter=cutoff "
-        "parameters=fit.estimates{} thigh_length audit"
+        "parameters=fit.estimates{} forces thigh_length audit"
     )
 
     fit: Fit
@@ -67,6 +70,7 @@ class Comparison(AsJson):
     now: FittedModel = field(repr=False)
     curves: tuple[Remainder, ...] = field(repr=False)
     thigh_length: ThighLength | None = None
+    forces: tuple[ForceUse, ...] = ()
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -172,7 +176,7 @@ def compare(
 
     Refuses recordings that are too short or do not determine the model.
     """
-    leg: Model = model.model if isinstance(model, Fit) else model
+    leg: Model = model.model if isinstance(model, Fit) else pushed_model(model, (*recordings, *verify))
     prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
     fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())
     return compare_prepared(fit, prepared)
@@ -199,6 +203,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         thigh_length=length,
         now=now,
         curves=tuple(curves),
+        forces=force_uses(now),
     )
 
 

@@ -29,6 +29,7 @@ from diagnosis.write_up import accepted_of, possible_beside, possible_with, writ
 from ground.engines.workers import once, with_copies
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
@@ -52,7 +53,7 @@ def discover(
     (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Refuses recordings that are too
     short, too slow or do not determine the model.
     """
-    model = model.model if isinstance(model, Fit) else model
+    model = pushed_model(model.model if isinstance(model, Fit) else model, (*recordings, *verify))
     question = Question(model, DiscoverySettings.chosen(settings, changes))
     return answer_of(question, recordings, verify, progress or silent)
 

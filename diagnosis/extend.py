@@ -15,6 +15,7 @@ from ground.frames import pandas
 from ground.html import bullets, lines
 from ground.plain import AsJson
 from ground.thresholds import Threshold
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -135,6 +136,7 @@ def fit_in_turn(
     """Fit one model after the other to the same samples and return how the error falls."""
     if not models:
         raise ValueError("watch needs at least one model")
+    models = [pushed_model(model, (*recordings, *verify)) for model in models]
     prepared = prepare(models[0], recordings, verify, cutoff=cutoff, derivative=derivative)
     fits = [identify(model, prepared.train, optimisers=()) for model in models]
     return _waterfall(fits, prepared)
@@ -154,6 +156,7 @@ def add(
 
     Refuses effects that do not exist there or that the model has already.
     """
+    model = pushed_model(model, (*recordings, *verify))
     extended = model.with_effect(effect, joint)
     code = compiled(extended)
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)

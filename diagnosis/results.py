@@ -13,6 +13,7 @@ from diagnosis.evidence.consistency import Differing
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
+from diagnosis.outside import ForceUse
 from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
 from ground.frames import pandas
@@ -166,13 +167,13 @@ class Diagnosis(AsJson):
     to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
     N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
-    fitted to all the recordings as they were prepared.
+    fitted to all the recordings as they were prepared. `forces` are the measured ones of the model.
     """
 
     JSON = (
         "schema verdict joints rule sentence accepted suspects possible steps noise_floor "
         "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
-        "stopped_because parameters=fit.estimates{} thigh_length audit seconds"
+        "stopped_because parameters=fit.estimates{} forces thigh_length audit seconds"
     )
     schema: ClassVar[str] = SCHEMA
 
@@ -199,6 +200,7 @@ class Diagnosis(AsJson):
     rules: Rules = field(default=RULES, repr=False)
     thigh_length: ThighLength | None = None
     given: FittedModel | None = field(default=None, repr=False)
+    forces: tuple[ForceUse, ...] = ()
 
     @property
     def unit(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import diagnosis.evidence
 import diagnosis.extend
 import diagnosis.separation
 import diagnosis.watching
@@ -20,6 +21,7 @@ def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
     yield from thresholds_in(measurement.auditing, "the audit of a recording")
     yield from thresholds_in(optimisation.preparation, "preparation: filter, cut-off, samples that are used")
     yield from thresholds_in(optimisation.fitting, "what is said of a fit")
+    yield from thresholds_in(diagnosis.evidence, "measured forces")
     yield from rules.table()
     yield from thresholds_in(diagnosis.where, "where the error sits")
 

@@ -16,6 +16,7 @@ from diagnosis.evidence.remainder import Remainder
 from diagnosis.evidence.score import Score
 from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.stretches import searched
+from diagnosis.outside import force_uses
 from diagnosis.question import Searched, steps_of
 from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
 from diagnosis.rules import Rules
@@ -132,6 +133,7 @@ def write_up(
         possible=possible,
         rules=done.context.rules,
         given=done.base,
+        forces=force_uses(last.fitted),
     )
 
 

@@ -117,6 +117,16 @@ class Table:
             raise self.error(key, f"{key} is {_kind(value)}", f"write a list of {wanted}: {key} = [...]")
         return [self._checked(key, item, low, None) for item in value]
 
+    def texts(self, key: str) -> list[str]:
+        """Return the list of texts under `key`, which must be there and not be empty."""
+        value = self.values.get(key)
+        if value is None:
+            raise self.error(None, f"{key} is missing", f'add {key} = ["..."]')
+        whole = isinstance(value, list) and value and all(isinstance(item, str) and item.strip() for item in value)
+        if not whole:
+            raise self.error(key, f"{key} is {_kind(value)}", f'write a list of texts: {key} = ["..."]')
+        return [str(item) for item in value]
+
     def _checked(self, key: str, value: Any, above: float | None, below: float | None) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise self.error(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -51,12 +51,14 @@ class Recording:
     `joints` (J,) are those of the machine, in the order of the columns: hip and knee unless given.
     `valid` (N,) says which rows may enter a fit; in the others every value is a finite placeholder
     (interpolated) that must not be used. `angle_valid` and `torque_valid` (N, J) say the same of each angle and
-    each torque: what is missing of one says nothing of another. `t` increases strictly. `dq` rad/s, `ddq` rad/s² and
-    the cuff `force` N are (N, J) or None. `row` (N,) is the row of the file each sample stands in (line number for
-    text files), for messages. `payloads` are known masses that hung on the leg meanwhile, `conventions` the
-    names of those it was converted from, `passive` the joints that had no drive meanwhile: their torque is zero,
-    whatever their channel reads. `base` (N, 3) is how a measured base moved: its angle rad and its acceleration
-    forwards and upwards m/s² without gravity; None where nothing is known of it.
+    each torque: what is missing of one says nothing of another. `t` increases strictly. `dq` rad/s and `ddq` rad/s² are
+    (N, J) or None. `forces` are {column: (N,)} of forces from outside in N, and torques in N·m: of cuffs (f1, ...), of
+    the ground (grf_x, grf_z), about a joint (interaction_torque_hip); `contact` (N,) says when the foot carries load.
+    `row` (N,) is the row of the file each sample stands in (line number for text files), for messages. `payloads` are
+    known masses that hung on the leg meanwhile, `conventions` the names of those it was converted from, `passive` the
+    joints that had no drive meanwhile: their torque is zero, whatever their channel reads. `base` (N, 3) is how a
+    measured base moved: its angle rad and its acceleration forwards and upwards m/s² without gravity; None where
+    nothing is known of it.
     """
 
     name: str
@@ -66,7 +68,6 @@ class Recording:
     valid: NDArray[np.bool_] = None  # type: ignore[assignment]
     dq: Float | None = None
     ddq: Float | None = None
-    force: Float | None = None
     source: Source = Source()
     findings: tuple[Finding, ...] = ()
     row: NDArray[np.int64] = None  # type: ignore[assignment]
@@ -77,15 +78,17 @@ class Recording:
     base: Float | None = None
     angle_valid: NDArray[np.bool_] = None  # type: ignore[assignment]
     torque_valid: NDArray[np.bool_] = None  # type: ignore[assignment]
+    forces: Mapping[str, Float] = field(default_factory=dict)
+    contact: Float | None = None
 
     def __post_init__(self) -> None:
         count = np.asarray(self.t).shape[0]
-        for name in ("t", "q", "tau", "dq", "ddq", "force", "base"):
+        for name in ("t", "q", "tau", "dq", "ddq", "base", "contact"):
             value = getattr(self, name)
             if value is None and name not in ("t", "q", "tau"):
                 continue
             array = read_only(value)
-            shape = (count,) if name == "t" else (count, 3 if name == "base" else len(self.joints))
+            shape = (count,) if name in ("t", "contact") else (count, 3 if name == "base" else len(self.joints))
             if array.shape != shape:
                 raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
             if not np.max(np.abs(array), initial=0.0) <= LARGEST:
@@ -94,6 +97,11 @@ class Recording:
                     what = f"values as large as {np.abs(array).max():.3g}, which no sensor measures"
                 raise ValueError(f"recording.{name} holds {what}; mask those rows first")
             object.__setattr__(self, name, array)
+        forces = {name: read_only(values) for name, values in self.forces.items()}
+        for name, array in forces.items():
+            if array.shape != (count,) or not np.isfinite(array).all():
+                raise ValueError(f"recording.forces[{name!r}] must hold {count} finite numbers")
+        object.__setattr__(self, "forces", forces)
         valid = np.ones(count, dtype=bool) if self.valid is None else _kept(self.valid, bool)
         row = np.arange(1, count + 1) if self.row is None else _kept(self.row, np.int64)
         if valid.shape != (count,) or row.shape != (count,):
@@ -180,8 +188,8 @@ class Recording:
 
     @property
     def quantities(self) -> dict[str, Float]:
-        """What it holds of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq, tau and f."""
-        every = {"q": self.q, "dq": self.dq, "ddq": self.ddq, "tau": self.tau, "f": self.force}
+        """What it holds of every joint, (N, J) each: {"q": angles, ...}, of q, dq, ddq and tau."""
+        every = {"q": self.q, "dq": self.dq, "ddq": self.ddq, "tau": self.tau}
         return {name: values for name, values in every.items() if values is not None}
 
     def columns(self) -> dict[str, Float]:
@@ -194,7 +202,8 @@ class Recording:
                 out[f"{label}{joint + 1}"] = np.where(cells.get(label, rows)[:, joint], values[:, joint], np.nan)
         if self.base is not None:
             out |= {n: np.where(self.valid, self.base[:, k], np.nan) for k, n in enumerate(BASE_COLUMNS)}
-        return out
+        outside = {**self.forces, **({} if self.contact is None else {"contact": self.contact})}
+        return out | {name: np.where(self.valid, values, np.nan) for name, values in outside.items()}
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame of the canonical columns; what is not valid is NaN, times excepted."""
@@ -214,8 +223,8 @@ class Recording:
         time = columns.pop("t")
         data = {}
         for name, cells in columns.items():
-            if name in BASE_COLUMNS:
-                data[name] = ("t", cells, {"units": BASE_COLUMNS[name]})
+            if name in BASE_COLUMNS or name in self.forces or name == "contact":
+                data[name] = ("t", cells, {"units": BASE_COLUMNS.get(name, force_unit(name))})
                 continue
             quantity = name.rstrip("0123456789")
             unit = self.joints[int(name.removeprefix(quantity)) - 1].unit(quantity)
@@ -240,6 +249,11 @@ class Recording:
             + (f", warnings: {', '.join(worst)}" if worst else "")
             + (f", with {', '.join(map(str, self.payloads))})" if self.payloads else ")")
         )
+
+
+def force_unit(name: str) -> str:
+    """Return the unit of a column of `Recording.forces`, "1" for the contact."""
+    return "1" if name == "contact" else "N·m" if "torque" in name else "N"
 
 
 def _kept(values: Any, kind: type) -> NDArray[Any]:

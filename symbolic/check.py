@@ -19,6 +19,7 @@ from symbolic.mechanics.base_parameters import base_parameters
 from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
 from symbolic.mechanics.mechanism import leg
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
+from symbolic.mechanics.pushed import placed_joints, pushed_torques
 from symbolic.mechanics.regressor import compare_with_printed, derive_regressor
 from symbolic.motion import Float, Motion
 
@@ -64,6 +65,7 @@ def check_equations(model: Model) -> tuple[Check, ...]:
         _energy(mechanism, motion),
         _regressor(mechanism, motion),
         *paper_checks(),
+        *_force_checks(model),
         agreement(model),
     ]
     return tuple(found)
@@ -72,7 +74,7 @@ def check_equations(model: Model) -> tuple[Check, ...]:
 def _tree_checks(model: Model) -> tuple[Check, ...]:
     """Return the checks of a machine that is not the leg, at random states of random links that could exist."""
     rng, joints = np.random.default_rng(SEED), model.chain
-    bare, count = compiled(model.base()), len(model.chain)
+    bare, count = compiled(model.base().unpushed), len(model.chain)
     at_rest = Motion(np.arange(float(STATES)), *(rng.normal(size=(STATES, count)) for _ in range(3)))
     base = rng.normal(size=(STATES, 5)) if model.moving_base else None
     motion = replace(at_rest, base=base)
@@ -104,8 +106,32 @@ def _tree_checks(model: Model) -> tuple[Check, ...]:
             f"smallest eigenvalue {float(np.min(eigenvalues[:, 0] / eigenvalues[:, -1])):.3g} of its largest",
         ),
         _close("equation of motion", assembled + apart, size, "M θ'' + C θ' + G"),
+        *_force_checks(model),
         agreement(model),
     )  # fmt: skip
+
+
+def _force_checks(model: Model) -> tuple[Check, ...]:
+    """Return whether Newton and Euler ask the drives for the same as the virtual work of every measured force does."""
+    if not model.forces:
+        return ()
+    rng, joints, count = np.random.default_rng(SEED), placed_joints(model), len(model.joints)
+    q = rng.normal(size=(STATES, count))
+    base = rng.normal(size=(STATES, 5)) if model.moving_base else None
+    still = np.zeros_like(q)
+    swaying = STILL if base is None else BaseMotion(*base.T)
+    found = []
+    for force in model.forces:
+        at = 0.3 if force.at is None else force.at
+        alone = model.base().with_forces(replace(force, at=at, gain=1.0, sign=1))
+        pushed = rng.normal(size=(STATES, len(force.columns)))
+        motion = Motion(np.arange(float(STATES)), q, still, still, still, base=base, force=pushed)
+        torque = compiled(alone).pointwise(motion, np.zeros(len(alone.parameters)), np.zeros(0))[:, :, -1].T
+        wanted = pushed_torques(joints, q, force, at, pushed, swaying)
+        size = float(np.max(np.abs(wanted), initial=0.0))
+        detail = f"Newton and Euler ask the drives for the same as the virtual work of {force.name}"
+        found.append(_close("measured forces", torque - wanted, size, detail))
+    return tuple(found)
 
 
 def _close(name: str, difference: Float, size: float, detail: str) -> Check:
@@ -229,6 +255,7 @@ def agreement(model: Model) -> Check:
     """Return whether compiled C and CasADi's virtual machine give the same regressor and torque."""
     rng = np.random.default_rng(SEED)
     motion = Motion(np.linspace(0.0, 2.0, STATES), *(rng.normal(size=(STATES, len(model.joints))) for _ in range(3)))
+    motion = replace(motion, force=rng.normal(size=(STATES, len(model.channels))))
     linear = rng.normal(size=len(model.parameters))
     fast, slow = compiled(model), compiled(model, "vm")
     if fast.backend == "vm":

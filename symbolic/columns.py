@@ -20,9 +20,11 @@ from symbolic.evaluation import (
     apply_transforms,
     base_places,
     carrying,
+    column_count,
     feedback,
     motion_words,
     places,
+    rigid_places,
     shape_values,
     shaped,
     torque_values,
@@ -35,7 +37,6 @@ from symbolic.motion import Float, Motion
 from symbolic.waves import FEW, Waves
 
 if TYPE_CHECKING:
-    from symbolic.joints import Joint
     from symbolic.model import Model
     from symbolic.term import Term
 
@@ -47,8 +48,15 @@ def model_columns(model: Model, motion: Motion, shape: Float | None = None, refe
     from which a column that depends on the model's torque computes it (default: zero). ValueError on
     wrong lengths.
     """
+    return whole_columns(model, motion, shape, reference)[:, :, : len(model.parameters)]
+
+
+def whole_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:
+    """Return `model_columns`, with one more, (J, N, P + 1), where the model has measured forces: the torque that these
+    ask for without a number, their place and gain being known.
+    """
     shapes = vector(shape, model.typical_shape, "shape")
-    linear = carrying(motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
+    linear = carrying(model, motion, vector(reference, np.zeros(len(model.parameters)), "reference"))
     out = _untransformed(model, motion, shapes, linear)
     apply_transforms(model, out, shapes, motion)
     return out
@@ -58,7 +66,7 @@ def _untransformed(model: Model, motion: Motion, shapes: Float, linear: Float) -
     """Return the regressor (J, N, P) before terms that act on whole torques."""
     at = shape_values(model, shapes)
     place = places(model)
-    out = np.zeros((len(model.joints), len(motion), len(place)))
+    out = np.zeros((len(model.joints), len(motion), column_count(model)))
     _fill_base(model, motion, out, linear, at)
     env = motion_words(motion)
     if any(uses_feedback(term) for term in model.terms):
@@ -107,7 +115,7 @@ def following_columns(
     if terms[-1].effect.derive is not None:
         return derived_columns(model, motion, nodes, numbers)(nodes)
     if any(map(uses_feedback, terms)):
-        carried = carrying(motion, numbers)
+        carried = carrying(model, motion, numbers)
         base = np.zeros((len(model.joints), len(motion), len(carried)))
         _fill_base(model, motion, base, carried, shape_values(model, nodes[0]))
         words |= feedback(model, base, carried) | slopes_of(model, terms, motion, carried, nodes[0])
@@ -131,9 +139,21 @@ def model_torque(model: Model, motion: Motion, linear: Any, shape: Float | None 
     values = np.asarray(linear, dtype=float)
     if values.shape != (len(model.parameters),):
         raise ValueError(f"linear has shape {values.shape}, the model has {len(model.parameters)} parameters")
-    shapes, carried = vector(shape, model.typical_shape, "shape"), carrying(motion, values)
+    shapes, carried = vector(shape, model.typical_shape, "shape"), carrying(model, motion, values)
     columns = _untransformed(model, motion, shapes, carried)
     return transformed_torque(model, columns, carried, shapes, motion).T
+
+
+def forces_torque(model: Model, motion: Motion, linear: Float) -> Float:
+    """Return what measured forces alone ask of the drives (N, J), for linear parameters (P,) of a model without terms;
+    zero for a model without forces.
+    """
+    if not model.forces:
+        return np.zeros(motion.q.shape)
+    numbers = carrying(model, motion, np.where(np.arange(len(linear)) < model.friction.stop, 0.0, linear))
+    if motion.payload is not None:
+        numbers[: len(motion.payload)] = 0.0
+    return np.asarray((whole_columns(model, motion) @ numbers).T)
 
 
 def moving_torque(
@@ -152,7 +172,7 @@ def moving_torque(
             return np.stack([model_torque(model, motion, linear, trial).T for trial in trials])
 
         return np.zeros((len(motion), len(model.joints))), tuple(range(len(model.joints))), whole
-    carried = carrying(motion, linear)
+    carried = carrying(model, motion, linear)
     columns = _untransformed(model, motion, shape, carried)
     own = {key: places(model)[f"{term.name}.{key}"] for key in term.effect.coefficients}
     words = {**motion_words(motion), **shaped(term, at), **{key: float(carried[place]) for key, place in own.items()}}
@@ -194,7 +214,8 @@ def reference_places(model: Model) -> tuple[int, ...]:
         return tuple(range(len(model.parameters)))
     names = {name for term in model.terms for torque in torques(term) for name in torque.names}
     friction = any(name.startswith("tau_model") for name in names)
-    return tuple(k for k in base_places(model) if friction or not len(model.inertial) <= k < model.base_count)
+    followed = base_places(model) if friction else rigid_places(model)
+    return tuple(k for k in followed if k < len(model.parameters))
 
 
 def rigid_model(model: Model) -> Model:
@@ -212,10 +233,10 @@ def slopes_of(model: Model, terms: Iterable[Term], motion: Motion, linear: Float
     used = {name for term in terms if uses_slopes(term) for torque in torques(term) for name in torque.names}
     if not used:
         return {}
-    bare, at = rigid_model(model), shape_values(model, shapes)
+    bare, at = rigid_model(model.unpushed), shape_values(model, shapes)
     own = np.array([at[entry.name] for entry in bare.shapes])
-    rigid = linear[base_places(model)].copy()
-    rigid[len(model.inertial) : model.base_count] = 0.0
+    rigid = np.zeros(len(bare.parameters))
+    rigid[rigid_places(bare)] = linear[rigid_places(model)]
     found: dict[str, Float] = {}
     numbers = range(1, len(model.joints) + 1)
     for number in numbers:
@@ -287,7 +308,7 @@ def torque_words(model: Model, motion: Motion, linear: Float, shapes: Float) -> 
     """Return the words for the torque (N,) of all joints that a transform of `model` acts on."""
     bare, at = rigid_model(model), shape_values(model, shapes)
     own = np.array([at[entry.name] for entry in bare.shapes])
-    torque = model_torque(bare, motion, linear[base_places(model)], own)
+    torque = model_torque(bare, motion, linear[base_places(model)[: len(bare.parameters)]], own)
     return {f"tau_model{j + 1}": values for j, values in enumerate(torque.T)}
 
 
@@ -301,11 +322,12 @@ def derived_columns(model: Model, motion: Motion, shapes: Float, reference: Floa
         first = len(model.parameters) - count
         whole = partial(model_columns, model, motion, reference=reference)
         return lambda some: np.swapaxes(np.stack([whole(shape)[:, :, first:] for shape in some]), 2, 3)
-    bare = rigid_model(model)
+    bare = rigid_model(model.unpushed)  # no number that changes the mechanism moves the place of a measured force
     names = [entry.name for entry in model.shapes]
     own = [names.index(entry.name) for entry in bare.shapes]
-    chosen = base_places(model)
-    linear = carrying(motion, reference)[chosen]
+    outside = range(model.friction.stop, model.base_count)
+    chosen = [k for k in base_places(model) if k not in outside and k < len(model.parameters)]
+    linear = carrying(model, motion, reference)[chosen]
 
     def computed(some: Float) -> Float:
         return compiled(bare).columns_at(motion, linear, some[:, own], len(chosen) - count)
@@ -330,8 +352,8 @@ SAME = 1e-12
 """Rounding of a column, of its size, for each turn of the phase."""
 
 
-_KEPT: WeakKeyDictionary[Motion, tuple[tuple[float, float, tuple[Joint, ...], bool], Float]] = WeakKeyDictionary()
-"""Base columns of the plain machine along motions that are still in use, with its lengths and gravity."""
+_KEPT: WeakKeyDictionary[Motion, tuple[tuple[Any, ...], Float]] = WeakKeyDictionary()
+"""Base columns of the plain machine along motions that are still in use, with its lengths, gravity and forces."""
 LONGEST_KEPT = 400_000
 """Samples of a motion whose base columns are kept, at most: 50 MB."""
 
@@ -341,16 +363,16 @@ def _fill_base(model: Model, motion: Motion, out: Float, linear: Float, at: Mapp
     chosen = base_places(model)
     if not model.derived and len(motion) <= LONGEST_KEPT:
         # A search asks for the same motion thousands of times, each time with another effect.
-        size = model.thigh_length, model.gravity, model.chain, model.moving_base
+        size = model.thigh_length, model.gravity, model.chain, model.moving_base, model.forces
         kept = _KEPT.get(motion)
         if kept is None or kept[0] != size:
             count = np.zeros(model.base_count)
             kept = _KEPT[motion] = size, compiled(model.base()).pointwise(motion, count, np.zeros(0))
-        out[:, :, : model.base_count] = kept[1]
+        out[:, :, base_places(model)] = kept[1]
         return
     bare = rigid_model(model)
     shapes = np.array([at[name] for name in (s.name for s in bare.shapes)])
-    out[:, :, chosen] = compiled(bare).pointwise(motion, linear[chosen], shapes)
+    out[:, :, chosen] = compiled(bare).pointwise(motion, linear[chosen[: len(bare.parameters)]], shapes)
 
 
 def _add(term: Term, env: dict[str, Float | float], motion: Motion, out: Float, place: dict[str, int]) -> None:

@@ -22,13 +22,32 @@ if TYPE_CHECKING:
     from symbolic.term import Term
 
 
-def carrying(motion: Motion, linear: Float) -> Float:
-    """Return linear parameters (P,) with what known payloads of `motion` add to Φ1..Φ4."""
-    if motion.payload is None:
+def column_count(model: Model) -> int:
+    """Return how many columns `whole_columns` has: one per parameter, and one more where forces are measured."""
+    return len(model.parameters) + bool(model.forces)
+
+
+def carrying(model: Model, motion: Motion, linear: Float) -> Float:
+    """Return linear parameters (P,) with what known payloads of `motion` add to Φ1..Φ4; where the model has measured
+    forces one more, 1, of what these make without a number.
+    """
+    if motion.payload is None and not model.forces:
         return linear
-    total = np.array(linear, dtype=float)
-    total[: len(motion.payload)] += motion.payload
+    total = np.concatenate([linear, np.ones(column_count(model) - len(linear))])
+    if motion.payload is not None:
+        total[: len(motion.payload)] += motion.payload
     return total
+
+
+def forces_of(motion: Motion, count: int) -> Float:
+    """Return the measured forces (N, C) of `count` columns along a motion, zero where it has none: a motion that is
+    only planned; ValueError where it has others.
+    """
+    if motion.force is None:
+        return np.zeros((len(motion), count))
+    if motion.force.shape[1] != count:
+        raise ValueError(f"motion.force has {motion.force.shape[1]} columns, the model has {count}")
+    return motion.force
 
 
 def places(model: Model) -> dict[str, int]:
@@ -37,9 +56,16 @@ def places(model: Model) -> dict[str, int]:
 
 
 def base_places(model: Model) -> list[int]:
-    """Return the columns of the base model: inertia, friction, and what changes the mechanism."""
+    """Return the columns of the base model: inertia, friction, measured forces, and what changes the mechanism."""
     derived = {term.name for term in model.derived}
-    return [k for k, p in enumerate(model.parameters) if p.term is None or p.term in derived]
+    own = [k for k, p in enumerate(model.parameters) if p.term is None or p.term in derived]
+    return own + [len(model.parameters)] * bool(model.forces)
+
+
+def rigid_places(model: Model) -> list[int]:
+    """Return those of them that make the rigid-body torque: without friction and without forces from outside."""
+    outside = range(model.friction.start, model.base_count)
+    return [k for k in base_places(model) if k not in outside and k < len(model.parameters)]
 
 
 def shape_values(model: Model, shapes: Float) -> dict[str, float]:
@@ -93,8 +119,8 @@ def feedback(model: Model, out: Float, linear: Float) -> dict[str, Float]:
 
     They are never taken from a measurement: that would leak the answer into the question.
     """
-    base = base_places(model)
-    rigid = [k for k in base if not len(model.inertial) <= k < model.base_count]
+    base, rigid = base_places(model), rigid_places(model)
+    linear = np.concatenate([linear, np.ones(out.shape[2] - len(linear))])
     numbers = np.zeros((2, len(linear)))
     for row, chosen in zip(numbers, (rigid, base), strict=True):
         row[chosen] = linear[chosen]

@@ -196,11 +196,11 @@ def tangents(model: Model, only: str | None = None) -> Tangents:
     chosen = [(name, symbol) for name, symbol in chosen if casadi.depends_on(torque, symbol)]
     symbols = casadi.vertcat(casadi.SX(0, 1), *(symbol for _, symbol in chosen))
     slopes = casadi.vec(casadi.densify(casadi.jacobian(torque, symbols)))
-    arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion, x.memory, x.linear, x.shape]
+    arguments = [x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion, x.force, x.memory, x.linear, x.shape]
     function = casadi.Function("tangents", arguments, [slopes])
     states = random_states(STATES, len(model.joints))
-    base = np.random.default_rng(SEED).normal(size=(x.base_motion.numel(), STATES))
-    inputs = (*states, base, memory_values(model), generic_linear(model), model.typical_shape)
+    base, force = (np.random.default_rng(SEED).normal(size=(part.numel(), STATES)) for part in (x.base_motion, x.force))
+    inputs = (*states, base, force, memory_values(model), generic_linear(model), model.typical_shape)
     values = np.asarray(function(*inputs)) if chosen else np.zeros((0, STATES))
     rows = len(model.joints)
     stacked = values.reshape(len(chosen), rows, STATES).transpose(2, 1, 0).reshape(rows * STATES, len(chosen))

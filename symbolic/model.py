@@ -2,9 +2,10 @@
 
     τ = Σ_p columns_p(motion; shape) · linear_p
 
-with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then the numbers of
-each term. A model is a value: `with_effect` and `without` return another one. What is computed from it lies above:
-`symbolic.columns`, `symbolic.codegen`; some of that is lent to the model as methods, found at their first use.
+with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then where measured forces act,
+as far as that is not known, then the numbers of each term. A model is a value: `with_effect` and `without` return
+another one. What is computed from it lies above: `symbolic.columns`, `symbolic.codegen`; some of that is lent to the
+model as methods, found at their first use.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from ground.html import lines, table
 from ground.lazy import LentMethod, LentProperty
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
+from symbolic.force import Force, channels_of, check_forces
 from symbolic.joints import LEG, Joint, check_joints, units
 from symbolic.language.torque import check_units
 from symbolic.mechanics.friction import friction_parameters
@@ -82,6 +84,8 @@ class Model:
     """Joints of a machine that is not the leg; empty for the leg. Its gravity may be 0."""
     moving_base: bool = False
     """Whether the machine's base moves and its recordings say how: angle and, where they have it, acceleration."""
+    forces: tuple[Force, ...] = ()
+    """External forces that its recordings have measured; they are no effects, and belong to the base model."""
 
     def __post_init__(self) -> None:
         if self.chain:
@@ -101,6 +105,7 @@ class Model:
             if term.effect.custom:
                 check_units(term)
         names = [term.name for term in self.terms]
+        check_forces(self.forces, self.joints, names)
         for name in names:
             if names.count(name) > 1:
                 raise EffectError(
@@ -137,8 +142,17 @@ class Model:
         return replace(self, terms=tuple(term for term in self.terms if term.name != term_name))
 
     def base(self) -> Model:
-        """Return the eight-parameter model of the same leg: no terms."""
+        """Return the model of the same machine, with the same measured forces, without terms."""
         return replace(self, terms=()) if self.terms else self
+
+    def with_forces(self, *forces: Force) -> Model:
+        """Return this model with measured `forces` in place of its own; EffectError where it cannot have them."""
+        return replace(self, forces=tuple(forces))
+
+    @cached_property
+    def unpushed(self) -> Model:
+        """This model of the same machine while no force is measured."""
+        return replace(self, forces=()) if self.forces else self
 
     def find_effect(self, id: str) -> Effect:
         """Return the effect of that id, of the user's own or of the catalogue; EffectError names the nearest."""
@@ -189,15 +203,26 @@ class Model:
         return tree_mixture(self.chain, self.gravity, self.moving_base)
 
     @property
+    def friction(self) -> slice:
+        """Where among the parameters those of friction are, two per joint."""
+        return slice(len(self.inertial), len(self.inertial) + 2 * len(self.joints))
+
+    @cached_property
     def base_count(self) -> int:
-        """How many parameters the model without terms has: inertial, then two of friction per joint."""
-        return len(self.inertial) + 2 * len(self.joints)
+        """How many parameters the model without terms has: inertial, of friction, and of measured forces."""
+        return self.friction.stop + sum(len(force.parameters(self.joints)) for force in self.forces)
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """The columns (C,) of the measured forces, in the order in which a motion has them."""
+        return channels_of(self.forces)
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Linear parameters (P,), in the order of the columns."""
+        places = tuple(p for force in self.forces for p in force.parameters(self.joints))
         own = tuple(p for term in self.terms for p in term.parameters)
-        return self.inertial + friction_parameters(self.joints) + own
+        return self.inertial + friction_parameters(self.joints) + places + own
 
     @cached_property
     def shapes(self) -> tuple[ShapeParameter, ...]:
@@ -228,6 +253,7 @@ class Model:
         return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
     columns = LentMethod[Float]("symbolic.columns:model_columns")
+    whole_columns = LentMethod[Float]("symbolic.columns:whole_columns")
     torque = LentMethod[Float]("symbolic.columns:model_torque")
     moving_torque = LentMethod[MovingTorque]("symbolic.columns:moving_torque")
     following_columns = LentMethod[Float]("symbolic.columns:following_columns")
@@ -246,7 +272,7 @@ class Model:
         return lines(f"{machine}, {size}", strong=self.name) + rows
 
     def __repr__(self) -> str:
-        terms = "".join(f" + {term.name}" for term in self.terms)
+        terms = "".join(f" + {one}" for one in [*(f.name for f in self.forces), *(t.name for t in self.terms)])
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
 
@@ -258,6 +284,16 @@ def require_still_base(model: Model, what: str) -> None:
             f"{what} takes the base to stand still, and that of this model is measured",
             where=model.name,
             remedy='give the same model with [base] motion = "fixed", and keep the base still meanwhile',
+        )
+
+
+def require_no_force(model: Model, what: str) -> None:
+    """Refuse a machine whose recordings have measured forces; EffectError says that `what` does not read them."""
+    if model.forces:
+        raise EffectError(
+            f"{what} does not read measured forces, and the model has {' and '.join(f.name for f in model.forces)}",
+            where=model.name,
+            remedy="give the same model without [[forces]], and let nothing push the machine meanwhile",
         )
 
 

@@ -10,7 +10,7 @@ import dataclasses
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -19,6 +19,7 @@ from ground.files import write_whole
 from ground.toml_reader import Table, read_toml
 from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
+from symbolic.force import Force
 from symbolic.joints import LEG, Joint, check_joints, is_leg
 from symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from symbolic.quantity import JOINTS, Estimate
@@ -26,6 +27,8 @@ from symbolic.quantity import JOINTS, Estimate
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+IDENTIFIED = "identified"
+"""In place of a number of a measured force: the recordings are to tell it."""
 LARGEST_FILE = 1_000_000
 """Bytes; a model file has a few thousand, and anything this large is another kind of file."""
 
@@ -89,6 +92,8 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
             joint: {"angle": list(limit.angle), "velocity": limit.velocity, "acceleration": limit.acceleration}
             for joint, limit in model.limits.items()
         }
+    if model.forces:
+        content["forces"] = [_force_content(force) for force in model.forces]
     if model.terms:
         content["effects"] = [
             {"id": term.effect.id, **({} if term.joint is None else {"joint": term.joint})} for term in model.terms
@@ -109,6 +114,21 @@ def _joint_content(model: Model, joint: Joint) -> dict[str, Any]:
         ends = list(limit.angle) if math.isfinite(limit.angle[0]) else None
         content |= {"position": ends, "velocity": limit.velocity, "acceleration": limit.acceleration}
     return {key: value for key, value in content.items() if value is not None and value != math.inf}
+
+
+def _force_content(force: Force) -> dict[str, Any]:
+    """Return a measured force as the file has it; what is left out is identified, or as usual."""
+    content: dict[str, Any] = {"name": force.name, "link": force.link, "columns": list(force.columns)}
+    if force.at is not None:
+        content["at"] = force.at
+    if force != replace(force, frame=""):
+        content["frame"] = force.frame
+    content |= {"sign": force.sign} if force.sign != 1 else {}
+    for key, usual in (("gain", 1.0), ("delay", 0.0)):
+        value = getattr(force, key)
+        if value != usual:
+            content[key] = IDENTIFIED if value is None else value
+    return content
 
 
 def custom_content(effect: Effect) -> dict[str, Any]:
@@ -166,10 +186,12 @@ def _load(path: str | Path) -> Table:
 
 
 def _model(top: Table) -> Model:
-    top.only("name", "geometry", "limits", "gravity", "joints", "base", "effects", "custom_effects", "identified")
+    top.only(
+        "name", "geometry", "limits", "gravity", "joints", "base", "forces", "effects", "custom_effects", "identified"
+    )
     if "identified" in top.values:
         top.table("identified").only("parameters", "shape", "delta", "loss", "rms")
-    model = _machine(top) if "joints" in top.values else _leg(top)
+    model = _pushed(_machine(top) if "joints" in top.values else _leg(top), top.tables("forces"))
     for entry in top.tables("effects"):
         entry.only("id", "joint")
         joint = entry.text("joint", "")
@@ -178,6 +200,28 @@ def _model(top: Table) -> Model:
         except ExoidError as error:
             raise entry.error("joint" if joint and "joint" in str(error) else "id", error.what, error.remedy) from error
     return model
+
+
+def _pushed(model: Model, entries: Sequence[Table]) -> Model:
+    """Return `model` with the measured forces of a file's [[forces]]."""
+    for entry in entries:
+        entry.only("name", "link", "at", "columns", "frame", "sign", "gain", "delay")
+        at = entry.number("at") if "at" in entry.values else None
+        gain, delay = (_number_or_identified(entry, key, usual) for key, usual in (("gain", 1.0), ("delay", 0.0)))
+        sign = entry.number("sign", 1.0)
+        try:
+            named = entry.text("name"), entry.text("link"), tuple(entry.texts("columns"))
+            whole = int(sign) if sign in (1.0, -1.0) else 0
+            force = Force(*named, at, entry.text("frame", ""), gain, delay, whole)
+            model = model.with_forces(*model.forces, force)
+        except EffectError as error:
+            key = next((key for key in entry.values if error.what.startswith(f"{key} is")), "name")
+            raise entry.error(key, error.what, error.remedy) from error
+    return model
+
+
+def _number_or_identified(entry: Table, key: str, usual: float) -> float | None:
+    return None if entry.values.get(key) == IDENTIFIED else entry.number(key, usual)
 
 
 def _leg(top: Table) -> Model:

@@ -26,7 +26,8 @@ class Motion:
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
     that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.mechanics.payload`), None where there were none. `base`
-    (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s².
+    (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s². `force`
+    (N, C) are measured external forces, in the order of the model's `channels`, N or N·m.
     """
 
     t: Float
@@ -36,6 +37,7 @@ class Motion:
     sign: Float = None  # type: ignore[assignment]
     payload: Float | None = None
     base: Float | None = None
+    force: Float | None = None
 
     def __post_init__(self) -> None:
         sign = np.sign(self.dq) if self.sign is None else self.sign
@@ -48,6 +50,10 @@ class Motion:
             object.__setattr__(self, "base", read_only(self.base))
             if self.base.shape != (self.t.shape[0], 5):
                 raise ValueError(f"motion.base has shape {self.base.shape}, expected {(self.t.shape[0], 5)}")
+        if self.force is not None:
+            object.__setattr__(self, "force", read_only(self.force))
+            if self.force.ndim != 2 or len(self.force) != shape[0]:
+                raise ValueError(f"motion.force has shape {self.force.shape}, expected ({shape[0]}, C)")
         for name in ("q", "dq", "ddq", "sign"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"motion.{name} has shape {getattr(self, name).shape}, expected {shape}")

@@ -60,8 +60,8 @@ class ExportedOperator:
 @dataclass(frozen=True, eq=False)
 class Ready:
     """The numbers are in. Functions take (t, q (J,), dq (J,), ddq (J,), sign (J,), memory (K,)), and `base` (5,) where
-    the base moves: angle rad, its derivatives, acceleration forwards and upwards m/s². Torques are in N·m, N where a
-    joint slides.
+    the base moves: angle rad, its derivatives, acceleration forwards and upwards m/s², and `force` (C,) where forces
+    are measured: the model's `channels`, N or N·m. Torques are in N·m, N where a joint slides.
 
     `torque` is all the drives have to supply, `rigid` without friction and effects, `mass` (J J,) and `coriolis` (J J,)
     are row by row, `gravity` (J,). `forward` takes `tau` (J,) too and is None where an effect has memory. `linear` and
@@ -102,8 +102,10 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
     shape = _complete([s.name for s in model.shapes], numbers.shape, "shape", where)
     x = model_expressions(model)
-    given = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, *([x.base_motion] if model.moving_base else [])]
-    names = ["t", "q", "dq", "ddq", "sign", "memory", *(["base"] if model.moving_base else [])]
+    outside = {"base": x.base_motion} if model.moving_base else {}
+    outside |= {"force": x.force} if model.forces else {}
+    given = [x.t, x.q, x.dq, x.ddq, x.sign, x.memory, *outside.values()]
+    names = ["t", "q", "dq", "ddq", "sign", "memory", *outside]
     numeric = [ca.DM(list(linear.values())), ca.DM(list(shape.values()))]
 
     def put_in(expression: Any) -> Any:
@@ -115,7 +117,7 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     forward = None
     if not x.memories:
         tau = ca.SX.sym("tau", len(model.joints))
-        state = ca.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion)
+        state = ca.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion, x.force)
         made = functions(x)["forward_dynamics"]
         value = made(state, *map(ca.SX, numeric), x.memory, tau)
         forward = ca.Function(
@@ -154,7 +156,8 @@ def _refuse_overflow(made: Ready, where: str) -> None:
         q = [low + share * (high - low) for low, high in (limit.angle for limit in limits)]
         dq, ddq = ([share * getattr(limit, name) for limit in limits] for name in ("velocity", "acceleration"))
         memory = [share] * len(made.memories)
-        given = [0.0, q, dq, ddq, [share] * len(q), memory, *([[share] * 5] if made.model.moving_base else [])]
+        outside = [[share] * count for count in (5 * made.model.moving_base, len(made.model.channels)) if count]
+        given = [0.0, q, dq, ddq, [share] * len(q), memory, *outside]
         outputs = [f(*given) for f in (made.torque, made.rigid, made.mass, made.coriolis, made.gravity)]
         outputs += [m.argument(*given) for m in made.memories]
         if not all(ca.DM(out).is_regular() for out in outputs):

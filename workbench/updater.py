@@ -22,7 +22,7 @@ from ground.text import in_comment
 from measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
 from optimisation.preparation.filtering import STICK
 from symbolic.codegen.instructions import PLAIN, scalar_c
-from symbolic.model import Model, require_still_base
+from symbolic.model import Model, require_no_force, require_still_base
 from symbolic.model_file import Numbers
 from symbolic.motion import Float
 from workbench.identified import ExportError
@@ -45,6 +45,7 @@ def write_updater(
     if sample_time is None:
         raise ExportError("the updater needs the period of the control loop", remedy="add --sample-time SECONDS")
     require_still_base(model, "the updater")
+    require_no_force(model, "the updater")
     import numpy as np
 
     function = _columns(model, numbers)

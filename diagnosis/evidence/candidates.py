@@ -231,7 +231,8 @@ def fed_back(terms: Sequence[Term], one: PreparedRecording, fitted: FittedModel)
     """Return the words for the model's own torque and its slopes that the texts of `terms` speak of, and others."""
     kept = own_torques(fitted, one)
     if not kept.keys() >= {name for term in terms for torque in torques(term) for name in torque.names & SLOPES}:
-        kept |= slopes_of(fitted.model, terms, one.motion, carrying(one.motion, fitted.linear), fitted.shape)
+        carried = carrying(fitted.model, one.motion, fitted.linear)
+        kept |= slopes_of(fitted.model, terms, one.motion, carried, fitted.shape)
     return kept
 
 
@@ -241,7 +242,7 @@ def own_torques(fitted: FittedModel, one: PreparedRecording) -> dict[str, Float]
     if not kept:
         base = fitted.model.base()
         count, rigid = len(base.parameters), len(base.inertial)
-        columns, numbers = base.columns(one.motion), carrying(one.motion, fitted.linear[:count])
+        columns, numbers = base.whole_columns(one.motion), carrying(base, one.motion, fitted.linear[:count])
         for j in range(len(columns)):
             kept[f"tau_rigid{j + 1}"] = columns[j][:, :rigid] @ numbers[:rigid]
             kept[f"tau_model{j + 1}"] = columns[j] @ numbers

@@ -15,6 +15,7 @@ import numpy as np
 
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.pushes import turned_force
 from diagnosis.evidence.timing import late_torque
 from diagnosis.rules import RULES, Rules
 from ground.errors import NotEnoughDataError
@@ -39,6 +40,7 @@ def doubts_before(
     """
     return (
         _noisy_angles(base, rules)
+        or turned_force(base)
         or _driven_by_friction(base)
         or _late(base, rules, explained)
         or _follows_the_angles(base, rules)

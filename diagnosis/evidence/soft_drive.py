@@ -231,17 +231,16 @@ class _Link:
         self.model, self.one, self.joint = fitted.model, fitted.prepared.all[index], joint
         self.shape, self.motion = fitted.shapes[index], self.one.motion
         self.inertial = slice(0, len(self.model.inertial))
-        self.friction = slice(self.inertial.stop, self.model.base_count)
         self.term = Term(find_effect(ENTRY), self.model.joints[joint].name, self.model.joints)
         self.reference = fitted.linear if self.model.needs_reference else None
         self.bare = self.model.base()
         self._kept: tuple[bytes, tuple[Float, Float, Float]] | None = None
-        self.own = self.bare.columns(self.motion)[joint]
+        self.own = self.bare.whole_columns(self.motion)[joint]
 
     @cached_property
     def still(self) -> Float:
-        """The filtered columns (J, K, P) with the link where the encoder is."""
-        return self._smooth(self.model.columns(self.motion, self.shape, self.reference))
+        """The filtered columns (J, K, P), or (J, K, P + 1) with measured forces, with the link where the encoder is."""
+        return self._smooth(self.model.whole_columns(self.motion, self.shape, self.reference))
 
     def _smooth(self, columns: Float) -> Float:
         """Return columns (J, N, P) as (J, K, P), filtered as the torque was."""
@@ -251,7 +250,7 @@ class _Link:
         """Return the derivatives (N,) of the joint's rigid-body torque by its angle, velocity and acceleration; at
         the numbers asked first they are kept, since every compliance begins with these.
         """
-        carried = carrying(self.motion, linear[: self.bare.base_count])
+        carried = self._carried(linear)
         if self._kept is not None and self._kept[0] == carried.tobytes():
             return self._kept[1]
         found = slopes_of(self.bare, (self.term,), self.motion, carried, np.zeros(0))
@@ -259,12 +258,17 @@ class _Link:
         self._kept = self._kept or (carried.tobytes(), (by_angle, by_speed, by_acceleration))
         return by_angle, by_speed, by_acceleration
 
+    def _carried(self, linear: Float) -> Float:
+        """Return the numbers of the bare model among `linear` (P,), known loads included."""
+        return carrying(self.bare, self.motion, linear[: self.bare.base_count])
+
     def read(self, compliance: float, linear: Float) -> tuple[Float, Float]:
         """Return the filtered columns (J, K, P) where the link stands behind its twist, and the torque (J, K) that they
         must explain; `linear` (P,) are the numbers that the twist is found with.
         """
-        own, carried, rate = self.own, carrying(self.motion, linear), self.one.rate
-        load = self.one.wide_tau[:, self.joint] - own[:, self.friction] @ linear[self.friction]
+        own, carried, rate = self.own, self._carried(linear), self.one.rate
+        outside = slice(self.inertial.stop, None)
+        load = self.one.wide_tau[:, self.joint] - own[:, outside] @ carried[outside]
         rigid = own[:, self.inertial] @ carried[self.inertial]
         turned = twist(load, rigid, self.slopes(linear), compliance, rate)[:, None]
         speed, rise = np.gradient(turned, 1.0 / rate, axis=0), np.zeros_like(turned)
@@ -273,7 +277,8 @@ class _Link:
         link = replace(at, q=at.q - turned * only, dq=at.dq - speed * only, ddq=at.ddq - rise * only)
         columns = self.still.copy()
         columns[:, :, self.inertial] = self._smooth(self.bare.columns(link)[:, :, self.inertial])
-        return columns, self.one.torque - columns @ carrying(at, np.zeros(len(linear)))
+        known = columns @ carrying(self.model, at, np.zeros(len(linear)))
+        return columns[:, :, : len(linear)], self.one.torque - known
 
 
 def _left(

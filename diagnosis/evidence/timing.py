@@ -16,6 +16,7 @@ from ground.engines.workers import share_out
 from ground.ties import index_of_least, least_of
 from measurement.reading.angles import running_median
 from optimisation.linear.factor import factorise
+from symbolic.evaluation import carrying
 from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 
@@ -155,7 +156,10 @@ class _Readings:
     def __init__(self, base: FittedModel) -> None:
         model, self.train = base.model, base.prepared.train
         reference = base.linear if model.needs_reference else None
-        self.raw = [model.columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
+        whole = [model.whole_columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
+        none = np.zeros(len(base.linear))
+        self.raw = [x[:, :, : len(base.linear)] for x in whole]
+        self.known = [(x @ carrying(model, p.motion, none)).T for p, x in zip(self.train, whole, strict=True)]
         parts = [p.smooth_columns(x) for p, x in zip(self.train, self.raw, strict=True)]
         self.use = np.concatenate([p.used for p in self.train], axis=1)
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
@@ -219,9 +223,10 @@ class _Readings:
     ) -> Float:
         one = self.train[index]
         if change is None:
-            return one.torque
+            return one.torque - one.smooth(self.known[index])
         changed = change(one.wide_tau, seconds * one.rate)
         changed = changed if which is None else np.where(which, changed, one.wide_tau)
+        changed = changed - self.known[index]
         return one.smooth(_without_spikes(changed, (self.raw[index] @ self.linear).T, one.rate))
 
 

@@ -79,7 +79,7 @@ def separate(
     say = progress or silent
     asked = SeparationSettings.chosen(settings, changes)
     require_still_base(model, "the design of a motion")
-    base, terms = _without(model, rivals)
+    base, terms = _without(model.unpushed, rivals)
     space = space_of(bounds(model.motion_limits, asked.use), asked, model.joint_names)
     rng = np.random.default_rng([asked.seed, 3])
     drawn = [random_trajectory(rng, model.motion_limits, period=asked.period) for _ in range(USUAL)]

@@ -29,6 +29,7 @@ from diagnosis.rules import Rules
 from diagnosis.session.ranking import Ranking
 from diagnosis.settings import DiscoveryOptions, DiscoverySettings
 from ground.progress import Progress, silent
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
@@ -57,7 +58,8 @@ class Session:
         **changes: Unpack[DiscoveryOptions],
     ) -> None:
         asked = DiscoverySettings.chosen(settings, changes)
-        self.model, self.recordings, self.verify = model, tuple(recordings), tuple(verify)
+        self.model = pushed_model(model, (*recordings, *verify))
+        self.recordings, self.verify = tuple(recordings), tuple(verify)
         self.asked = replace(asked, extra=own_effects(model, tuple(asked.extra)))
         if prepared is not None:
             self.prepared = prepared

@@ -31,6 +31,7 @@ from diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, quest
 from diagnosis.watching.result import ChangeFound, Course, Differences
 from ground.thresholds import Threshold
 from ground.ties import ascending
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
@@ -77,6 +78,7 @@ def compare_against(
     """
     machine = model.model if isinstance(model, Fit) else model
     assert isinstance(machine, Model)
+    machine = machine if isinstance(model, Fit) else pushed_model(machine, (*before, *after))
     question = prepare(machine, before, after, cutoff=cutoff, derivative=derivative)
     began = time.perf_counter()
     now = fitted_model(identify(machine, question.train, optimisers=()), question)

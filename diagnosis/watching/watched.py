@@ -106,7 +106,7 @@ class Watched:
         fed = fed_back(self.texts.terms, window, now) if self.texts.plan.names.keys() & FEEDBACK else {}
         self.texts.write(fed, window, out)
         if self.transforms.rows:
-            linear = carrying(window.motion, now.linear)
+            linear = carrying(now.model, window.motion, now.linear)
             self.transforms.write(torque_words(now.model, window.motion, linear, now.shape), window, out)
         for own, asked, nodes in self.others:
             found = unfiltered_columns(asked, nodes, window, now)(nodes)[0]  # (A, m, N)

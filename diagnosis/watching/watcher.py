@@ -46,7 +46,7 @@ from ground.errors import ExoidError
 from ground.thresholds import Threshold
 from measurement.reading.columns import required
 from symbolic.effect import Effect
-from symbolic.model import Model, require_still_base
+from symbolic.model import Model, require_no_force, require_still_base
 from symbolic.motion import Float
 
 TOGETHER = 2
@@ -94,6 +94,7 @@ class Watcher:
 
     def __post_init__(self) -> None:
         require_still_base(self.model, "watching")
+        require_no_force(self.model, "watching")
         self.stream = Blocks(required(self.model.joints), self.settings.block, self.settings.cutoff)
         self.rng = np.random.default_rng(self.settings.seed)
         self.kept: list[Window] = []

@@ -11,23 +11,27 @@ from numpy.typing import NDArray
 
 from measurement.finding import row_ranges
 from measurement.reading.angles import sampled
-from measurement.recording import Recording
+from measurement.recording import Recording, force_unit
 from symbolic.joints import Joint
 from symbolic.motion import Float
 
+FORCE = "force"
+"""Key of all forces from outside together."""
 WORDS = {
     "q": ("angle", "position"),
     "dq": ("velocity", "velocity"),
     "ddq": ("acceleration", "acceleration"),
     "tau": ("torque", "force"),
-    "f": ("cuff force", "cuff force"),
 }
 """What a quantity is called where a joint turns, and where it slides."""
 
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words."""
+    """The valid samples of one column of `joint`: `values` (V,), their indices `at` (V,) in the recording, words.
+
+    A force from `outside` belongs to no joint; it has the last one.
+    """
 
     name: str
     label: str
@@ -35,6 +39,7 @@ class Channel:
     values: Float
     at: NDArray[np.int64]
     joint: Joint
+    outside: bool = False
 
     @property
     def some(self) -> Float:
@@ -43,8 +48,9 @@ class Channel:
 
 
 def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
-    """Yield the channels of the quantities `keys` ("q", "tau", ...) that the recording has, valid samples
-    only."""
+    """Yield the channels of the quantities `keys` ("q", "tau", ...; FORCE for all from outside) that the recording has,
+    valid samples only.
+    """
     valid = {"q": recording.angle_valid.T, "tau": recording.torque_valid.T}
     for key, values in recording.quantities.items():
         for j, joint in enumerate(recording.joints if key in keys else ()):
@@ -52,6 +58,10 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
             whole = at.size == len(recording)
             label = f"{joint.name} {WORDS[key][not joint.turns]}"
             yield Channel(f"{key}{j + 1}", label, joint.unit(key), values[:, j] if whole else values[at, j], at, joint)
+    for name, signal in recording.forces.items() if FORCE in keys else ():
+        at = np.flatnonzero(recording.valid)
+        values = signal if at.size == len(recording) else signal[at]
+        yield Channel(name, f"force in {name}", force_unit(name), values, at, recording.joints[-1], outside=True)
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

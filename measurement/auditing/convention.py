@@ -33,6 +33,7 @@ from measurement.auditing.rough import Smooth
 from measurement.finding import Finding
 from measurement.reading.conventions import combined_map, conventions
 from measurement.recording import Recording
+from symbolic.force import Force
 from symbolic.joints import Joint, is_leg, parents
 
 CHECK = "convention"
@@ -66,35 +67,39 @@ class Better:
     same: tuple[ConventionHypothesis, ...] = ()
 
 
-def check_conventions(recordings: Sequence[Recording], weighs: bool = True) -> tuple[Finding, ...]:
+def check_conventions(
+    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+) -> tuple[Finding, ...]:
     """Return a warning that names the option to give where another reading of `recordings` fits far better.
 
     All are looked at together; where no reading fits them all, each alone: they may keep different conventions. One in
     which little moves fits many machines: what it says alone must not make the fit of all together worse.
-    `weighs` says whether the machine moves under gravity.
+    `weighs` says whether the machine moves under gravity, `forces` what its measured forces are, None the usual.
     """
     if not all(_known(one.joints) for one in recordings):
         return ()
-    sets = smoothed_groups(recordings, weighs)
+    sets = smoothed_groups(recordings, weighs, forces)
     if not sets or _stands(sets) < LEAST:
         return ()
-    found = better_reading(recordings, weighs)
+    found = better_reading(recordings, weighs, forces)
     if found is None and len(recordings) > 1:
-        alone = ((one, better_reading([one], weighs)) for one in recordings)
+        alone = ((one, better_reading([one], weighs, forces)) for one in recordings)
         return tuple(
             _finding([one], better, f"{_file(one)}=")
             for one, better in alone
-            if better is not None and _stands(_read_so(recordings, one, better, weighs)) < _stands(sets)
+            if better is not None and _stands(_read_so(recordings, one, better, weighs, forces)) < _stands(sets)
         )
     return () if found is None else (_finding(recordings, found),)
 
 
-def _read_so(recordings: Sequence[Recording], odd: Recording, better: Better, weighs: bool) -> list[list[Smooth]]:
+def _read_so(
+    recordings: Sequence[Recording], odd: Recording, better: Better, weighs: bool, forces: tuple[Force, ...] | None
+) -> list[list[Smooth]]:
     """Return all recordings smoothed, of which `odd` alone is read in another way."""
     kept = combined_map(conventions(odd.conventions, odd.joints), odd.joints)
     q, tau = better.reading.map.applied(*kept.undone(odd.q, odd.tau))
     other = replace(odd, q=q, tau=tau, dq=None, ddq=None)
-    return smoothed_groups([other if one is odd else one for one in recordings], weighs)
+    return smoothed_groups([other if one is odd else one for one in recordings], weighs, forces)
 
 
 def _known(joints: Sequence[Joint]) -> bool:
@@ -126,9 +131,13 @@ def _finding(recordings: Sequence[Recording], found: Better, file: str = "") -> 
     )
 
 
-def better_reading(recordings: Sequence[Recording], weighs: bool = True) -> Better | None:
-    """Return the reading that explains all `recordings` far better than they stand; None where none does."""
-    sets = smoothed_groups(recordings, weighs)
+def better_reading(
+    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+) -> Better | None:
+    """Return the reading that explains all `recordings` far better than they stand; None where none does. Further
+    arguments are those of `check_conventions`.
+    """
+    sets = smoothed_groups(recordings, weighs, forces)
     if not sets:
         return None
     joints = recordings[0].joints

@@ -14,6 +14,7 @@ from measurement.auditing.non_negative import non_negative
 from measurement.auditing.rough import Smooth, machine_columns, smooth
 from measurement.reading.conventions import Map, combined_map, conventions
 from measurement.recording import Recording
+from symbolic.force import Force
 from symbolic.joints import parents
 from symbolic.motion import Float
 
@@ -38,8 +39,12 @@ ROWS = 600
 """Samples of all recordings together."""
 
 
-def smoothed_groups(recordings: Sequence[Recording], weighs: bool = True) -> list[list[Smooth]]:
-    """Return the smoothed recordings that move and carry torque, those with the same known masses together."""
+def smoothed_groups(
+    recordings: Sequence[Recording], weighs: bool = True, forces: tuple[Force, ...] | None = None
+) -> list[list[Smooth]]:
+    """Return the smoothed recordings that move and carry torque, those with the same known masses together; `forces`
+    say what they have measured of those, None the usual.
+    """
     groups: dict[object, list[Smooth]] = {}
     for one in recordings:
         motion = smooth(one)
@@ -49,7 +54,7 @@ def smoothed_groups(recordings: Sequence[Recording], weighs: bool = True) -> lis
             and np.any(motion.q.std(axis=0) > 0.02 * np.array(reach))
             and np.any(motion.tau.std(axis=0) > 0.0)
         ):
-            groups.setdefault(one.payloads, []).append(motion if weighs else replace(motion, weighs=False))
+            groups.setdefault(one.payloads, []).append(replace(motion, weighs=weighs, meant=forces))
     return list(groups.values())
 
 
@@ -84,8 +89,10 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
 def _rows(motion: Smooth, thin: int) -> Smooth:
     keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
     q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
+    forces = {name: values[keep] for name, values in motion.forces.items()}
     base = None if motion.base is None else motion.base[keep]
-    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=base, measured=motion.measured[keep])
+    seen = motion.measured[keep]
+    return replace(motion, q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +117,10 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
     known = [one.base for one in group if one.base is not None]
     base = np.concatenate(known) if len(known) == len(group) else None
     turn = to.angle.T
-    q, dq, ddq = q @ turn + to.zero, dq @ turn, ddq @ turn
-    whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, measured=np.asarray(counts.any(axis=1)))
+    shared = [name for name in group[0].forces if all(name in one.forces for one in group)]
+    forces = {name: np.concatenate([one.forces[name] for one in group]) for name in shared}
+    q, dq, ddq, seen = q @ turn + to.zero, dq @ turn, ddq @ turn, np.asarray(counts.any(axis=1))
+    whole = replace(group[0], q=q, dq=dq, ddq=ddq, tau=tau, base=base, forces=forces, measured=seen)
     y = np.concatenate([machine_columns(whole), _stops(whole.q)], axis=2)
     flat = y.transpose(1, 0, 2).reshape(len(tau), -1)
     size, count = y.shape[2], tau.shape[1]

@@ -12,20 +12,23 @@ squares). Of any other machine, whose lengths are known, every link's mass, firs
 from __future__ import annotations
 
 import weakref
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from measurement.auditing.non_negative import non_negative
+from measurement.forces import usual_forces
 from measurement.reading.angles import running_median
 from measurement.recording import Recording
 from measurement.signals.butterworth import both_ways, low_pass_filter
 from measurement.signals.masks import widen
+from symbolic.force import Force
 from symbolic.joints import LEG, Joint, is_leg, parents
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
+from symbolic.mechanics.pushed import pushed_torques
 from symbolic.motion import Float
 
 CUTOFF = 5.0
@@ -39,7 +42,8 @@ HOLE = 5.0
 class Smooth:
     """Evenly sampled, smoothed motion: `q`, `dq`, `ddq`, `tau` (K, J) at `step` s; `keep` picks rows for
     fitting. `base` (K, 5) is the angle of a measured base, its two derivatives, its acceleration forwards and upwards.
-    `weighs` says whether the machine moves under gravity.
+    `weighs` says whether the machine moves under gravity. `forces` are {column: (K,)} of measured ones, `meant` what
+    they are, None for the usual.
     """
 
     q: Float
@@ -51,6 +55,8 @@ class Smooth:
     base: Float | None = None
     joints: tuple[Joint, ...] = LEG
     weighs: bool = True
+    forces: Mapping[str, Float] = field(default_factory=dict)
+    meant: tuple[Force, ...] | None = None
     measured: NDArray[np.bool_] = None  # type: ignore[assignment]
     """Samples (K,) at which angles and torques were measured, and not filled in; all where nothing is said."""
 
@@ -65,7 +71,8 @@ class Smooth:
         """
         rows = np.arange(len(self.q))[self.keep]
         seen = self.measured[rows]
-        parts = columns(self.q[rows], self.dq[rows], self.ddq[rows])[:, :, :OFFSETS]
+        own = columns(self.q[rows], self.dq[rows], self.ddq[rows])[:, :, :OFFSETS]
+        parts = np.concatenate([own, pushed_columns(self)[:, rows]], axis=2)
         share = seen / max(1, int(seen.sum()))
         parts = (parts - (share @ parts)[:, None]) * seen[:, None]
         return parts, np.swapaxes(parts, 1, 2) @ parts, rows, share
@@ -78,7 +85,8 @@ _SMOOTH: dict[tuple[int, ...], Smooth | None] = {}
 def smooth(recording: Recording) -> Smooth | None:
     """Return the recording (at most its first two minutes) filtered forwards and backwards; None when too
     short."""
-    arrays = (recording.t, recording.q, recording.tau, recording.valid, recording.angle_valid, recording.torque_valid)
+    known = (recording.valid, recording.angle_valid, recording.torque_valid)
+    arrays = (recording.t, recording.q, recording.tau, *known, *recording.forces.values())
     key = tuple(map(id, arrays))
     if key not in _SMOOTH:
         _SMOOTH[key] = _smoothed(recording)
@@ -99,12 +107,16 @@ def _smoothed(recording: Recording) -> Smooth | None:
     even = np.arange(t[0], t[-1], step)
     pairs = []
     base_motion = () if recording.base is None else ((recording.base, moved),)
-    for pair, valid in ((recording.q, moved), (recording.tau, pulled), *base_motion):
+    forces = np.column_stack([np.zeros((len(recording), 0)), *recording.forces.values()])
+    for pair, valid in ((recording.q, moved), (recording.tau, pulled), (forces, recording.valid), *base_motion):
+        if not pair.shape[1]:
+            pairs.append(np.zeros((even.size, 0)))
+            continue
         # the running median takes out single outliers, which a filter would smear over its whole length
         known = recording.t[valid]
         values = np.column_stack([np.interp(even, known, running_median(column, 7)) for column in pair[valid].T])
         pairs.append(both_ways(low_pass_filter(2, 2.0 * CUTOFF * step), values, 9))
-    q, tau, *others = pairs
+    q, tau, pushing, *others = pairs
     dq = np.gradient(q, step, axis=0)
     base = None
     if others:
@@ -114,9 +126,10 @@ def _smoothed(recording: Recording) -> Smooth | None:
     edge = round(0.5 / step)
     thin = max(1, (even.size - 2 * edge) // ROWS)
     measured = _measured(even, recording.t[moved & pulled], 1.0 / recording.rate)
+    signals = dict(zip(recording.forces, pushing.T, strict=True))
     return Smooth(
-        q, dq, np.gradient(dq, step, axis=0), tau, step, slice(edge, -edge, thin), base, recording.joints,
-        measured=measured,
+        q, np.asarray(dq), np.asarray(np.gradient(dq, step, axis=0)), tau, step, slice(edge, -edge, thin), base,
+        recording.joints, measured=measured, forces=signals,
     )  # fmt: skip
 
 
@@ -159,7 +172,7 @@ def unexplained(
     slope = slopes.sum(axis=1)
     gram = np.tensordot(1.0 / weight**2, grams, 1)
     out, count = np.full(power.shape, np.inf), max(1, int(np.count_nonzero(share)))
-    x = np.zeros(OFFSETS)
+    x = np.zeros(grams.shape[1])
     promising = power.sum(axis=1) - _most_explained(gram, slope) / count <= most
     for k in np.flatnonzero(promising).tolist():
         x = non_negative(gram[k], slope[k], x > 0.0)
@@ -195,16 +208,34 @@ def columns(q: Float, dq: Float, ddq: Float) -> Float:
     return np.stack([np.column_stack(hip), np.column_stack(knee)])
 
 
+def pushed_columns(motion: Smooth) -> Float:
+    """Return the columns (J, K, F) of measured forces: what each does at its link's upper joint, and what per metre
+    along the link; neither gain nor place can be negative.
+    """
+    meant = usual_forces(tuple(motion.forces), motion.joints) if motion.meant is None else motion.meant
+    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    out = []
+    for force in meant:
+        if not all(name in motion.forces for name in force.columns):
+            continue
+        signals = force.sign * np.column_stack([motion.forces[name] for name in force.columns])
+        origin, unit = (pushed_torques(motion.joints, motion.q, force, at, signals, base) for at in (0.0, 1.0))
+        out += [part for part in (origin, unit - origin) if part.any()]
+    return np.stack(out, axis=2).swapaxes(0, 1) if out else np.zeros((motion.q.shape[1], len(motion.q), 0))
+
+
 def machine_columns(motion: Smooth) -> Float:
-    """Return the columns (J, K, P) of any machine: links, their weights, rotors, friction, and offsets of either sign.
+    """Return the columns (J, K, P) of any machine: links, their weights, rotors, friction, offsets of either sign, and
+    measured forces.
 
     A weight has a number of its own, since the scale of gravity need not be known. Where there is none, and where a
     joint slides, a spring may be all that pulls: moved at one frequency, it would be the mass of a force with the
     other sign.
     """
     joints, q, dq, ddq, base = motion.joints, motion.q, motion.dq, motion.ddq, motion.base
+    pushed = pushed_columns(motion)
     if is_leg(joints) and base is None:
-        return columns(q, dq, ddq)
+        return np.concatenate([columns(q, dq, ddq), pushed], axis=2)
     count, still = range(len(joints)), list(np.zeros_like(q).T)
     links = link_torques(
         joints, 0.0, list(q.T), list(dq.T), list(ddq.T), np, STILL if base is None else BaseMotion(*base.T)
@@ -226,4 +257,4 @@ def machine_columns(motion: Smooth) -> Float:
         own += [] if joint.turns and motion.weighs else [q[:, k] - q[:, k].mean()]
         for other in count:
             out[other] += [column if other == k else np.zeros(len(q)) for column in own]
-    return np.stack([np.column_stack(row) for row in out])
+    return np.concatenate([np.stack([np.column_stack(row) for row in out]), pushed], axis=2)

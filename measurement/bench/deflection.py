@@ -62,7 +62,7 @@ def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:
 
 def rigid_torque(true: TrueModel, motion: Motion) -> Float:
     """Return the rigid-body part (N, J) N·m of the torque."""
-    numbers, bare = true.numbers(), rigid_model(true.model)
+    numbers, bare = true.numbers(), rigid_model(true.model.unpushed)
     linear = np.array([numbers[entry.name] for entry in bare.parameters])
-    linear[len(bare.inertial) : bare.base_count] = 0.0
+    linear[bare.friction] = 0.0
     return model_torque(bare, motion, linear, np.array([numbers[entry.name] for entry in bare.shapes]))

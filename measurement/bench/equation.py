@@ -72,12 +72,14 @@ class Stepper:
     step: Any
     memory_start: Any
 
-    def start(self, t: float, q: Float, dq: Float, ddq: Float, linear: Float, shape: Float, base: Float) -> Float:
+    def start(
+        self, t: float, q: Float, dq: Float, ddq: Float, linear: Float, shape: Float, base: Float, force: Float
+    ) -> Float:
         """Return the state in which the leg is on its path and its operators have just been switched on.
 
-        `base` (5, or 0 where it stands) is how the base moves then.
+        `base` (5, or 0 where it stands) is how the base moves then, `force` (C,) what pushes.
         """
-        memory = np.asarray(self.memory_start(t, q, dq, ddq, linear, shape, base)).ravel()
+        memory = np.asarray(self.memory_start(t, q, dq, ddq, linear, shape, base, force)).ravel()
         return np.concatenate([q, dq, ddq, np.sign(dq), q, dq, memory])
 
 
@@ -100,6 +102,6 @@ def _build(model: Model, dt: float) -> Stepper:
     form = model_expressions(model)
     arguments = ca.vertcat(ca.SX(0, 1), *(one.argument for one in form.memories))
     values = ca.vertcat(ca.SX(0, 1), *(REMEMBERED[one.operator][0](one.argument) for one in form.memories))
-    given = [form.t, form.q, form.dq, form.ddq, form.linear, form.shape, form.base_motion]
+    given = [form.t, form.q, form.dq, form.ddq, form.linear, form.shape, form.base_motion, form.force]
     first = ca.Function("first", given, [ca.vertcat(arguments, values)])
     return Stepper(step_function(form, dt, [joint.reach for joint in model.joints]), first)

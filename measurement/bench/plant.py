@@ -131,7 +131,7 @@ def _midpoint(ca: Any, form: Expressions, dt: float) -> Any:
     by_a, by_s = ca.jacobian(residual, a), ca.diag(ca.jacobian(residual, s))
     return ca.Function(
         "midpoint",
-        [a, s, q, v, form.t, last, value, form.linear, form.shape, form.base_motion],
+        [a, s, q, v, form.t, last, value, form.linear, form.shape, form.base_motion, form.force],
         [residual, 0.5 * (by_a + by_a.T), by_s, now, memory, q_m, v_m],
     )
 
@@ -142,8 +142,8 @@ def step_function(form: Expressions, dt: float, reach: Sequence[float] | None = 
     state  (6J + 2K): q, v, a, s at the start of the step, last encoder reading, filtered velocity, and the
     operators'
            arguments and values;
-    input  (1 + 4J + B): t, θ_d, θ_d', encoder noise, external torque N·m, motion of the base (B: 5, or 0 where it
-           stands);
+    input  (1 + 4J + B + C): t, θ_d, θ_d', encoder noise, external torque N·m, motion of the base (B: 5, or 0 where it
+           stands), measured forces (C);
     numbers (3J + 2 + P + S): gains on angle and on velocity, torque limits, smoothing of the differentiator, encoder
            step in rad, then the model's; record (6J): q_m, v_m, a, s, τ motor, residual of the equation.
     `reach` (J,) is what of its own unit each joint moves where a turning one moves 1 rad.
@@ -153,8 +153,9 @@ def step_function(form: Expressions, dt: float, reach: Sequence[float] | None = 
     count, joints = len(form.memories), form.q.numel()
     fixed = 3 * joints + 2
     state = ca.SX.sym("state", 6 * joints + 2 * count)
-    given = ca.SX.sym("given", 1 + 4 * joints + form.base_motion.numel())
-    base = given[1 + 4 * joints :]
+    first = 1 + 4 * joints + form.base_motion.numel()
+    given = ca.SX.sym("given", first + form.force.numel())
+    outside = given[1 + 4 * joints : first], given[first:]
     numbers = ca.SX.sym("numbers", fixed + form.linear.numel() + form.shape.numel())
     q, v, a, s, reading, speed = (state[joints * k : joints * (k + 1)] for k in range(6))
     wanted, wanted_speed, noise, external = (given[1 + joints * k : 1 + joints * (k + 1)] for k in range(4))
@@ -174,7 +175,7 @@ def step_function(form: Expressions, dt: float, reach: Sequence[float] | None = 
 
     midpoint = _midpoint(ca, form, dt)
     for _ in range(NEWTON_STEPS):
-        residual, mass, friction, *_ = midpoint(a, s, q, v, given[0], last, value, linear, shape, base)
+        residual, mass, friction, *_ = midpoint(a, s, q, v, given[0], last, value, linear, shape, *outside)
         bound = ca.fmax(friction, 0.0)
         inverse = ca.inv(mass)
         # The friction inside the residual is taken out, then put back as the unknown of the box problem.
@@ -189,7 +190,7 @@ def step_function(form: Expressions, dt: float, reach: Sequence[float] | None = 
     sticks = ca.logic_and(ca.fabs(impulse) < bound, bound > TINY)
     a = ca.if_else(sticks, -v / dt, a)
     velocity = ca.if_else(sticks, 0.0, v + dt * a)
-    residual, _, _, now, memory, q_m, v_m = midpoint(a, s, q, v, given[0], last, value, linear, shape, base)
+    residual, _, _, now, memory, q_m, v_m = midpoint(a, s, q, v, given[0], last, value, linear, shape, *outside)
 
     after = ca.vertcat(q + dt * v + 0.5 * dt**2 * a, velocity, a, s, encoder, speed, now, memory)
     record = ca.vertcat(q_m, v_m, a, s, motor, residual - supplied)

@@ -28,7 +28,7 @@ from measurement.bench.machine import Machine, standard_machine
 from measurement.bench.seal import HiddenTruth, Truth
 from measurement.bench.sensors import Sensors
 from measurement.bench.sway import ACCELERATION_NOISE, base_motion
-from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
+from measurement.bench.wearer import Wearer, pinned, pushes, worn
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.model import Model
@@ -84,7 +84,7 @@ class Bench:
     step: float = STEP
     lead_in: float = LEAD_IN
     wearer: Wearer | None = None
-    """Someone who pushes at the cuffs; the recording then has the cuff sensors' `force`."""
+    """Someone who pushes at the cuffs; the recording then has their `forces`, as it has those of the model."""
 
     def __post_init__(self) -> None:
         if not (self.rate > 0 and self.lead_in >= 0 and 0 < self.step <= STEP):
@@ -171,6 +171,9 @@ def run_bench(
     model = Model.standard() if model is None else model
     leg = bench_machine(model) if leg is None else leg
     bench = Bench() if bench is None else bench
+    if bench.wearer is not None and not model.chain:
+        model = worn(model, bench.wearer)
+    model = pinned(model)
     _check_fits(model, leg, bench.wearer is not None)
     hidden = tuple(effects)
     # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
@@ -188,7 +191,7 @@ def run_bench(
         sides = (mechanical.torque(at) - rigid_torque(mechanical, at) for at in (motion, link))
         torque = torque + next(sides) - next(sides)
     return BenchRun(
-        recording=_measure(motion, torque, trace.force, bench, sensor_rng, name, leg, model),
+        recording=_measure(motion, torque, bench, sensor_rng, name, leg, model),
         motion=motion,
         torque=torque,
         true=true,
@@ -216,13 +219,12 @@ def _check_fits(model: Model, leg: Leg | Machine, wearer: bool) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Trace:
-    """What the integration leaves behind at the sample times; `motor` and `force` (N, J)."""
+    """What the integration leaves behind at the sample times; `motor` (N, J)."""
 
     link: Motion
     read: Motion
     """The motion at the encoders: that of the links, unless a drive gives way."""
     motor: Float
-    force: Float | None
     saturated: float
 
 
@@ -253,40 +255,36 @@ def _drive(
     joints = mechanical.model.joints
     reach = np.array([joint.reach for joint in joints])
     noise = bench.sensors.encoder_noise * reach * rng.standard_normal((count, len(joints)))
-    pushed = np.zeros((count, len(joints)))
-    if bench.wearer is not None and isinstance(leg, Leg):
-        force = bench.wearer.force(t, rng)
-        pushed = cuff_torque(force, wanted.q, bench.wearer.reach, leg.thigh_length)
-    added = np.zeros_like(pushed) if feed_forward is None else np.asarray(feed_forward(wanted), dtype=float)
+    model, outside = mechanical.model, []
+    added = np.zeros((count, len(joints))) if feed_forward is None else np.asarray(feed_forward(wanted), dtype=float)
     base = None
     if mechanical.model.moving_base:
         base = base_motion(np.asarray(t, dtype=float), np.random.default_rng(base_seed))
-    given = np.column_stack([t, wanted.q, wanted.dq, noise, pushed + added, *([] if base is None else [base])]).T
+        outside.append(base)
+    force = pushes(model, bench.wearer or Wearer(), np.asarray(t, dtype=float), rng) if model.forces else None
+    outside += [] if force is None else [force]
+    given = np.column_stack([t, wanted.q, wanted.dq, noise, added, *outside]).T
     numbers = _numbers(mechanical, leg, bench, dt)
     plant = stepper(mechanical.model, dt)
     begin = (float(t[0]), wanted.q[0], wanted.dq[0], wanted.ddq[0])
-    first = np.zeros(0) if base is None else base[0]
-    record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape, first), given, numbers)
+    first = (np.zeros(0) if part is None else part[0] for part in (base, force))
+    record = integrate(plant.step, plant.start(*begin, mechanical.linear, mechanical.shape, *first), given, numbers)
     states = record.reshape(6, len(joints), -1)
     _check_sane(states, reach, ", ".join(term.name for term in mechanical.model.terms) or leg.name)
     kept = slice(before, None, per_sample)
     at_limit = np.abs(states[4][:, kept]) >= np.array(leg.torque_limit)[:, None] * (1.0 - 1e-12)
     q, dq, ddq, sign = (states[k].T for k in range(4))
-    whole = Motion(np.asarray(t, dtype=float), q, dq, ddq, sign, base=base)
+    whole = Motion(np.asarray(t, dtype=float), q, dq, ddq, sign, base=base, force=force)
     seen = at_encoders(true, mechanical, whole)
     link = _sampled(whole, kept)
-    felt: Float | None = None
-    if bench.wearer is not None and isinstance(leg, Leg):
-        # The push was planned along the wanted path; the sensors feel the force that makes it on the true
-        # one.
-        felt = cuff_force(pushed[kept], link.q, bench.wearer.reach, leg.thigh_length)
     read = link if seen is whole else _sampled(seen, kept)
-    return _Trace(link, read, states[4][:, kept].T + added[kept], felt, float(at_limit.any(axis=0).mean()))
+    return _Trace(link, read, states[4][:, kept].T + added[kept], float(at_limit.any(axis=0).mean()))
 
 
 def _sampled(motion: Motion, kept: slice) -> Motion:
-    base = None if motion.base is None else motion.base[kept]
-    return Motion(motion.t[kept], motion.q[kept], motion.dq[kept], motion.ddq[kept], motion.sign[kept], base=base)
+    base, force = (None if part is None else part[kept] for part in (motion.base, motion.force))
+    t, q, dq, ddq, sign = (part[kept] for part in (motion.t, motion.q, motion.dq, motion.ddq, motion.sign))
+    return Motion(t, q, dq, ddq, sign, base=base, force=force)
 
 
 def _check_sane(states: Float, reach: Float, where: str) -> None:
@@ -328,7 +326,6 @@ def _numbers(true: TrueModel, leg: Leg | Machine, bench: Bench, dt: float) -> Fl
 def _measure(
     motion: Motion,
     torque: Float,
-    force: Float | None,
     bench: Bench,
     rng: np.random.Generator,
     name: str,
@@ -340,15 +337,17 @@ def _measure(
     reach = np.array([joint.reach for joint in model.joints])
     t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng, reach)
     tau = sensors.torque(torque, bench.rate, rng, np.array(leg.sensor_scale))
-    if force is not None:
-        force = sensors.logged(force + sensors.force_noise * rng.standard_normal(force.shape), fewer=2)
+    forces: dict[str, Float] = {}
+    if motion.force is not None:
+        noisy = motion.force + sensors.force_noise * rng.standard_normal(motion.force.shape)
+        forces = dict(zip(model.channels, sensors.logged(noisy, fewer=2).T, strict=True))
     logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
     base: Float | None = None
     if motion.base is not None:
         leaning = sensors.angle(motion.base[:, :1], rng, np.ones(1))
         carried = motion.base[:, 3:] + ACCELERATION_NOISE * rng.standard_normal((len(t), 2))
         base = sensors.logged(np.column_stack([leaning, carried]))
-    return Recording(name, *logged, force=force, joints=model.joints, base=base)
+    return Recording(name, *logged, forces=forces, joints=model.joints, base=base)
 
 
 def _truth(true: TrueModel, leg: Leg | Machine, hidden: tuple[Hidden, ...], seed: int) -> Truth:

@@ -15,6 +15,7 @@ from ground.errors import RecordingError
 from ground.suggest import nearest
 from measurement.reading.mapping import StatedMapping
 from measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
+from measurement.reading.outside import CONTACT, force_columns, outside_columns
 from measurement.reading.raw import RawColumn, RawTable
 from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
 from symbolic.joints import LEG, MOST, UNNAMED, Joint
@@ -24,7 +25,7 @@ SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f":
 """Quantities of a recording, and their units where a joint turns."""
 
 
-UNIT_OF = {**SI, "x": "m", "dx": "m/s", "ddx": "m/s²"}
+UNIT_OF = {**SI, "x": "m", "dx": "m/s", "ddx": "m/s²", "load": "N"}
 OTHERS = {a: (b,) for pair in SLIDING.items() for a, b in (pair, pair[::-1])}
 """A quantity of turning joints and the same of sliding ones."""
 
@@ -38,7 +39,8 @@ def required(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
 def canonical_columns(joints: Sequence[Joint] = LEG) -> tuple[str, ...]:
     """Return the names of all columns that a recording of `joints` may have."""
     numbers = range(1, len(joints) + 1)
-    return (*required(joints), *(f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers), *BASE)
+    further = (f"{quantity}{k}" for quantity in ("dq", "ddq", "f") for k in numbers)
+    return (*required(joints), *further, *BASE, *outside_columns(joints))
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,7 @@ def assign(
     offers = _offers(table, chosen, units, joints)
     side = _side(offers, chosen, leg, required(joints), where)
     hidden: dict[int, str] = {}
+    forces = {*force_columns(joints), CONTACT}
     for name in canonical_columns(joints):
         if name in chosen:
             continue
@@ -77,6 +80,8 @@ def assign(
             fitting = [offer for offer in fitting if offer[0].side]
         if not fitting:
             continue
+        if name in forces and _differ(fitting):
+            continue  # several plates: which one the foot stood on is for the user to say, and `repaired` tells
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
     if not partial:
@@ -181,6 +186,13 @@ def _side(
             remedy=f"--leg {' or --leg '.join(possible)}{both}",
         )
     return possible[0]
+
+
+def _differ(offers: Sequence[Offer]) -> bool:
+    """Whether the best of the offers are several columns that are not the same."""
+    fewest = min(reading.rank for reading, _ in offers)
+    first, *others = (column for reading, column in offers if reading.rank == fewest)
+    return any(not _same(first, other) for other in others)
 
 
 def _best(name: str, offers: Sequence[Offer], where: str) -> Offer:

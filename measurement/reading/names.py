@@ -14,6 +14,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
+from measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
 from measurement.reading.units import SLIDING, factor, is_scaled
 from symbolic.joints import LEG, Joint
 from symbolic.joints import names as joint_names
@@ -139,7 +140,23 @@ def recognise(name: str, joints: tuple[Joint, ...] = LEG) -> ColumnMeaning | Non
     found = whole or (_in_groups(path, joints) if len(path) > 1 else None)
     # Programs for controllers put the type in front of a name: fHipAngle, lrKneeTorque.
     typed = re.sub(r"(?<![A-Za-z0-9])(f|lr)(?=[A-Z][a-z])", "", name)
-    return found or (recognise(typed, joints) if typed != name else None)
+    return found or (recognise(typed, joints) if typed != name else None) or _of_outside(name, joints)
+
+
+def _of_outside(name: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
+    """Return what a column of a force from outside is, or of the foot's contact; a unit may stand at its end."""
+    if name in outside_columns(joints):
+        return ColumnMeaning(name, rank=-1)
+    words = words_of(name)
+    for used in (0, 1):
+        own = words[: len(words) - used]
+        sides = {_SIDE[word] for word in own if word in _SIDE}
+        kept = [word for word in own if word not in _SIDE and word not in FILLERS]
+        meant = outside_name(kept, joints)
+        unit = words[-1] if used and words else ""
+        if meant and len(sides) < 2 and (not used or _is_unit_of(kind_of(meant, joints), unit)):
+            return ColumnMeaning(meant, unit, len(own) - len(kept), "".join(sides))
+    return None
 
 
 def _of_base(name: str) -> ColumnMeaning | None:
@@ -167,6 +184,8 @@ def kind_of(name: str, joints: Sequence[Joint]) -> str:
     """Return the key of `units.QUANTITIES` of a canonical column: "dq1" -> "dq", or "dx" where joint 1 slides."""
     if name in BASE:
         return BASE[name]
+    if outside := outside_kind(name):
+        return outside
     quantity = quantity_of(name)
     number = name.removeprefix(quantity)
     return quantity if not number or joints[int(number) - 1].turns else SLIDING.get(quantity, quantity)

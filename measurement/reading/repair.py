@@ -18,7 +18,8 @@ from measurement.finding import Finding, row_ranges
 from measurement.reading import angles, clock
 from measurement.reading.columns import UNIT_OF, Assigned
 from measurement.reading.limits import credible
-from measurement.reading.names import kind_of
+from measurement.reading.names import kind_of, recognise
+from measurement.reading.outside import CONTACT, force_columns
 from measurement.reading.raw import RawTable
 from measurement.reading.units import is_product
 from measurement.recording import BASE_COLUMNS, Recording, Source
@@ -100,7 +101,7 @@ def repaired(
     columns = draft.columns
     pairs: dict[str, Any] = {
         field: np.column_stack([columns[f"{key}{k + 1}"] for k in range(len(joints))])
-        for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"), ("force", "f"))
+        for field, key in (("q", "q"), ("tau", "tau"), ("dq", "dq"), ("ddq", "ddq"))
         if f"{key}1" in columns
     }
     angle_valid, torque_valid = (
@@ -109,6 +110,8 @@ def repaired(
     return Recording(
         name, columns["t"], **pairs, valid=draft.valid, source=source, findings=draft.findings, row=draft.row,
         joints=joints, base=_base(columns), angle_valid=angle_valid, torque_valid=torque_valid,
+        forces={name: columns[name] for name in force_columns(joints) if name in columns},
+        contact=columns.get(CONTACT),
     )  # fmt: skip
 
 
@@ -140,7 +143,8 @@ def _start(
     converted = [_conversion(n, item, joints) for n, item in assigned.items() if item.factor != 1.0]
     if converted:
         draft = draft.noted("units", "info", f"converted to SI: {', '.join(converted)}")
-    for key in ("dq", "ddq", "f"):
+    draft, columns = _outside(draft, columns, table, assigned)
+    for key in ("dq", "ddq"):
         pair = [n for k in range(len(joints)) if (n := f"{key}{k + 1}") in columns]
         empty = [n for n in pair if np.isfinite(columns[n]).mean() < 0.5]
         if 0 < len(pair) < len(joints) or empty:
@@ -153,6 +157,24 @@ def _start(
         draft = draft.noted("columns", "info", f"{' and '.join(alone)} left out: there is no base_angle")
         columns = {n: v for n, v in columns.items() if n not in alone}
     return replace(draft, columns=columns)
+
+
+def _outside(
+    draft: Draft, columns: Mapping[str, Float], table: RawTable, assigned: Mapping[str, Assigned]
+) -> tuple[Draft, dict[str, Float]]:
+    """Leave out forces that are mostly not numbers, and say of which columns nobody knows what they are."""
+    known = (*force_columns(draft.joints), CONTACT)
+    empty = [name for name in known if name in columns and np.isfinite(columns[name]).mean() < 0.5]
+    if empty:
+        draft = draft.noted("columns", "info", f"{' and '.join(empty)} left out: mostly not numbers")
+    taken = {id(item.column) for item in assigned.values()}
+    meant = [(column.name, recognise(column.name, draft.joints)) for column in table.columns if id(column) not in taken]
+    for name in known:
+        rivals = [column for column, found in meant if found and found.name == name]
+        if rivals and name not in assigned:
+            what = f"{' and '.join(rivals)} can each be {name}: none of them is used"
+            draft = draft.noted("columns", "warning", what, remedy=f"say which: --map {name}={rivals[0]}")
+    return draft, {name: values for name, values in columns.items() if name not in empty}
 
 
 def _conversion(name: str, item: Assigned, joints: tuple[Joint, ...]) -> str:

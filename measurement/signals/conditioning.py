@@ -7,7 +7,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -51,7 +51,8 @@ class UniformSignals:
 
     The logged time stamps are what it was interpolated from; `rate` is in Hz. `gap` (N,) is where an angle was bad or
     missing, or a whole row, `torque_gap` (N, J) where a torque was; there stands what neighbours suggest. `passive`
-    (J,) are joints declared to have no drive; their torque is zero. `base` (N, 3) is that of the recording.
+    (J,) are joints declared to have no drive; their torque is zero. `base` (N, 3) is that of the recording, `force`
+    (N, C) measured forces.
     """
 
     t: Float
@@ -63,17 +64,17 @@ class UniformSignals:
     passive: NDArray[np.bool_]
     payloads: tuple[Payload, ...] = ()
     base: Float | None = None
+    force: Float | None = None
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
     _beside: dict[int, NDArray[np.bool_]] = field(default_factory=dict, init=False, repr=False)
 
     def stretch(self, first: int, last: int) -> UniformSignals:
         """Return the samples from `first` to before `last` as signals of their own."""
         part = slice(first, last)
-        base = None if self.base is None else self.base[part]
-        return UniformSignals(
-            self.t[part], self.q[part], self.tau[part], self.gap[part], self.torque_gap[part],
-            self.rate, self.passive, self.payloads, base,
-        )  # fmt: skip
+        base, force = (None if x is None else x[part] for x in (self.base, self.force))
+        t, q, tau = self.t[part], self.q[part], self.tau[part]
+        gap, torque_gap = self.gap[part], self.torque_gap[part]
+        return replace(self, t=t, q=q, tau=tau, gap=gap, torque_gap=torque_gap, base=base, force=force)
 
     def slower_torque(self, factor: int) -> Float:
         """Return the torque (N / factor, J) at a rate lower by `factor`, without spikes; as it is for 1."""
@@ -88,6 +89,9 @@ class UniformSignals:
         if factor == 1 or not self.torque_gap.any():
             return self.torque_gap[::factor]
         return np.asarray(averaged(self.torque_gap.astype(float), factor) > MISSING)
+    def slower_force(self, factor: int) -> Float | None:
+        """Return the measured forces (N / factor, C) at a rate lower by `factor`, as the torque."""
+        return self.force if self.force is None or factor == 1 else averaged(self.force, factor)
 
     @cached_property
     def reach(self) -> Float:
@@ -130,8 +134,9 @@ class UniformSignals:
         return np.column_stack([straight(x, bad) for x, bad in zip(self.tau.T, self.spikes.T, strict=True)])
 
 
-def uniform_sampling(recording: Recording) -> UniformSignals:
-    """Resample a recording uniformly at its own median rate, using only its valid rows.
+def uniform_sampling(recording: Recording, force: Float | None = None) -> UniformSignals:
+    """Resample a recording uniformly at its own median rate, using only its valid rows, and with it a measured `force`
+    (N, C).
 
     Bad rows and holes are bridged so that filters can run, and marked in `gap` so that no fit uses them.
     Refuses a recording that is too short.
@@ -167,7 +172,12 @@ def uniform_sampling(recording: Recording) -> UniformSignals:
         gap |= swayed.any(axis=1)
     passive = np.array([joint in recording.passive for joint in recording.joint_names])
     tau = np.where(passive, 0.0, tau)
-    return UniformSignals(grid, q, tau, gap, torque_gap & ~passive, 1.0 / step, passive, recording.payloads, base)
+    pushed = None
+    if force is not None:  # where a force is not known, the torques are not explained
+        pushed, unpushed = even(force, np.broadcast_to(rows, force.shape), LOST * step)
+        torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
+    missing = torque_gap & ~passive
+    return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, passive, recording.payloads, base, pushed)
 
 
 def _interpolated(

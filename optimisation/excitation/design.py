@@ -61,6 +61,7 @@ def design(
     asked = DesignSettings.chosen(settings, changes)
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
+    model = model.unpushed  # a motion is designed for a machine that nothing pushes
     search = search_of(model, asked, say)
     found = search.run()
     references: list[DesignedMotion] = []
@@ -113,6 +114,7 @@ def evaluate(
     began = time.perf_counter()
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
+    model = model.unpushed  # a motion is designed for a machine that nothing pushes
     at = nominal(model, numbers)
     aim = Aim(sizes(model, at), noise or Noise.white(joints=model.joints), duration)
     room = bounds(model.motion_limits, use)

@@ -15,6 +15,7 @@ import numpy as np
 
 from optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
 from optimisation.linear.problem import LinearData
+from symbolic.evaluation import carrying
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -52,7 +53,7 @@ class Assembly:
         """Return the linear data for shape values ((S,), or (R, S) one row per recording) and `reference` (P,)."""
         columns = [self._columns(index, shape, reference) for index in range(len(self.prepared))]
         return LinearData(
-            columns=np.concatenate(columns, axis=1),
+            columns=np.concatenate(columns, axis=1)[:, :, : len(self.model.parameters)],
             tau=self._torque(columns),
             groups=self._groups,
             names=tuple(p.name for p in self.model.parameters),
@@ -62,14 +63,14 @@ class Assembly:
         )
 
     def _torque(self, columns: Sequence[Float]) -> Float:
-        """Return the torque (J, K) that is left to explain: without that of known payloads, filtered as the columns."""
-        payloads = [one.motion.payload for one in self.prepared]
-        if all(payload is None for payload in payloads):
+        """Return the torque (J, K) that is left to explain: without that of known payloads and of measured forces whose
+        place is known, filtered as the columns.
+        """
+        motions = [one.motion for one in self.prepared]
+        if not self.model.forces and all(motion.payload is None for motion in motions):
             return self._tau
-        known = [
-            np.zeros(part.shape[:2]) if payload is None else part[:, :, : len(payload)] @ payload
-            for part, payload in zip(columns, payloads, strict=True)
-        ]
+        none = np.zeros(len(self.model.parameters))
+        known = [part @ carrying(self.model, motion, none) for part, motion in zip(columns, motions, strict=True)]
         return np.asarray(self._tau - np.concatenate(known, axis=1))
 
     def _columns(self, index: int, shape: Float | None, reference: Float | None) -> Float:
@@ -83,7 +84,7 @@ class Assembly:
                 smooth[:, :, places] = self._following(one, places, np.asarray(own)[None], reference)[0]
                 self._smooth[index], self._at[index] = smooth, at
             return smooth
-        raw = self.model.columns(one.motion, own, reference)
+        raw = self.model.whole_columns(one.motion, own, reference)
         if before is None or smooth is None:
             smooth = one.smooth_columns(raw)
         else:

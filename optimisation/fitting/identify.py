@@ -16,6 +16,7 @@ import numpy as np
 
 from ground.errors import NotEnoughDataError
 from ground.settings import spelt_out
+from measurement.forces import pushed_model
 from measurement.recording import Recording
 from optimisation.fitting.assemble import Assembly, Settled
 from optimisation.fitting.cautions import held, numerical, price, unproven
@@ -72,7 +73,7 @@ def identify(
     asked = FitSettings.chosen(settings, changes)
     if not data:
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
-    data = _prepared(model, data)
+    model, data = _prepared(model, data)
     possible = physics(model) if asked.physical else None
     assembly = Assembly(model, data)
     found = _stages(assembly, asked, possible, progress or (lambda text: None))
@@ -161,12 +162,17 @@ def _spacing(one: PreparedRecording) -> float:
     return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.kept))))
 
 
-def _prepared(model: Model, data: Sequence[PreparedRecording] | Sequence[Recording]) -> Sequence[PreparedRecording]:
-    """Return prepared recordings; those just read are prepared for `model`, with the cut-off chosen."""
+def _prepared(
+    model: Model, data: Sequence[PreparedRecording] | Sequence[Recording]
+) -> tuple[Model, Sequence[PreparedRecording]]:
+    """Return the model and prepared recordings; those just read are prepared for it, with the cut-off chosen, and it
+    gets the forces that they have measured.
+    """
     raw = [one for one in data if isinstance(one, Recording)]
     if not raw:
-        return cast("Sequence[PreparedRecording]", data)
-    return prepare(model, raw).train
+        return model, cast("Sequence[PreparedRecording]", data)
+    model = pushed_model(model, raw)
+    return model, prepare(model, raw).train
 
 
 def _scope(model: Model, given: bool) -> str:

@@ -94,8 +94,8 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     The torque sensors may have offsets of their own meanwhile, which would otherwise pass for weight.
     """
     model, names = fit.model, list(fit.data.names)
-    payload = any(one.motion.payload is not None for one in prepared.train)
-    if prepared.misread or model.chain or COUPLING not in names or payload:
+    loaded = bool(model.forces) or any(one.motion.payload is not None for one in prepared.train)
+    if prepared.misread or model.chain or COUPLING not in names or loaded:
         return None
     weight = np.concatenate([_weight(one) for one in prepared.train], axis=1)[:, :, None]
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))

@@ -14,7 +14,7 @@ whichever samples are hidden, rightly or wrongly: a true model leaves filtered n
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -38,6 +38,7 @@ from measurement.signals.derivatives import METHODS
 from measurement.signals.masks import straight, widen
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.linear.loss import Bool
+from symbolic.columns import forces_torque
 from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
@@ -101,6 +102,8 @@ class PreparedRecording:
     driven: Bool
     full_rate: float
     reach: Float
+    pushed: Float | None = field(default=None, kw_only=True)
+    """What measured forces ask of the drives (N, J) at about the right numbers; None where nobody knows."""
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -114,7 +117,7 @@ class PreparedRecording:
         q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band, self.reach)
         sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
-        motion = Motion(old.t, q, old.dq + dq, old.ddq + ddq, sign, old.payload, old.base)
+        motion = replace(old, q=q, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign)
         return replace(self, motion=motion)
 
     def smooth(self, x: Float) -> Float:
@@ -196,7 +199,7 @@ def prepare_one(
     sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
-    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying)
+    motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying, even.slower_force(factor))
     gap = widen(even.gap[::factor][: len(q)], int(np.ceil(0.5 * rate / inner)))
     missing = gap[:, None] | even.slower_gap(factor) | turned
     lost = missing | stuck
@@ -231,6 +234,7 @@ def prepare_one(
         driven=~(even.passive | _reads_nothing(even, cutoff)),
         full_rate=even.rate,
         reach=reach_of,
+        pushed=None if beta is None or not base.forces else forces_torque(base, motion, beta),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from measurement.signals.conditioning import derivatives, low_pass, quiet_noise
 from measurement.signals.masks import widen
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from symbolic.motion import Float
 
 BESIDE = 6
 """Samples on either side of hidden ones in which the bend of a bridge is no noise."""
@@ -31,7 +32,8 @@ def torque_noise(prepared: Sequence[PreparedRecording]) -> Float:
 
 
 def _own_noise(one: PreparedRecording) -> Float:
-    bridged = one.bridged(np.array(one.wide_tau.T, order="C")).T
+    left = one.wide_tau if one.pushed is None else one.wide_tau - one.pushed  # what jumps in both is no noise
+    bridged = one.bridged(np.array(left.T, order="C")).T
     apart = np.column_stack([widen(column, BESIDE) for column in one.hidden.T])
     return quiet_noise(bridged, one.rate, 1.0, apart, max(1, round(one.full_rate / one.rate)))
 
@@ -75,9 +77,8 @@ def torque_of_noise(base: Model, beta: Float, prepared: Sequence[PreparedRecordi
 
 
 def _torque_change(base: Model, beta: Float, one: PreparedRecording, q: Float, dq: Float, ddq: Float) -> Float:
-    old = one.motion
-    changed = Motion(old.t, q, dq, ddq, old.sign, old.payload, old.base)
-    return one.smooth(base.torque(changed, beta) - base.torque(old, beta))
+    changed = replace(one.motion, q=q, dq=dq, ddq=ddq)
+    return one.smooth(base.torque(changed, beta) - base.torque(one.motion, beta))
 
 
 def mean_square(change: Sequence[Float], prepared: Sequence[PreparedRecording]) -> Float:

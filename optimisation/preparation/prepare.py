@@ -21,6 +21,7 @@ from ground.ties import index_of_greatest
 from measurement.auditing.checks.scale import check_scales
 from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
+from measurement.forces import force_signals, unused_forces
 from measurement.overlap import held_apart
 from measurement.recording import Recording
 from measurement.signals.conditioning import UniformSignals, uniform_sampling
@@ -101,12 +102,12 @@ def prepare(
     if not recordings:
         raise RecordingError("there is no recording to fit", remedy="name at least one recording")
     recordings, verify = ([one.of_machine(model.joints) for one in group] for group in (recordings, verify))
-    swayed = _check_base(model, (*recordings, *verify))
+    swayed, unused = _check_base(model, (*recordings, *verify)), unused_forces(model, (*recordings, *verify))
     for one in (*recordings, *verify):
         _refuse_driven(one)
     recordings, verify, doubled = held_apart(recordings, verify)
     base = model.base()
-    even = [uniform_sampling(r) for r in (*recordings, *verify)]
+    even = [uniform_sampling(r, force_signals(model, r)) for r in (*recordings, *verify)]
     called = [r.name for r in (*recordings, *verify)]
     _check_cutoff(cutoff, even)
     count = len(recordings)
@@ -120,7 +121,9 @@ def prepare(
         choice = CutoffChoice(cutoff, f"{cutoff:g} Hz, as asked for")
     done = [prepare_one(base, n, e, choice.cutoff, beta, derivative=derivative) for n, e in inputs]
     weighs = model.gravity > 0.0
-    misread = (*check_conventions(recordings, weighs), *check_conventions(verify, weighs)) or check_scales(recordings)
+    meant = model.forces or None
+    misread = tuple(f for group in (recordings, verify) for f in check_conventions(group, weighs, meant))
+    misread = misread or check_scales(recordings)
     known = tuple(f for r in (*recordings, *verify) for f in r.findings)
     outliers = _outlier_findings(done, model.joint_names)
     wrong = np.sqrt(mean_square(torque_of_filter(base, beta, done), done))
@@ -133,7 +136,7 @@ def prepare(
         ),
         filter_error=wrong,
         acceleration_noise=noise_share(done[:count], even[:count], choice.cutoff),
-        findings=(*known, *swayed, *doubled, *(f for f in misread if f not in known), *outliers),
+        findings=(*known, *swayed, *unused, *doubled, *(f for f in misread if f not in known), *outliers),
         derivative=derivative,
         misread=misread,
         joints=model.joints,

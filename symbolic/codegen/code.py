@@ -79,7 +79,7 @@ def functions(expressions: Expressions) -> dict[str, Any]:
     import casadi
 
     x = expressions
-    state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion)
+    state = casadi.vertcat(x.t, x.q, x.dq, x.ddq, x.sign, x.base_motion, x.force)
     inputs = [state, x.linear, x.shape, x.memory]
     tau = casadi.SX.sym("tau", x.q.numel())
     outputs = {
@@ -103,13 +103,15 @@ def _forward(casadi: Any, x: Expressions, tau: Any) -> Any:
     """
     slope = casadi.jacobian(x.torque, x.ddq)
     residual = casadi.Function(
-        "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.base_motion, x.linear, x.shape, x.memory, tau],
+        "residual", [x.ddq, x.t, x.q, x.dq, x.sign, x.base_motion, x.force, x.linear, x.shape, x.memory, tau],
         [x.torque - tau, slope],
     )
     linear = not casadi.depends_on(slope, x.ddq)
     acceleration = casadi.SX.zeros(x.q.numel())
     for _ in range(1 if linear else NEWTON_STEPS):
-        r, m = residual(acceleration, x.t, x.q, x.dq, x.sign, x.base_motion, x.linear, x.shape, x.memory, tau)
+        r, m = residual(
+            acceleration, x.t, x.q, x.dq, x.sign, x.base_motion, x.force, x.linear, x.shape, x.memory, tau
+        )
         acceleration = acceleration - _solved(casadi, casadi.densify(m), r)
     return acceleration
 
@@ -136,7 +138,7 @@ def generate(model: Model) -> Sources:
         "model": model_record(model),
         "equations": equations_key(model),
         "versions": library_versions(),
-        "regressor": [f"{model.joint_names[joint]} {model.parameters[p].name}" for joint, p in entries],
+        "regressor": [f"{model.joint_names[joint]} {column_name(model, p)}" for joint, p in entries],
         "regressor_needs_reference": needed,
         "operations": {name: operations(function) for name, function in made.items()},
         "sha256": {f"{PREFIX}.c": sha256(code), f"{PREFIX}.h": sha256(header)},
@@ -162,11 +164,17 @@ def model_record(model: Model) -> dict[str, Any]:
         **lengths,
         "gravity": model.gravity,
         **({"base": "measured"} if model.moving_base else {}),
+        **({"forces": {force.name: list(force.columns) for force in model.forces}} if model.forces else {}),
         "terms": [term.name for term in model.terms],
         "parameters": {parameter.name: parameter.unit for parameter in model.parameters},
         "inertial": inertial(model),
         "shape": {shape.name: shape.shape.unit for shape in model.shapes},
     }
+
+
+def column_name(model: Model, parameter: int) -> str:
+    """Return the name of a column of the regressor: of its parameter, or "known" for what needs none."""
+    return model.parameters[parameter].name if parameter < len(model.parameters) else "known"
 
 
 def inertial(model: Model) -> dict[str, str]:
@@ -211,7 +219,8 @@ _TITLE = "/* Written by `exoid generate` through SymPy and CasADi; never edited 
 def _loops(model: Model, memories: int, entries: int) -> str:
     """Return the C loops over samples; arrays are row by row, a sample per row."""
     joints = len(model.joints)
-    states, extras = len(state_names(joints, model.moving_base)), {"forward_dynamics": joints, "jacobian": 1}
+    states = len(state_names(joints, model.moving_base, len(model.channels)))
+    extras = {"forward_dynamics": joints, "jacobian": 1}
     text = f"\n/* Loops over samples: `state` (n, {states}), `memory` (n, K), `extra` and `out` row by row. */\n"
     text += '#ifdef __cplusplus\nextern "C" {\n#endif\n'
     for name, width in {"columns": entries, **widths(joints)}.items():
@@ -243,9 +252,12 @@ CASADI_SYMBOL_EXPORT void {prefix}_{name}_many(long n, const double *state, cons
 def _header(model: Model, entries: list[tuple[int, int]], memories: list[str]) -> str:
     parameters = [f"  {k}: {in_comment(f'{p.name} [{p.unit}]')}" for k, p in enumerate(model.parameters)]
     shapes = [f"  {k}: {in_comment(f'{s.name} [{s.shape.unit}]')}" for k, s in enumerate(model.shapes)]
-    names, state = model.joint_names, state_names(len(model.joints), model.moving_base)
-    table = [f"  {k}: {in_comment(f'Y[{names[j]}][{model.parameters[p].name}]')}" for k, (j, p) in enumerate(entries)]
+    names, state = model.joint_names, state_names(
+        len(model.joints), model.moving_base, len(model.channels)
+    )
+    table = [f"  {k}: {in_comment(f'Y[{names[j]}][{column_name(model, p)}]')}" for k, (j, p) in enumerate(entries)]
     sliding = "" if all(joint.turns for joint in model.joints) else "; m for rad where a joint slides"
+    sliding += f"; {', '.join(model.channels)} in N or N m" if model.forces else ""
     sliding += "; base_ax, base_az in m/s^2" if model.moving_base else ""
     prototypes = "".join(
         f"\n/* {meaning} */\nvoid {PREFIX}_{name}_many(long n, const double *state, const double *linear,\n"

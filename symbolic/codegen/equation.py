@@ -8,12 +8,12 @@ instant: each becomes an input `memory[k]`, and `memories[k]` says what feeds it
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import EffectError
-from symbolic.codegen.layout import BASE_STATE, STEMS, state_names
+from symbolic.codegen.layout import BASE_STATE, STEMS, force_names, state_names
 from symbolic.codegen.translate import casadi_from_sympy
 from symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
 from symbolic.language.deflection import STATES
@@ -26,6 +26,7 @@ from symbolic.mechanics.mechanism import machine, real
 from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
 from symbolic.mechanics.rigid import changed, leg_columns, symbols_of
 from symbolic.mechanics.tree import tree_changes
+from symbolic.mechanics.virtual_work import force_torques
 
 if TYPE_CHECKING:
     from symbolic.model import Model
@@ -47,12 +48,12 @@ class MemorySignal:
 class Expressions:
     """A model in CasADi SX.
 
-    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, or 0 where it stands), `linear` (P,),
+    Inputs: `t`, `q`, `dq`, `ddq`, `sign` (J,), `base_motion` (5, or 0 where it stands), `force` (C,), `linear` (P,),
     `shape` (S,), `memory` (K,). `columns` holds
     (joint, parameter, expression) of every entry of the regressor that is not zero everywhere; `linear`
-    serves there as reference. `rigid`, `base` (rigid and friction) and `torque` (all) are torques (J,) in
-    N·m, `terms` the torque (J,) of each term, transforms included (they have no columns). M, C (J, J) and G
-    (J,) belong to `rigid`.
+    serves there as reference, and P stands for what measured forces make without a number. `rigid`, `base`
+    (rigid, friction and measured forces) and `torque` (all) are torques (J,) in N·m, `terms` the torque (J,) of each
+    term, transforms included (they have no columns). M, C (J, J) and G (J,) belong to `rigid`.
     """
 
     t: Any
@@ -61,6 +62,7 @@ class Expressions:
     ddq: Any
     sign: Any
     base_motion: Any
+    force: Any
     linear: Any
     shape: Any
     memory: Any
@@ -96,7 +98,7 @@ class _Builder:
         self.ca = casadi
         self.model = model
         self.count = len(model.joints)
-        self.state = {name: casadi.SX.sym(name) for name in state_names(self.count, model.moving_base)}
+        self.state = {name: casadi.SX.sym(name) for name in self._state_names()}
         self.linear = casadi.SX.sym("linear", len(model.parameters))
         self.shape = casadi.SX.sym("shape", len(model.shapes))
         self.numbers = {p.name: self.linear[k] for k, p in enumerate(model.parameters)}
@@ -109,11 +111,15 @@ class _Builder:
         self.sizes = {"a_th": casadi.SX(model.thigh_length), "g": casadi.SX(model.gravity), **(symbols or {})}
         self.longest = LONGEST_SYMBOLIC if symbols is None else len(model.joints)
 
+    def _state_names(self) -> tuple[str, ...]:
+        return state_names(self.count, self.model.moving_base, len(self.model.channels))
+
     def expressions(self) -> Expressions:
         ca = self.ca
         rigid_torque = self._rigid({**self.state, **self.numbers, **self.sizes})
         for term in friction(self.model.joints):
             self._text(term, {"c": term.name})
+        self._forces({**self.state, **self.numbers, **self.sizes})
         base = self._sum(self.columns)
         for j in range(self.count):
             self.words |= {f"tau_rigid{j + 1}": rigid_torque[j], f"tau_model{j + 1}": base[j]}
@@ -126,7 +132,7 @@ class _Builder:
         terms = {}
         for term in self.model.terms:
             if term.effect.derive is not None:
-                own = [entry for entry in self.columns if self.model.parameters[entry[1]].term == term.name]
+                own = [entry for entry in self.columns if self._term_of(entry[1]) == term.name]
                 terms[term.name] = self._sum(own)
             elif is_transform(term):
                 terms[term.name] = self._transform(term)
@@ -140,11 +146,44 @@ class _Builder:
                 torque = torque + terms[term.name]
         return self._result(rigid_torque, base, torque, terms)
 
+    def _term_of(self, parameter: int) -> str | None:
+        """Return the term a column belongs to; None for one of the base model."""
+        return self.model.parameters[parameter].term if parameter < len(self.model.parameters) else None
+
     def _sum(self, entries: list[tuple[int, int, Any]]) -> Any:
         total = self.ca.SX(self.count, 1)
         for joint, parameter, expression in entries:
-            total[joint] += expression * self.linear[parameter]
+            total[joint] += expression * (self.linear[parameter] if parameter < self.linear.numel() else 1.0)
         return total
+
+    def _forces(self, symbols: dict[str, Any]) -> None:
+        """Add the columns of measured forces, and, as one more than there are parameters, what needs no number."""
+        model = self.model
+        if not model.forces:
+            return
+        mechanism = replace(model.mechanism, leaning=real("base") if model.moving_base else 0)
+        known: list[Any] = [self.ca.SX(0)] * self.count
+        names, first = force_names(len(model.channels)), 0
+        for force in model.forces:
+            own = [real(name) for name in names[first : first + len(force.columns)]]
+            first += len(own)
+            index = force.index(model.joints)
+            parts = [casadi_from_sympy(part, symbols) for part in force_torques(mechanism, force, index, own)]
+            for joint, (origin, along) in enumerate(zip(*parts, strict=True)):
+                at, gain = force.at, force.gain
+                origin, along = force.sign * origin, force.sign * along
+                weights = {
+                    f"{force.name}.at": (gain or 0.0) * along,
+                    f"{force.name}.gain": origin + (0.0 if at is None else at * along),
+                    f"{force.name}.gain_at": along,
+                }
+                for name in weights.keys() & self.place.keys():
+                    if not (entry := self.ca.SX(weights[name])).is_zero():
+                        self.columns.append((joint, self.place[name], entry))
+                if gain is not None:
+                    known[joint] = known[joint] + gain * (origin + (0.0 if at is None else at * along))
+        count = len(model.parameters)
+        self.columns += [(joint, count, entry) for joint, entry in enumerate(known) if not self.ca.SX(entry).is_zero()]
 
     def _rigid(self, symbols: dict[str, Any]) -> Any:
         if self.model.chain:
@@ -271,6 +310,7 @@ class _Builder:
             ddq=ddq,
             sign=sign,
             base_motion=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in BASE_STATE if n in self.state)),
+            force=ca.vertcat(ca.SX(0, 1), *(self.state[n] for n in force_names(len(self.model.channels)))),
             linear=self.linear,
             shape=self.shape,
             memory=ca.vertcat(ca.SX(0, 1), *self.inputs),

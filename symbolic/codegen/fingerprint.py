@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import astuple
 from functools import lru_cache
 from pathlib import Path
 from types import CodeType
@@ -51,6 +52,8 @@ def model_data(model: Model) -> dict[str, Any]:
     if model.chain:
         content = {"joints": [joint_record(joint) for joint in model.chain]}
         content |= {"base": "measured"} if model.moving_base else {}
+    if model.forces:
+        content["forces"] = [astuple(force) for force in model.forces]
     return {**content, "gravity": model.gravity.hex(), "terms": [term_content(term) for term in model.terms]}
 
 

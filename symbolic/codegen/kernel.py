@@ -18,7 +18,7 @@ from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
 from symbolic.codegen.compiler import EXACT
 from symbolic.codegen.fingerprint import equations_key, model_data
 from symbolic.codegen.layout import widths
-from symbolic.evaluation import apply_transforms, vector
+from symbolic.evaluation import apply_transforms, column_count, forces_of, vector
 from symbolic.memory import memory_operations, memory_signals
 from symbolic.motion import Float, Motion
 
@@ -48,7 +48,7 @@ class Compiled:
         out = self.pointwise(motion, linear, shapes, self._memory(motion, linear, shapes))
         apply_transforms(self.model, out, shapes, motion)
         self._refuse_what_is_not_finite(out)
-        return out
+        return out[:, :, : len(self.model.parameters)]
 
     def _refuse_what_is_not_finite(self, columns: Float) -> None:
         """Refuse as NumPy does (lower.py): C would hand on an infinity."""
@@ -99,9 +99,11 @@ class Compiled:
         return self._matrix("jacobian", motion, np.zeros(len(self.model.parameters)), shape, float(reach))
 
     def pointwise(self, motion: Motion, linear: Float, shape: Float, memory: Float | None = None) -> Float:
-        """Return the columns (J, N, P) without transforms, the operators with memory at `memory` (N, K) or zero."""
+        """Return the columns (J, N, P) without transforms, the operators with memory at `memory` (N, K) or zero; one
+        more, (J, N, P + 1), where the model has measured forces: what they make without a number.
+        """
         values = self._run("columns", self._state(motion), linear, shape, memory, None)
-        out = np.zeros((len(self.model.joints), len(motion), len(self.model.parameters)))
+        out = np.zeros((len(self.model.joints), len(motion), column_count(self.model)))
         for k, (joint, parameter) in enumerate(self.entries):
             out[joint, :, parameter] += values[:, k]
         return out
@@ -115,18 +117,21 @@ class Compiled:
         for columns, shape in zip(out, shapes, strict=True):
             values = self._run("columns", state, linear, shape, memory, None)
             for k, (joint, parameter) in enumerate(self.entries):
-                if parameter >= first:
+                if first <= parameter < len(self.model.parameters):
                     columns[joint, parameter - first] += values[:, k]
         return out
 
     def _state(self, motion: Motion) -> Float:
         kept = _STATES.setdefault(motion, {})
-        if (moving := self.model.moving_base) not in kept:
+        moving, pushed = key = self.model.moving_base, len(self.model.channels)
+        if key not in kept:
             state = [motion.t, motion.q, motion.dq, motion.ddq, motion.sign]
             if moving:
                 state.append(np.zeros((len(motion), 5)) if motion.base is None else motion.base)
-            kept[moving] = np.column_stack(state)
-        return kept[moving]
+            if pushed:
+                state.append(forces_of(motion, pushed))
+            kept[key] = np.column_stack(state)
+        return kept[key]
 
     def _matrix(self, name: str, motion: Motion, linear: Any, shape: Any, extra: float | None = None) -> Float:
         values, shapes = self._numbers(linear, shape)
@@ -146,8 +151,8 @@ class Compiled:
         self, name: str, state: Float, linear: Float, shape: Float, memory: Float | None, extra: Float | None
     ) -> Float:
         """Evaluate one function at all samples; the result is (N, width)."""
-        width = len(self.entries) if name == "columns" else widths(len(self.model.joints))[name]
-        out = np.zeros((len(state), width))
+        size = len(self.entries) if name == "columns" else widths(len(self.model.joints))[name]
+        out = np.zeros((len(state), size))
         if not out.size:
             return out
         if memory is None:
@@ -161,8 +166,9 @@ class Compiled:
         return np.ascontiguousarray(np.asarray(self.machine[name](*inputs)).T)
 
 
-_STATES: WeakKeyDictionary[Motion, dict[bool, Float]] = WeakKeyDictionary()
-"""Motions that are still in use as compiled functions read them, without and with that of their base."""
+_STATES: WeakKeyDictionary[Motion, dict[tuple[bool, int], Float]] = WeakKeyDictionary()
+"""Motions that are still in use as compiled functions read them, without and with that of their base, and with how many
+columns of forces."""
 _RECENT: dict[tuple[str, str], Compiled] = {}
 
 

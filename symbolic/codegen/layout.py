@@ -9,9 +9,17 @@ BASE_STATE = ("base", "dbase", "ddbase", "base_ax", "base_az")
 """Motion of a measured base: angle rad, its derivatives, acceleration forwards and upwards m/s²."""
 
 
-def state_names(count: int, moving_base: bool = False) -> tuple[str, ...]:
-    """Return the names of the motion of `count` joints at an instant, in the order of the generated code's `state`."""
-    return ("t", *(f"{stem}{k + 1}" for stem in STEMS for k in range(count)), *(BASE_STATE if moving_base else ()))
+def state_names(count: int, moving_base: bool = False, forces: int = 0) -> tuple[str, ...]:
+    """Return the names of the motion of `count` joints at an instant, in the order of the generated code's `state`;
+    last those of `forces` columns of measured ones.
+    """
+    joints = (f"{stem}{k + 1}" for stem in STEMS for k in range(count))
+    return ("t", *joints, *(BASE_STATE if moving_base else ()), *force_names(forces))
+
+
+def force_names(count: int) -> tuple[str, ...]:
+    """Return the names of `count` columns of measured forces in the generated code's `state`."""
+    return tuple(f"force{k + 1}" for k in range(count))
 
 
 def widths(count: int) -> dict[str, int]:

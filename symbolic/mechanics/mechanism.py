@@ -45,8 +45,9 @@ class Mechanism:
 
     `tilt` rad turns gravity, `joint_offset` (J,) rad is what each encoder reads too little,
     `base_acceleration` (2,) m/s² is the acceleration of the hip to the front and upwards, `time` the symbol
-    it may depend on. `joints` (J,) say who hangs from whom; `own` is the index of the joint of the effect that is asked
-    to change the mechanism, of the last one for an effect on the whole machine.
+    it may depend on, `leaning` rad the angle of a base that is measured. `joints` (J,) say
+    who hangs from whom; `own` is the index of the joint of the effect that is asked to change the mechanism, of the
+    last one for an effect on the whole machine.
     """
 
     links: tuple[Link, ...]
@@ -57,6 +58,7 @@ class Mechanism:
     time: Symbol
     joints: tuple[Joint, ...]
     own: int = 0
+    leaning: Expr | int = 0
 
     @property
     def angle(self) -> tuple[Symbol, ...]:
@@ -93,7 +95,7 @@ class Mechanism:
     def absolute_angle(self, index: int) -> Expr:
         """Angle of link `index` from the downward vertical, rad: the joint angles and offsets up to it."""
         turning = [k for k in ancestors(self.joints, index) if self.joints[k].turns]
-        return sum((self.angle[k] + self.joint_offset[k] for k in turning), start=0 * self.gravity)
+        return sum((self.angle[k] + self.joint_offset[k] for k in turning), start=self.leaning + 0 * self.gravity)
 
     def point(self, index: int, along: Expr, across: Expr = 0) -> tuple[Expr, Expr]:
         """Position (x to the front, z upwards) in m of a point on link `index`, seen from the hip."""

@@ -85,6 +85,22 @@ def point(
     return _add(frame.origin, _scale(along, frame.e))
 
 
+def push_torques(
+    joints: Sequence[Joint], q: Sequence[Any], index: int, along: Any, force: Vector, lib: Any,
+    base: BaseMotion = STILL, normal: bool = False,
+) -> list[Any]:  # fmt: skip
+    """Return what the joints (J,) must supply while a `force` N acts on link `index`, `along` it in m: against it.
+
+    Its parts are forwards and upwards, or along the link and normal to it where it is `normal`.
+    """
+    still = [0.0 * angle for angle in q]
+    frames = _frames(joints, 0.0, q, still, still, lib, base)
+    own = frames[index]
+    pushed = _add(_scale(force[0], own.e), _scale(force[1], own.n)) if normal else force
+    against = _scale(-1.0, pushed)
+    return _at_joints(joints, frames, index, against, along * _cross(own.e, against))
+
+
 def _frames(
     joints: Sequence[Joint], gravity: float, q: Sequence[Any], dq: Sequence[Any], ddq: Sequence[Any], lib: Any,
     base: BaseMotion,

@@ -16,7 +16,7 @@ from measurement.bench.leg import paper_leg, random_leg, standard_leg
 from measurement.bench.seal import open_seal
 from measurement.bench.sensors import Sensors
 from measurement.bench.simulation import Bench, BenchError, run_bench, simulate, simulate_runs
-from measurement.bench.wearer import Wearer, cuff_force, cuff_torque
+from measurement.bench.wearer import Wearer
 from measurement.recording import to_csv
 from measurement.trajectories.trajectory import paper_trajectory
 from symbolic.effect import Coefficient, Effect, Shape
@@ -111,10 +111,12 @@ def test_a_term_the_model_knows_already_is_simulated_too():
 def test_cuff_forces_close_the_equation_of_motion():
     wearer = Wearer()
     one = run_bench(seed=1, bench=replace(IDEAL, wearer=wearer))
-    assert one.recording.force is not None and np.abs(one.recording.force).max() > 3.0
-    pushed = cuff_torque(one.recording.force, one.motion.q, wearer.reach, 0.40)
-    assert one.torque + pushed == pytest.approx(one.true.torque(one.motion), abs=1e-7)
-    assert cuff_force(pushed, one.motion.q, wearer.reach, 0.40) == pytest.approx(one.recording.force)
+    f1, f2 = (one.recording.forces[name] for name in ("f1", "f2"))
+    assert max(np.abs(f1).max(), np.abs(f2).max()) > 3.0
+    knee = wearer.reach[1] * f2
+    hip = wearer.reach[0] * f1 + 0.40 * np.cos(one.motion.q[:, 1]) * f2 + knee
+    alone = replace(one.motion, force=np.zeros((len(one.motion), 2)))
+    assert one.torque + np.column_stack([hip, knee]) == pytest.approx(one.true.torque(alone), abs=1e-7)
     assert to_csv(one.recording).startswith(b"t,q1,q2,tau1,tau2,f1,f2\n")
 
 

@@ -93,6 +93,7 @@ class FakeComparison:
     misread: tuple[Finding, ...] = ()
     audit: tuple[Finding, ...] = ()
     unseen: bool = True
+    forces: tuple[Any, ...] = ()
     fit: Any = field(default_factory=FakeFit)
     rms: Any = field(default_factory=lambda: np.array([0.71, 0.53]))
     unit: str = "N·m"

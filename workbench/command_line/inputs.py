@@ -59,6 +59,8 @@ def load_model(path: str | None) -> Model:
 
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
+    from measurement.forces import pushed_model
+
     model = load_model(getattr(args, "model", None))
     most = getattr(args, "limit", None) or (0.0,)
     if len(most) not in (1, len(model.joints)):
@@ -70,6 +72,7 @@ def load(args: argparse.Namespace) -> Inputs:
         tuple(one for path in paths for one in read(path, told[path], joints=joints, quiet=args.quiet))
         for paths in groups
     )
+    model = pushed_model(model, (*recordings, *verify))
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
 
 

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ground.text import in_comment
 from symbolic.codegen.instructions import PLAIN, scalar_c
 from symbolic.joints import Joint, units
+from symbolic.model import Model
 from workbench.identified import ExportedOperator, ExportError, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
@@ -46,7 +47,7 @@ def _check(ready: Ready, options: Options) -> None:
 
 def _header(ready: Ready, options: Options) -> str:
     n, guard, size = options.name, options.name.upper() + "_H", len(ready.model.joints)
-    memory, moving = bool(ready.memories), ready.model.moving_base
+    memory, extra = bool(ready.memories), _extra(ready)
     first = f"{n}_state *state, " if memory else ""
     numbers = "\n".join(
         f" *   {in_comment(name):<28} {value: .9g}" for name, value in (*ready.linear.items(), *ready.shape.items())
@@ -60,10 +61,10 @@ def _header(ready: Ready, options: Options) -> str:
         if ready.forward is None
         else f"""
 /* Acceleration ddq [{", ".join(rates)}] under the drive torques tau [{_units(ready.model.joints, "tau")}]. */
-void {n}_forward_dynamics({_arguments("t q dq base tau > ddq", size, moving)});
+void {n}_forward_dynamics({_arguments("t q dq base force tau > ddq", size, extra)});
 """
     )
-    motion = _arguments("t q dq ddq base > tau", size, moving)
+    motion = _arguments("t q dq ddq base force > tau", size, extra)
     turning = all(joint.turns for joint in ready.model.joints)
     sliding = "" if turning else ", N for N.m and m for rad where a joint slides"
     return f"""/* {in_comment(ready.model.name)}:
@@ -86,14 +87,14 @@ extern "C" {{
 void {n}_torque({first}{motion});
 
 /* The rigid body alone: no friction, no effects. */
-void {n}_rigid_torque({motion});
+void {n}_rigid_torque({_arguments("t q dq ddq base > tau", size, extra)});
 
 /* Gravity alone (to be fed forward while the joints are held). */
-void {n}_gravity({_arguments("t q base > tau", size, moving)});
+void {n}_gravity({_arguments("t q base > tau", size, extra)});
 
 /* Mass matrix [kg.m^2] and Christoffel matrix [N.m.s/rad]{sliding}. */
-void {n}_mass_matrix({_arguments("q > mass", size, moving)});
-void {n}_coriolis({_arguments("q dq > coriolis", size, moving)});
+void {n}_mass_matrix({_arguments("q > mass", size, extra)});
+void {n}_coriolis({_arguments("q dq > coriolis", size, extra)});
 {forward}
 #ifdef __cplusplus
 }}
@@ -102,11 +103,18 @@ void {n}_coriolis({_arguments("q dq > coriolis", size, moving)});
 """
 
 
-def _arguments(words: str, size: int, moving: bool) -> str:
-    """Return the arguments of a function in C: what goes in, and behind ">" what comes out; `base` where it moves."""
+def _extra(ready: Ready) -> dict[str, int]:
+    """Return how many numbers the base's motion and the measured forces have, 0 where there are none."""
+    return {"base": 5 * ready.model.moving_base, "force": len(ready.model.channels)}
+
+
+def _arguments(words: str, size: int, extra: Mapping[str, int]) -> str:
+    """Return the arguments of a function in C: what goes in, and behind ">" what comes out; `base` where it moves, and
+    `force` where any is measured.
+    """
     given, _, made = words.partition(" > ")
-    lengths = {"base": 5, "mass": size * size, "coriolis": size * size}
-    named = [word for word in given.split() if word != "base" or moving]
+    lengths = {**extra, "mass": size * size, "coriolis": size * size}
+    named = [word for word in given.split() if extra.get(word, 1)]
     texts = ["double t" if word == "t" else f"const double {word}[{lengths.get(word, size)}]" for word in named]
     return ", ".join([*texts, f"double {made}[{lengths.get(made, size)}]"])
 
@@ -118,7 +126,7 @@ def _conventions(ready: Ready) -> str:
         return (
             f"Joint order {', '.join(model.joint_names)}. q in rad (hip from the downward vertical, knee relative to\n"
             " * the thigh, flexion negative), dq in rad/s, ddq in rad/s^2, t in s since the model's time began (only\n"
-            " * drifts use it); torques in N.m."
+            " * drifts use it); torques in N.m." + _pushed(model)
         )
     lines = ["Joints, in order, with the units of q, dq, ddq and tau:"]
     for joint in model.joints:
@@ -133,6 +141,15 @@ def _conventions(ready: Ready) -> str:
             "base: angle rad (added to the angles at the base), rad/s, rad/s^2, acceleration forwards and"
         )
         lines.append("upwards m/s^2, without gravity.")
+    return "\n * ".join(lines) + _pushed(model)
+
+
+def _pushed(model: Model) -> str:
+    """Return what the measured forces are, as further lines of the comment."""
+    if not model.forces:
+        return ""
+    each = [f"{name} ({in_comment(force.name)})" for force in model.forces for name in force.columns]
+    lines = ["", f"force: {', '.join(each)}, N or N.m, on the machine.", "A delay of theirs is not undone here."]
     return "\n * ".join(lines)
 
 
@@ -197,16 +214,16 @@ def _source(ready: Ready, options: Options) -> str:
     ]
     if memory:
         parts.append(f"void {n}_init({n}_state *state) {{\n  const {n}_state empty = {{0}};\n  *state = empty;\n}}\n")
-    size, moving = len(ready.model.joints), ready.model.moving_base
-    motion = _arguments("t q dq ddq base > tau", size, moving)
+    size, extra = len(ready.model.joints), _extra(ready)
+    motion = _arguments("t q dq ddq base force > tau", size, extra)
     steps = _memory_steps(ready, options)
     for name, function, words, before in (
         ("torque", ready.torque, f"{first}{motion}", steps),
-        ("rigid_torque", ready.rigid, motion, ""),
-        ("gravity", ready.gravity, _arguments("t q base > tau", size, moving), ""),
-        ("mass_matrix", ready.mass, _arguments("q > mass", size, moving), ""),
-        ("coriolis", ready.coriolis, _arguments("q dq > coriolis", size, moving), ""),
-        ("forward_dynamics", ready.forward, _arguments("t q dq base tau > ddq", size, moving), ""),
+        ("rigid_torque", ready.rigid, _arguments("t q dq ddq base > tau", size, extra), ""),
+        ("gravity", ready.gravity, _arguments("t q base > tau", size, extra), ""),
+        ("mass_matrix", ready.mass, _arguments("q > mass", size, extra), ""),
+        ("coriolis", ready.coriolis, _arguments("q dq > coriolis", size, extra), ""),
+        ("forward_dynamics", ready.forward, _arguments("t q dq base force tau > ddq", size, extra), ""),
     ):
         if function is not None:
             parts.append(_function(f"void {n}_{name}({words})", function, before))

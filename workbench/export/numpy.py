@@ -91,6 +91,8 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
     inputs: list[tuple[str, ...]] = [("t",)]
     inputs += [tuple(f"{x}[:, {j}]" for j in range(size)) for x in ("q", "dq", "ddq", "sign")]
     inputs += [tuple(f"memory{k}" for k in range(len(ready.memories))), tuple(f"base[:, {k}]" for k in range(5))]
+    inputs += [tuple(f"force[:, {k}]" for k in range(len(model.channels)))]
+    inputs = [names for names in inputs if names[:1] != ("base[:, 0]",) or moving]
     body = []
     for k, memory in enumerate(ready.memories):
         body.append(scalar_c(memory.argument, inputs, f"x{k} = {{value}} + 0.0 * t", NUMPY))
@@ -107,7 +109,11 @@ def write(ready: Ready, options: Options) -> dict[str, str]:
         if moving
         else ""
     )
-    arguments = "t, q, dq, ddq, base" if moving else "t, q, dq, ddq"
+    pushed = f" `force` (N, {len(model.channels)}) are {', '.join(model.channels)}." if model.forces else ""
+    outside = [name for name, there in (("base", moving), ("force", model.forces)) if there]
+    arguments = ", ".join(["t, q, dq, ddq", *outside])
+    said = swaying + pushed
+    taken = "".join(f"    {name} = np.asarray({name}, dtype=float)\n" for name in outside)
     text = f'''"""{in_comment(model.name)}: torque of a {kind}, with identified numbers. Written by exoid.
 
 Joint order {", ".join(model.joint_names)}; s, {"; ".join(units_of)}. Model {model.key()[:16]}.
@@ -117,10 +123,10 @@ import numpy as np
 {operators}
 
 def torque({arguments}):
-    """Return the torque (N, {size}) the drives supply along a motion: t (N,) s, q, dq, ddq (N, {size}).{swaying}"""
+    """Return the torque (N, {size}) the drives supply along a motion: t (N,) s, q, dq, ddq (N, {size}).{said}"""
     t = np.asarray(t, dtype=float)
     q, dq, ddq = (np.asarray(x, dtype=float).reshape(len(t), {size}) for x in (q, dq, ddq))
-{"    base = np.asarray(base, dtype=float)" + chr(10) if moving else ""}    sign = {sign}
+{taken}    sign = {sign}
     tau = np.empty((len(t), {size}))
 '''
     return {f"{options.name}.py": text + "\n".join(body) + "\n    return tau\n"}

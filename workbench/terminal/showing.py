@@ -54,7 +54,7 @@ def show_by_recording(screen: Screen, found: Any) -> None:
 
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
     """Return what an audit says of recordings together, which reading one by one could not tell."""
-    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels")]
+    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels", "forces")]
     return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
 
 
@@ -63,6 +63,8 @@ def show_comparison(screen: Screen, found: Any) -> None:
     head, rows = error_sizes(found)
     shown = [[joint, *("" if x is None else number(x) for x in values)] for joint, *values in rows]
     screen.table("How large the error is (RMS)", head, shown)
+    for force in found.forces:
+        screen.say(f"measured force: {force.sentence}")
     if found.verify_rms is None:
         screen.say(NOTHING_HELD_OUT, "warn")
     for finding in (*found.misread, *of_the_set(found.audit)):
@@ -109,6 +111,8 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     screen.say(f"why: {found.rule}", "faint")
     for finding in of_the_set(found.audit):
         screen.say(f"careful: {finding}", "warn")
+    for force in result.get("forces", ()):
+        screen.say(f"measured force: {force['sentence']}", "faint")
     for one in result["accepted"]:
         alike = f"; these data cannot distinguish it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
         never = one.get("never_separable") or ()

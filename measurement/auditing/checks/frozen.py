@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs
+from measurement.auditing.channels import FORCE, Channel, channels, place, runs
 from measurement.finding import Finding
 from measurement.recording import Recording
 
@@ -36,8 +36,8 @@ def check(recording: Recording) -> list[Finding]:
 def frozen_stretches(recording: Recording) -> Iterator[tuple[Channel, NDArray[np.int64], bool]]:
     """Yield channel, indices of the recording where it is frozen, and whether that is certain."""
     driven = _still_while_driven(recording)
-    for channel in channels(recording, "q", "tau"):
-        torque = channel.name.startswith("tau")
+    for channel in channels(recording, "q", "tau", FORCE):
+        torque = not channel.name.startswith("q")
         likely, certain = (_frozen_torque if torque else _frozen_angle)(channel, recording)
         known = np.concatenate(certain) if certain else driven[:0]
         if known.size:
@@ -76,6 +76,7 @@ def _stretches(channel: Channel, recording: Recording) -> list[tuple[int, int]]:
         (a, b)
         for a, b in found
         if recording.t[at[b]] - recording.t[at[a]] >= LEAST_SECONDS and values[a] not in ends
+        and not (channel.outside and values[a] == 0.0)  # a plate that nobody stands on
     ]
 
 

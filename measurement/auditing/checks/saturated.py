@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import Channel, channels, place, runs, step_of
+from measurement.auditing.channels import FORCE, Channel, channels, place, runs, step_of
 from measurement.finding import Finding
 from measurement.recording import Recording
 from symbolic.motion import Float
@@ -35,7 +35,7 @@ def check(recording: Recording) -> list[Finding]:
 
 def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, NDArray[np.int64]]]:
     """Yield channel, value and indices of the recording where the channel lies at its end of scale."""
-    for channel in channels(recording, "q", "tau"):
+    for channel in channels(recording, "q", "tau", FORCE):
         least = max(6, 0.002 * channel.values.size)
         if not channel.values.size or all(
             np.count_nonzero(channel.values == end) < least for end in (channel.values.max(), channel.values.min())
@@ -51,10 +51,10 @@ def saturated_stretches(recording: Recording) -> Iterator[tuple[Channel, float, 
             first, last = runs(channel.values == level)
             long = last - first >= 2
             held = int(np.sum((last - first + 1)[long]))
-            if channel.name.startswith("tau") and count >= 3 * PILE * near.mean():
+            if not channel.name.startswith("q") and count >= 3 * PILE * near.mean():
                 # Noise carries a torque in and out of its end of scale; an angle read on a grid turns round there.
                 long, held = np.ones(first.size, dtype=bool), int(count)
-            if held < least or count < PILE * near.mean():
+            if held < least or count < PILE * near.mean() or (channel.outside and level == 0.0):
                 continue
             if channel.name.startswith("q") and _comes_to_rest(channel.values, first[long]):
                 continue

@@ -1,0 +1,113 @@
+"""Does a measured force count the way its columns say? Judged by the gain that the torques want it to have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence.channel_doubt import Doubt
+from diagnosis.evidence.fitted import FittedModel
+from ground.thresholds import Threshold
+from optimisation.linear.factor import factorise
+from symbolic.force import TORQUE, Force
+from symbolic.mechanics.newton_euler import STILL, BaseMotion
+from symbolic.mechanics.pushed import placed_joints, pushed_torques
+from symbolic.motion import Float
+
+TURNED = Threshold(
+    -0.5,
+    "gain that the torques want a force to have, from which downwards it is turned round: one that says little",
+)
+WORTH = Threshold(
+    0.2,
+    "part of the squared error that the other gain takes off at least: chance would turn what hardly acts",
+)
+
+
+@dataclass(frozen=True)
+class WantedGain:
+    """The gain that the torques want a measured force to have, with its standard deviation, and what it takes off of
+    the squared error.
+    """
+
+    force: Force
+    gain: float
+    deviation: float
+    share: float
+
+
+def wanted_gains(base: FittedModel) -> tuple[WantedGain, ...]:
+    """Return the gain that the fitted recordings want each measured force to have, all other numbers free beside it."""
+    return tuple(found for force in base.model.forces if (found := _wanted(force, base)) is not None)
+
+
+def turned_force(base: FittedModel) -> Doubt | None:
+    """Return which force counts the other way round than its columns say; None where none does."""
+    turned = [
+        one
+        for one in wanted_gains(base)
+        if one.gain + 2.0 * one.deviation < TURNED and one.share > WORTH and one.force.gain is not None
+    ]
+    if not turned:
+        return None
+    names = " and ".join(one.force.name for one in turned)
+    units = {True: "Nm", False: "N"}
+    columns = (name for one in turned for name in one.force.columns)
+    options = ",".join(f"{name}=-{units[one.force.frame == TORQUE]}" for one in turned for name in one.force.columns)
+    gains = ", ".join(f"{one.gain:.2g}" for one in turned)
+    return Doubt(
+        f"the torques want the {names} multiplied by {gains}",
+        f"The {names} counts the other way round: forces act on the machine and are positive forwards and upwards, and "
+        f"the torques agree with {', '.join(columns)} only when multiplied by {gains}.",
+        f"--units {options}, or sign = -1 in [[forces]]; where only some columns are turned round, those alone",
+        1.0 - max(one.share for one in turned),
+    )
+
+
+def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
+    """Return the gain a force is wanted to have: with a place that is free, of what it does at its link's joint, and
+    where it does nothing there, which way along the link its place is.
+    """
+    model, data = base.model, base.fit.data
+    carried, _ = force.reaches(model.joints)
+    place = next((e for e in base.fit.estimates if e.name == f"{force.name}.at"), None)
+    if not carried and force.at is None:
+        if place is None:
+            return None
+        deviation = (place.high - place.low) / (2.0 * 1.96) / max(abs(place.value), 1e-9)
+        without = _share_of_column(base, list(data.names).index(place.name))
+        return WantedGain(force, float(np.sign(place.value)), deviation, without)
+    parts = [_alone(force, base, index) for index in range(len(base.prepared.train))]
+    column = (np.concatenate(parts, axis=1) * data.use).ravel()
+    residual = (data.residual(base.linear) * data.use).ravel()
+    basis = data.factor.basis
+    rest = column - basis @ (basis.T @ column)
+    power = float(rest @ rest)
+    if power <= 1e-12 * float(column @ column):
+        return None
+    slope = float(rest @ residual) / power
+    square = float(residual @ residual)
+    share = slope**2 * power / max(square, 1e-300)
+    deviation = np.sqrt(max(square * (1.0 - share), 0.0) / max(1, residual.size - basis.shape[1]) / power)
+    return WantedGain(force, 1.0 + slope, float(deviation), share)
+
+
+def _alone(force: Force, base: FittedModel, index: int) -> Float:
+    """Return the torque (J, K) of one force alone, at its place or at its link's upper joint where that is free."""
+    model, one = base.model, base.prepared.train[index]
+    first = model.channels.index(force.columns[0])
+    motion = one.motion
+    assert motion.force is not None  # `prepare` refuses recordings without
+    signals = force.sign * motion.force[:, first : first + len(force.columns)]
+    swaying = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    return one.smooth(pushed_torques(placed_joints(model), motion.q, force, force.at or 0.0, signals, swaying))
+
+
+def _share_of_column(base: FittedModel, place: int) -> float:
+    """Return what part of the squared error without a parameter's column the column takes off."""
+    data = base.fit.data
+    left = float(np.sum((data.residual(base.linear) * data.use) ** 2))
+    basis = factorise(np.delete(data.matrix, place, axis=1)).basis
+    without = data.vector - basis @ (basis.T @ data.vector)
+    return 1.0 - left / max(float(without @ without), 1e-300)

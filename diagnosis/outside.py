@@ -1,0 +1,94 @@
+"""The measured forces of a model: where each acts, and how much of the torque of every joint it makes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from ground.plain import AsJson
+from symbolic.force import TORQUE, VERTICAL, WORLD, Force
+from symbolic.mechanics.newton_euler import STILL, BaseMotion
+from symbolic.mechanics.pushed import placed_joints, pushed_torques
+from symbolic.quantity import Estimate
+
+FRAMES = {WORLD: "forwards and upwards", VERTICAL: "upwards"}
+"""How the columns of a force are meant, in words; normal to its link otherwise."""
+
+
+@dataclass(frozen=True)
+class ForceUse(AsJson):
+    """A measured force of the model: its `columns`, the `link` it acts on, where (`at` m, with its ends where that was
+    identified), and the RMS (J,) of its torque in N·m, `share` (J,) of that of the whole torque.
+    """
+
+    JSON = "name columns link frame at low high gain torque share sentence"
+
+    name: str
+    columns: tuple[str, ...]
+    link: str
+    frame: str
+    at: float | None
+    low: float | None
+    high: float | None
+    gain: float
+    torque: tuple[float, ...]
+    share: tuple[float, ...]
+    sentence: str
+
+
+def force_uses(now: FittedModel) -> tuple[ForceUse, ...]:
+    """Return what the measured forces of a fitted model are and make, on unseen recordings where there are any."""
+    return tuple(_use(force, now) for force in now.model.forces)
+
+
+def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, Estimate | None]:
+    """Return where on its link a force acts in m, its gain, and the estimate of the place where that was identified."""
+    known = {estimate.name: estimate for estimate in estimates}
+    gain = known.get(f"{force.name}.gain")
+    size = force.gain if force.gain is not None else 1.0 if gain is None else gain.value
+    both, place = known.get(f"{force.name}.gain_at"), known.get(f"{force.name}.at")
+    if both is not None:
+        return both.value / size if size else 0.0, size, None
+    return (place.value if place is not None else force.at or 0.0), size, place
+
+
+def _use(force: Force, now: FittedModel) -> ForceUse:
+    model, shown = now.model, now.prepared.verify or now.prepared.train
+    at, gain, place = acts_at(force, now.fit.estimates)
+    first = model.channels.index(force.columns[0])
+    made, whole = [], []
+    for one in shown:
+        motion = one.motion
+        assert motion.force is not None  # `prepare` refuses recordings without
+        signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
+        base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+        own = one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
+        made.append(np.where(one.used, own, 0.0))
+        whole.append(np.where(one.used, one.torque, 0.0))
+    size, all_of = (np.sqrt(np.mean(np.concatenate(part, axis=1) ** 2, axis=1)) for part in (made, whole))
+    where = f"at the {force.link}" if force.frame == TORQUE else _where(force, at, place)
+    parts = ", ".join(f"{joint} {x:.3g}" for joint, x in zip(model.joint_names, size, strict=True))
+    text = f"{force.name} ({', '.join(force.columns)}): {where}; its torque is {parts}"
+    return ForceUse(
+        name=force.name,
+        columns=force.columns,
+        link=force.link,
+        frame=force.frame,
+        at=None if force.frame == TORQUE else at,
+        low=None if place is None else place.low,
+        high=None if place is None else place.high,
+        gain=gain,
+        torque=tuple(size.tolist()),
+        share=tuple((size / np.maximum(all_of, 1e-300)).tolist()),
+        sentence=f"{text} {model.torque_unit} (RMS)",
+    )
+
+
+def _where(force: Force, at: float, place: Estimate | None) -> str:
+    way = FRAMES.get(force.frame, "normal to the link")
+    ends = "" if place is None else f" ({place.low:.3g} to {place.high:.3g})"
+    return f"{way}, {at:.3g} m{ends} along the link after the {force.link}"
+

@@ -1,0 +1,34 @@
+"""A force of the ground that is not zero while the foot is in the air."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ground.thresholds import Threshold
+from measurement.auditing.channels import FORCE, channels, place
+from measurement.finding import Finding
+from measurement.recording import Recording
+
+LOW = Threshold(0.15, "part of its range above its lowest value up to which the foot is in the air: stance would count")
+SWING = Threshold(0.15, "share of the samples that must be so low: a foot that never leaves the ground has no zero")
+OFF = Threshold(0.03, "part of its range by which the force may be off in the air: noise would be an offset")
+
+
+def check(recording: Recording) -> list[Finding]:
+    """Warn where the vertical force of the ground has an offset: of a plate that was not tared."""
+    found = []
+    for channel in channels(recording, FORCE):
+        if channel.name != "grf_z" or channel.values.size < 100:
+            continue
+        lowest, highest = np.quantile(channel.some, (0.005, 0.995))
+        span = float(highest - lowest)
+        low = channel.values[channel.values < lowest + LOW * span]
+        level = float(np.median(low)) if low.size else 0.0
+        noise = float(np.median(np.abs(np.diff(channel.values)))) / 0.95
+        if span > 0.0 and low.size > SWING * channel.values.size and abs(level) > max(OFF * span, 3.0 * noise):
+            what = f"{channel.name} is {level:.3g} N while the foot is in the air: it was not tared"
+            remedy = f"tare the plate; subtract {level:.3g} N in a copy of the file"
+            consequence = "a force that is not there counts as load of every joint"
+            where = place(recording, channel.name)
+            found.append(Finding("tared", "warning", what, where, level, OFF * span, remedy, consequence, "likely"))
+    return found

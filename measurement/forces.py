@@ -1,0 +1,107 @@
+"""Measured forces of recordings: what the usual columns mean where a model says nothing, and the signals of a model's.
+
+Without [[forces]] in the model file f1, f2, ... are cuffs on the links, normal to them and positive forwards, at
+unknown distances; grf_x and grf_z, or grf_z alone, are the force of the ground on the foot, which is on the line of the
+last link; interaction_torque_<joint> is a torque about that joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ground.errors import RecordingError
+from measurement.finding import Finding
+from measurement.reading.outside import INTERACTION
+from measurement.recording import Recording
+from symbolic.force import TORQUE, VERTICAL, Force
+from symbolic.joints import Joint, is_leg
+from symbolic.model import Model
+from symbolic.motion import Float
+
+CUFFS = {"hip": "thigh cuff", "knee": "shank cuff"}
+"""What the cuffs of a leg are called."""
+
+
+def usual_forces(names: Sequence[str], joints: Sequence[Joint]) -> tuple[Force, ...]:
+    """Return what columns `names` of a machine with `joints` mean where nobody says otherwise."""
+    found = []
+    leg = is_leg(joints)
+    for k, joint in enumerate(joints, start=1):
+        if f"f{k}" in names and (joint.turns or k > 1):
+            called = CUFFS[joint.name] if leg else f"cuff at {joint.name}"
+            found.append(Force(called, joint.name, (f"f{k}",)))
+    if "grf_z" in names:
+        both = "grf_x" in names
+        columns = ("grf_x", "grf_z") if both else ("grf_z",)
+        found.append(Force("ground", joints[-1].name, columns, frame="" if both else VERTICAL))
+    for joint in joints:
+        if (column := f"{INTERACTION}{joint.name}") in names:
+            found.append(Force(f"interaction at {joint.name}", joint.name, (column,), frame=TORQUE))
+    return tuple(found)
+
+
+def pushed_model(model: Model, recordings: Sequence[Recording]) -> Model:
+    """Return `model` with the usual forces of what all `recordings` have measured, unless it says itself which.
+
+    A column that never changes is none: its sensor is dead.
+    """
+    if model.forces or not recordings:
+        return model
+    shared = set.intersection(*({*one.forces} for one in recordings))
+    alive = [name for name in recordings[0].forces if name in shared and not _dead(name, recordings)]
+    return model.with_forces(*usual_forces(alive, model.joints)) if alive else model
+
+
+def unused_forces(model: Model, recordings: Sequence[Recording]) -> tuple[Finding, ...]:
+    """Return what there is to say of columns of forces that `recordings` have and `model` does not use."""
+    every = dict.fromkeys(name for one in recordings for name in one.forces)
+    said = []
+    for name in every:
+        if name in model.channels:
+            continue
+        without = [one.name for one in recordings if name not in one.forces]
+        if without:
+            why, remedy = f"{_listed(without)} has none", "record it in all, or leave the recordings without it out"
+        elif _dead(name, recordings):
+            why, remedy = "it never changes", "look at the sensor and its cable"
+        else:
+            why, remedy = "no force of the model has it", "name it among the columns of a force in [[forces]]"
+        what = f"the force in column {name} is not used: {why}"
+        said.append(Finding("forces", "warning", what, "all recordings", remedy=remedy, consequence=PUSHED))
+    return tuple(said)
+
+
+def _dead(name: str, recordings: Sequence[Recording]) -> bool:
+    return not any(np.ptp(one.forces[name][one.valid]) > 0.0 for one in recordings)
+
+
+PUSHED = "what it measures counts as error of the model"
+"""What follows for the result."""
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+
+
+def force_signals(model: Model, recording: Recording) -> Float | None:
+    """Return the measured forces (N, C) of a model's `channels` in a recording, in time with its torques; None for a
+    model without. RecordingError where the recording lacks one.
+    """
+    if not model.forces:
+        return None
+    lacking = [name for name in model.channels if name not in recording.forces]
+    if lacking:
+        owner = next(force.name for force in model.forces if lacking[0] in force.columns)
+        raise RecordingError(
+            f"the recording has no {_listed(lacking)}, and the model has the force {owner!r}",
+            where=recording.source.path or recording.name,
+            remedy=f"--map {lacking[0]}=COLUMN, or leave the force out of the model file",
+        )
+    out = []
+    for force in model.forces:
+        for name in force.columns:
+            values = recording.forces[name]
+            out.append(np.interp(recording.t + force.delay, recording.t, values) if force.delay else values)
+    return np.column_stack(out)

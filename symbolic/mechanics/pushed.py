@@ -1,0 +1,42 @@
+"""What measured forces ask of the drives, in numbers, by Newton and Euler: what the generated code is confirmed by, and
+what pushes the machines of the bench.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from symbolic.joints import LEG, Joint
+from symbolic.mechanics.newton_euler import STILL, BaseMotion, push_torques
+from symbolic.motion import Float
+
+if TYPE_CHECKING:
+    from symbolic.model import Model
+
+
+def pushed_torques(
+    joints: tuple[Joint, ...], q: Float, force: Force, at: float, signals: Float, base: BaseMotion = STILL
+) -> Float:
+    """Return what a measured force, `signals` (N, C) `at` m along its link, asks of the drives (N, J) at `q` (N, J), by
+    Newton and Euler.
+    """
+    index, out = force.index(joints), np.zeros(q.shape)
+    if force.frame == TORQUE:
+        out[:, index] = -signals[:, 0]
+        return out
+    zero = np.zeros(len(q))
+    parts = {NORMAL: (zero, signals[:, 0]), VERTICAL: (zero, signals[:, 0]), WORLD: (signals[:, 0], signals[:, -1])}
+    normal = force.frame == NORMAL
+    asked = push_torques(joints, [*q.T], index, at, parts[force.frame], np, base, normal)
+    return np.asarray(np.column_stack([row + zero for row in asked]))
+
+
+def placed_joints(model: Model) -> tuple[Joint, ...]:
+    """Return the joints of a model with the lengths of their links, those of the leg too."""
+    if model.chain:
+        return model.chain
+    return (replace(LEG[0], length=model.thigh_length), *LEG[1:])
