@@ -10,6 +10,7 @@ import diagnosis.separation
 import diagnosis.watching
 import diagnosis.where
 import measurement.auditing
+import measurement.signals
 import optimisation.fitting
 import optimisation.preparation
 from diagnosis.rules import RULES, Rules
@@ -19,6 +20,7 @@ from ground.thresholds import Rule, thresholds_in
 def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
     """Yield those that a recording meets on its way through `discover`."""
     yield from thresholds_in(measurement.auditing, "the audit of a recording")
+    yield from thresholds_in(measurement.signals, "what of a signal counts")
     yield from thresholds_in(optimisation.preparation, "preparation: filter, cut-off, samples that are used")
     yield from thresholds_in(optimisation.fitting, "what is said of a fit")
     yield from thresholds_in(diagnosis.evidence, "measured forces")

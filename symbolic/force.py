@@ -39,9 +39,9 @@ class Force:
     """A force on `link` (the name of the joint it follows), `at` m along it from that joint, in `columns` of a
     recording: N, or N·m for a torque about the joint.
 
-    `frame` is one of `FRAMES`, `sign` -1 where the columns are those of the machine's force on what pushes it. `at`,
-    `gain` and `delay`, which is how many s later than the torque the columns were logged, are identified where they are
-    None. EffectError for a number that cannot be.
+    `frame` is one of `FRAMES`, `sign` -1 where the columns are those of the machine's force on what pushes it. `at`
+    and `gain` are identified where they are None; `delay` is how many s later than the torque the columns were logged.
+    EffectError for a number that cannot be.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Force:
     at: float | None = None
     frame: str = ""
     gain: float | None = 1.0
-    delay: float | None = 0.0
+    delay: float = 0.0
     sign: int = 1
 
     def __post_init__(self) -> None:
@@ -76,7 +76,7 @@ class Force:
             raise EffectError(f"gain is {self.gain!r}", where=self.name, remedy=remedy)
         if self.sign not in (1, -1):
             raise EffectError(f"sign is {self.sign!r}", where=self.name, remedy="give 1 or -1")
-        if self.delay is not None and not (math.isfinite(self.delay) and abs(self.delay) <= SLOWEST):
+        if not (math.isfinite(self.delay) and abs(self.delay) <= SLOWEST):
             raise EffectError(f"delay is {self.delay!r}", where=self.name, remedy=f"give s, at most {SLOWEST:g}")
 
     def index(self, joints: Sequence[Joint]) -> int:

@@ -207,7 +207,8 @@ def _pushed(model: Model, entries: Sequence[Table]) -> Model:
     for entry in entries:
         entry.only("name", "link", "at", "columns", "frame", "sign", "gain", "delay")
         at = entry.number("at") if "at" in entry.values else None
-        gain, delay = (_number_or_identified(entry, key, usual) for key, usual in (("gain", 1.0), ("delay", 0.0)))
+        gain = None if entry.values.get("gain") == IDENTIFIED else entry.number("gain", 1.0)
+        delay = entry.number("delay", 0.0)
         sign = entry.number("sign", 1.0)
         try:
             named = entry.text("name"), entry.text("link"), tuple(entry.texts("columns"))
@@ -218,10 +219,6 @@ def _pushed(model: Model, entries: Sequence[Table]) -> Model:
             key = next((key for key in entry.values if error.what.startswith(f"{key} is")), "name")
             raise entry.error(key, error.what, error.remedy) from error
     return model
-
-
-def _number_or_identified(entry: Table, key: str, usual: float) -> float | None:
-    return None if entry.values.get(key) == IDENTIFIED else entry.number(key, usual)
 
 
 def _leg(top: Table) -> Model:
