@@ -23,7 +23,7 @@ SPIKE = Threshold(
     "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
 )
 ALONE = Threshold(
-    0.3,
+    0.5,
     "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
 )
 SIDE, PARABOLA = 5, 8
@@ -34,6 +34,8 @@ ROUNDS = 3
 """Times that a torque is judged, anew without what was found."""
 STEPS, BISQUARE = 3, 4.7
 """Steps of the robust fit of a prediction, and deviations beyond which samples have no part in it (Tukey)."""
+AMONG, CROWD = 3, 3
+"""A sample with so many spikes among as many samples on either side is one: a sensor chatters."""
 MANY = 4_000
 """Samples that it takes, at most."""
 NEARBY = 100
@@ -69,7 +71,8 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
         if np.array_equal(found, bad):
             break
         bad = found
-    return bad
+    crowd = np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5
+    return bad | (crowd & ~lost)
 
 
 class _Prediction:

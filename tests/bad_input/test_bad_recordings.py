@@ -64,7 +64,7 @@ CASES = {
         "--map q1=COLUMN",
     ),
     "mostly empty": (
-        table(tau2=np.where(T > 1, np.nan, T)),
+        table(tau2=np.where(T > 0.5, np.nan, T)),
         {},
         "cells of tau2 are not usable numbers",
         "right column",

@@ -28,7 +28,7 @@ def test_a_spike_of_a_few_milliseconds_is(wide):
     hit = np.zeros(T.size, bool)
     for k in range(wide):
         hit[300 + k :: 500] = True
-    assert found[hit, 0].mean() > 0.95 and found[~hit, 0].mean() < 1e-3
+    assert found[hit, 0].mean() > 0.95 and found[~hit, 0].mean() < 5e-3  # what lies among three in a row is hidden, too
 
 
 def swing(rate: float, noise: float, seed: int) -> np.ndarray:
