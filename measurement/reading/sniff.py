@@ -144,7 +144,7 @@ def sniff(text: str, *, where: str) -> Layout:
         widths = [
             len(cells)
             for cells in cut[delimiter]
-            if len(cells) > 1 and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
+            if len(cells) > 1 and (_is_full(cells, decimal) or _is_sparse(cells, decimal))
         ]
         width = max(set(widths), key=widths.count, default=0)
         if (widths.count(width), width) > best[:2]:
@@ -181,10 +181,10 @@ def _header(
 ) -> Layout:
     """Find the first row of numbers and, above it, the unit row and the names; `cut` are the cells of `table`."""
 
-    def numeric(cells: list[str]) -> bool:
-        return len(cells) >= min(width, 2) and sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
-
-    first = next(i for i, cells in enumerate(cut) if numeric(cells))
+    full = (i for i, cells in enumerate(cut) if len(cells) >= min(width, 2) and _is_full(cells, decimal))
+    first = next(full, len(cut))
+    while first > 0 and len(cut[first - 1]) == width and _is_sparse(cut[first - 1], decimal):
+        first -= 1  # the first rows of a channel may be empty
     above = cut[:first]
     if not above:
         # np.savetxt and MATLAB write the names as a comment
@@ -228,6 +228,17 @@ def _header(
         number,
         notes,
     )
+
+
+def _is_full(cells: list[str], decimal: str) -> bool:
+    """Whether most cells are numbers."""
+    return sum(bool(c) and is_number(c, decimal) for c in cells) > 0.6 * len(cells)
+
+
+def _is_sparse(cells: list[str], decimal: str) -> bool:
+    """Whether all cells that are not empty are numbers, two at least."""
+    filled = [c for c in cells if c]
+    return len(filled) >= 2 and all(is_number(c, decimal) for c in filled)
 
 
 def under_groups(names: list[str], above: list[list[str]]) -> tuple[list[str], bool]:
