@@ -4,9 +4,7 @@
 wins, and two installed into one environment overwrite each other's files.
 """
 
-from __future__ import annotations
-
-import os
+import os  # no module that Python has not loaded already, __future__ included, before the folder is taken back
 import sys
 
 
