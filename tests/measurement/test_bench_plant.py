@@ -51,7 +51,7 @@ def plant(coulomb=(0.0, 0.0), viscous=(0.0, 0.0), extra=None, dt=DT):
     rigid = ca.vertcat(*newton_euler([q[0], q[1]], [dq[0], dq[1]], [ddq[0], ddq[1]], ca))
     torque = rigid + ca.DM(coulomb) * s + ca.DM(viscous) * dq
     torque = torque if extra is None else torque + extra(q, dq, ddq, s)
-    none = {name: ca.SX.sym(name, 0) for name in ("linear", "shape", "memory", "base_motion")}
+    none = {name: ca.SX.sym(name, 0) for name in ("linear", "shape", "memory", "base_motion", "force")}
     form = SimpleNamespace(t=ca.SX.sym("t"), q=q, dq=dq, ddq=ddq, sign=s, torque=torque, memories=(), **none)
     return step_function(form, dt)
 

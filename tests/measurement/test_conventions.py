@@ -209,7 +209,7 @@ def test_what_one_file_says_alone_must_not_make_the_fit_of_all_worse(really, mon
     if really:
         runs[2] = kept(runs[2], "swapped-joints")
     found = better_reading([kept(motion(2), "swapped-joints")])
-    monkeypatch.setattr(convention, "better_reading", lambda some, weighs: found if list(some) == [runs[2]] else None)
+    monkeypatch.setattr(convention, "better_reading", lambda some, weighs, *more: found if list(some) == [runs[2]] else None)
     monkeypatch.setattr(convention, "LEAST", 0.0)
     findings = check_conventions(runs)
     assert [finding.check for finding in findings] == ["sign"] * really
@@ -314,7 +314,7 @@ def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, move
 def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_well(plain, named, monkeypatch):
     """The better of two readings needs two names and leaves a hundredth; the other needs one."""
     kinds = [hypothesis(names) for names in (["flexion-positive", "absolute-shank"], ["load-torque"])]
-    monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs: [[SimpleNamespace(base=None)]])
+    monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs, *more: [[SimpleNamespace(base=None)]])
     monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
     monkeypatch.setattr(convention, "undone", lambda motion, names: motion)
     monkeypatch.setattr(convention, "turning_joints", lambda sets: [])

@@ -45,6 +45,7 @@ class Leg:
     joints = LEG
     chain = ()
     following_places = ()
+    forces = ()
 
     @property
     def needs_reference(self):
@@ -64,6 +65,9 @@ class Leg:
     def shapes(self):
         shape = Shape("rad/s", 0.01, 0.4, typical=0.1, spacing="log")
         return (SimpleNamespace(name="stribeck:knee.v_s", shape=shape),) * self.stribeck
+
+    def whole_columns(self, motion, shape=None, reference=None):
+        return self.columns(motion, shape, reference)
 
     def columns(self, motion, shape=None, reference=None):
         (q1, q2), (v1, v2), (a1, a2) = motion.q.T, motion.dq.T, motion.ddq.T
