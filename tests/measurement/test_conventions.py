@@ -209,7 +209,8 @@ def test_what_one_file_says_alone_must_not_make_the_fit_of_all_worse(really, mon
     if really:
         runs[2] = kept(runs[2], "swapped-joints")
     found = better_reading([kept(motion(2), "swapped-joints")])
-    monkeypatch.setattr(convention, "better_reading", lambda some, weighs, *more: found if list(some) == [runs[2]] else None)
+    alone = [runs[2]]
+    monkeypatch.setattr(convention, "better_reading", lambda some, *more: found if list(some) == alone else None)
     monkeypatch.setattr(convention, "LEAST", 0.0)
     findings = check_conventions(runs)
     assert [finding.check for finding in findings] == ["sign"] * really
