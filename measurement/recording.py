@@ -233,15 +233,16 @@ class Recording:
 
     def plot(self) -> Figure:
         """Draw angles and torques over time."""
-        return angles_and_torques(self.name, self.t, self.q, self.tau, self.valid, self.joints)
+        return angles_and_torques(self.name, self.t, self.q, self.tau, self.complete, self.joints)
 
     def _repr_html_(self) -> str:
-        facts = (len(self), self.duration, self.rate, len(self) - int(self.valid.sum()), self.source.sha256[:12] or "–")
+        masked = len(self) - int(self.complete.sum())
+        facts = (len(self), self.duration, self.rate, masked, self.source.sha256[:12] or "–")
         head = ("samples", "seconds", "Hz", "masked rows", "SHA-256")
         return lines(strong=self.name) + table(head, [facts]) + bullets(self.findings)
 
     def __repr__(self) -> str:
-        masked = len(self) - int(self.valid.sum())
+        masked = len(self) - int(self.complete.sum())
         worst = [f.check for f in self.findings if f.severity == "warning"]
         return (
             f"Recording({self.name!r}: {len(self)} samples, {self.duration:.4g} s at {self.rate:.4g} Hz, "

@@ -118,7 +118,7 @@ def replay(
     Without `settings` the first third says what is usual, two minutes at most. RecordingError for one that is too
     short.
     """
-    rows = np.column_stack([recording.t, recording.q, recording.tau])[recording.valid]
+    rows = np.column_stack([recording.t, recording.q, recording.tau])[recording.complete]
     usual = settings or Settings()
     if settings is None:
         learn = int(min(max(LEAST, SHARE * recording.duration / usual.block), usual.learn))

@@ -36,7 +36,7 @@ def follow(
     watcher = Watcher(machine, settings or Settings(), tuple(extra))
     names = required(machine.joints)
     if isinstance(samples, Recording):
-        samples = np.column_stack([samples.t, samples.q, samples.tau])[samples.valid]
+        samples = np.column_stack([samples.t, samples.q, samples.tau])[samples.complete]
     waiting: list[np.ndarray] = []
     for sample in samples:
         waiting.append(_row(sample, names))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.thresholds import Threshold
 from measurement.finding import row_ranges
 from measurement.reading.angles import sampled
 from measurement.recording import Recording, force_unit
@@ -17,6 +18,7 @@ from symbolic.motion import Float
 
 FORCE = "force"
 """Key of all forces from outside together."""
+NOTHING = Threshold(0.08, "middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing")
 WORDS = {
     "q": ("angle", "position"),
     "dq": ("velocity", "velocity"),
@@ -62,6 +64,11 @@ def channels(recording: Recording, *keys: str) -> Iterator[Channel]:
         at = np.flatnonzero(recording.valid)
         values = signal if at.size == len(recording) else signal[at]
         yield Channel(name, f"force in {name}", force_unit(name), values, at, recording.joints[-1], outside=True)
+
+
+def torque_spans(recording: Recording) -> list[float]:
+    """Return the middle 80 % of every joint's torque; what is below NOTHING of the largest reads next to nothing."""
+    return [float(np.ptp(np.percentile(one.some, [10, 90]))) for one in channels(recording, "tau")]
 
 
 def place(recording: Recording, column: str = "", at: NDArray[Any] | None = None) -> str:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ground.minimum import minimum
 from ground.thresholds import Threshold
@@ -28,7 +29,7 @@ from measurement.auditing.hypotheses import (
     stages,
     turning_joints,
 )
-from measurement.auditing.power_left import power_left, smoothed_groups, undone
+from measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
 from measurement.auditing.rough import Smooth
 from measurement.finding import Finding
 from measurement.reading.conventions import combined_map, conventions
@@ -150,10 +151,10 @@ def better_reading(
     doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     kinds: list[ConventionHypothesis] = []
-    left = np.zeros(0)
+    left, quiet = np.zeros(0), quiet_torques(sets)
     still = all(motion.base is None for group in sets for motion in group)
     for stage in stages(now, turning_joints(sets), joints, still):
-        more = stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]])
+        more = [one for one in stage([kinds[k] for k in order_of(left, 1.0)[:BEAM]]) if not _another(one, quiet)]
         kinds = [*kinds, *more]
         left = np.concatenate([left, power_left(sets, more, AS_GOOD * enough)])
         if left.min(initial=np.inf) <= min(enough, SLIGHT_DOUBT):  # beyond, it would be doubted itself
@@ -170,6 +171,14 @@ def better_reading(
     least, *more = left[chosen[:4]]
     same = tuple(one for one, value in zip(others, more, strict=True) if tied([least, value], 1.0).all())
     return Better(kinds[chosen[0]], now, float(left[chosen[0]]), others, same)
+
+
+def _another(reading: ConventionHypothesis, quiet: NDArray[np.bool_]) -> bool:
+    """Whether `reading` exchanges the columns of a joint whose torque is `quiet`: beside a joint that only swings along
+    any torque fits, so none says that it is another's.
+    """
+    turned = (part for one in reading.names for part in (one.angle, one.torque) if part)
+    return any(quiet[k] and row[k] == 0.0 for part in turned for k, row in enumerate(part))
 
 
 def _stands(sets: Sequence[Sequence[Smooth]]) -> float:

@@ -15,7 +15,7 @@ from measurement.auditing.rough import Smooth, machine_columns, smooth
 from measurement.reading.conventions import Map, combined_map, conventions
 from measurement.recording import Recording
 from symbolic.force import Force
-from symbolic.joints import parents
+from symbolic.joints import Joint, parents
 from symbolic.motion import Float
 
 QUIET = Threshold(
@@ -86,6 +86,22 @@ def power_left(sets: Sequence[Sequence[Smooth]], kinds: Sequence[ConventionHypot
     return out
 
 
+def quiet_torques(sets: Sequence[Sequence[Smooth]]) -> NDArray[np.bool_]:
+    """Return which torques (J,) vary by next to nothing beside their neighbours': they say not whose they are."""
+    joints = sets[0][0].joints
+    power = np.sum([m.tau[m.keep].var(axis=0) for group in sets for m in group], axis=0)
+    return np.asarray(power < QUIET**2 * np.where(_near(joints), power, 0.0).max(axis=1))
+
+
+def _near(joints: Sequence[Joint]) -> NDArray[np.bool_]:
+    """Return which joints (J, J) are the same or neighbours."""
+    near = np.eye(len(joints), dtype=bool)
+    for k, above in enumerate(parents(joints)):
+        if above is not None:
+            near[k, above] = near[above, k] = True
+    return near
+
+
 def _rows(motion: Smooth, thin: int) -> Smooth:
     keep = np.arange(motion.q.shape[0])[motion.keep][::thin]
     q, dq, ddq, tau = (rows[keep] for rows in (motion.q, motion.dq, motion.ddq, motion.tau))
@@ -129,11 +145,7 @@ def _sums(group: Sequence[Smooth], moves: Sequence[np.ndarray], to: Map) -> _Sum
         for part in (flat[counts[:, k]] for k in range(count))
     ]
     slope = (flat.T @ tau).reshape(count, size, count).transpose(0, 2, 1)
-    near = np.eye(count, dtype=bool)
-    for k, above in enumerate(parents(whole.joints)):
-        if above is not None:
-            near[k, above] = near[above, k] = True
-    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), near)
+    return _Sums(np.array(grams), slope, np.sum(tau**2, axis=0), _near(whole.joints))
 
 
 def _stops(q: Float) -> Float:

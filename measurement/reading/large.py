@@ -111,7 +111,8 @@ def _between(one: Recording, start: float, stop: float) -> Recording:
 
 def _motion(one: Recording) -> float:
     """Return how much the angles move in the rows that can be used, in rad, summed over the joints."""
-    if not one.valid.any():
+    whole = one.complete
+    if not whole.any():
         return 0.0
-    spread: Sequence[float] = one.q[one.valid].std(axis=0)
-    return float(np.sum(spread) * one.valid.mean())
+    spread: Sequence[float] = one.q[whole].std(axis=0)
+    return float(np.sum(spread) * whole.mean())

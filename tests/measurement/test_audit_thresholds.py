@@ -241,7 +241,7 @@ def test_torques_that_are_rounding_carry_nothing(size, said):
     assert severity("motion", tau=alone) == {"no": "info", "yes": "warning"}[said]
 
 
-@pytest.mark.shows("motion.NOTHING")
+@pytest.mark.shows("channels.NOTHING")
 @pytest.mark.parametrize(("share", "said"), [(0.07, "info"), (0.1, "")])
 def test_a_torque_that_reads_next_to_nothing_is_noted(share, said):
     low, high = np.percentile(torques(), [10, 90], axis=0)

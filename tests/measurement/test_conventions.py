@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -314,14 +313,27 @@ def test_the_torque_of_a_joint_that_stands_speaks_for_no_reading(deviation, move
 @pytest.mark.parametrize(("plain", "named"), [(0.013, 1), (0.017, 2)])
 def test_the_reading_with_the_fewest_names_is_named_of_those_that_fit_about_as_well(plain, named, monkeypatch):
     """The better of two readings needs two names and leaves a hundredth; the other needs one."""
-    kinds = [hypothesis(names) for names in (["flexion-positive", "absolute-shank"], ["load-torque"])]
-    monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs, *more: [[SimpleNamespace(base=None)]])
-    monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
-    monkeypatch.setattr(convention, "undone", lambda motion, names: motion)
-    monkeypatch.setattr(convention, "turning_joints", lambda sets: [])
-    monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still: [lambda best: kinds])
-    monkeypatch.setattr(convention, "power_left", lambda sets, kinds, most: np.array([0.01, plain]))
+    _readings(monkeypatch, {("flexion-positive", "absolute-shank"): 0.01, ("load-torque",): plain})
     assert len(better_reading([motion()]).reading.names) == named
+
+
+@pytest.mark.shows("power_left.QUIET")
+@pytest.mark.parametrize(("hip", "named"), [(0.08, "load-torque"), (0.12, "swapped-joints")])
+def test_a_torque_next_to_nothing_speaks_for_no_swap(hip, named, monkeypatch):
+    _readings(monkeypatch, {("swapped-joints", "base-driven-shank"): 0.01, ("load-torque",): 0.02}, hip)
+    assert better_reading([motion()]).reading.names[0].name == named
+
+
+def _readings(monkeypatch, left, hip=1.0):
+    """Let a motion whose hip torque varies by `hip` times the knee's leave so much so read, and 0.5 as it stands."""
+    kinds = [hypothesis(list(names)) for names in left]
+    q = np.column_stack([np.sin(np.arange(400.0)), np.sin(np.arange(400.0))])
+    one = Smooth(q, q, q, q * [hip, 1.0], 0.01, slice(None))
+    monkeypatch.setattr(convention, "smoothed_groups", lambda recordings, weighs, *more: [[one]])
+    monkeypatch.setattr(convention, "_stands", lambda sets: 0.5)
+    monkeypatch.setattr(convention, "stages", lambda now, turning, joints, still: [lambda best: kinds])
+    found = {kind.names: value for kind, value in zip(kinds, left.values(), strict=True)}
+    monkeypatch.setattr(convention, "power_left", lambda sets, kinds, most: np.array([found[k.names] for k in kinds]))
 
 
 @pytest.mark.shows("hypotheses.WRONG")

@@ -33,6 +33,8 @@ def test_most_of_a_torque_may_be_missing(tmp_path):
     recording = written(tmp_path / "a.csv", {"tau2": stance})
     assert recording.angle_valid.all() and recording.torque_valid[:, 0].all() and recording.valid.all()
     np.testing.assert_array_equal(recording.torque_valid[:, 1], ~stance)
+    assert "975 rows masked" in repr(recording)
+    assert any(one.check == "length" and "65%" in one.what for one in recording.findings)
     (said,) = [one for one in recording.findings if one.check == "cells"]
     assert "975 of 1500 cells of tau2" in said.what and "right column" in said.remedy
 

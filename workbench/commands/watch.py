@@ -226,7 +226,7 @@ def _samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float, Se
         yield from _lines(lines, grown(args.source, True if args.follow else None))
         return
     for one in read(args.source, told, quiet=args.quiet):
-        rows = np.column_stack([one.t, one.q, one.tau])[one.valid]
+        rows = np.column_stack([one.t, one.q, one.tau])[one.complete]
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], ()
 

@@ -16,7 +16,7 @@ REMEDY = "record at least 10 s of motion of every joint at 100 Hz (35 s is usual
 
 def check(recording: Recording) -> list[Finding]:
     """Refuse fewer than 50 usable rows or less than 1 s; warn below 5 s and when most rows are masked."""
-    where, usable, count = place(recording), int(recording.valid.sum()), len(recording)
+    where, usable, count = place(recording), int(recording.complete.sum()), len(recording)
     if usable < LEAST_ROWS:
         what = f"only {usable} usable rows of {count}: too short to identify anything (at least {LEAST_ROWS:g})"
         return [Finding("length", "refused", what, where, usable, LEAST_ROWS, REMEDY)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import channels, place
+from measurement.auditing.channels import NOTHING, channels, place, torque_spans
 from measurement.finding import Finding
 from measurement.reading.columns import listed
 from measurement.recording import Recording
@@ -13,7 +13,6 @@ from measurement.recording import Recording
 STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")
 LITTLE = Threshold(0.15, "the same, below which it hardly moves: its inertia and friction cannot be seen")
 NONE = Threshold(1e-9, "N·m (N) over which a torque changes: rounding, which no drive and no sensor has, is fitted")
-NOTHING = Threshold(0.08, "middle 80 % of a torque, of the other's: a light knee would be said to read next to nothing")
 
 
 def check(recording: Recording) -> list[Finding]:
@@ -68,10 +67,9 @@ def _warning(what: str, where: str, value: float, limit: float, remedy: str, con
 
 def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Finding]:
     """Note a joint that moves while its torque reads next to nothing: it may have no drive."""
-    torques = list(channels(recording, "tau"))
-    spans = [float(np.ptp(np.percentile(channel.some, [10, 90]))) for channel in torques]
+    spans = torque_spans(recording)
     found = []
-    for channel, span in zip(torques, spans, strict=True):
+    for channel, span in zip(channels(recording, "tau"), spans, strict=True):
         joint = channel.joint.name
         if np.ptp(channel.values) <= NONE or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
             continue

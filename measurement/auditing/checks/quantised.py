@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ground.thresholds import Threshold
-from measurement.auditing.channels import channels, place, step_of
+from measurement.auditing.channels import NOTHING, channels, place, step_of, torque_spans
 from measurement.finding import Finding
 from measurement.recording import Recording
 
@@ -14,14 +14,18 @@ COARSE = Threshold(60.0, "the same, below which it is warned of: accelerations d
 
 
 def check(recording: Recording) -> list[Finding]:
-    """Note the grid step of channels with fewer than 500 steps in their range; warn below 60."""
+    """Note the grid step of channels with fewer than 500 steps in their range; warn below 60, but for a torque that
+    reads next to nothing beside the others.
+    """
     found = []
+    spans = torque_spans(recording)
+    idle = {f"tau{j + 1}" for j, span in enumerate(spans) if span < NOTHING * max(spans)}
     for channel in channels(recording, "q", "tau"):
         step = step_of(channel.some)
         reach = float(np.ptp(np.percentile(channel.some, [1, 99]))) if channel.values.size else 0.0
         if step == 0.0 or reach == 0.0 or reach / step >= NOTED:
             continue
-        coarse = reach / step < COARSE
+        coarse = reach / step < COARSE and channel.name not in idle
         what = (
             f"the {channel.label} comes in steps of {step:.3g} {channel.unit} ({reach / step:.0f} steps in its range)"
         )

@@ -27,7 +27,8 @@ def check(recording: Recording) -> list[Finding]:
         return []
     found = []
     steps = np.diff(recording.t)
-    usable = np.asarray(np.lib.stride_tricks.sliding_window_view(recording.valid, hop + 1).all(axis=1))[::hop]
+    known = recording.angle_valid.all(axis=1)
+    usable = np.asarray(np.lib.stride_tricks.sliding_window_view(known, hop + 1).all(axis=1))[::hop]
     for joint, owner in enumerate(recording.joints):
         speed = recording.dq[:, joint]
         travelled = np.r_[0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)][::hop]

@@ -22,7 +22,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
             len(one),
             one.duration,
             one.rate,
-            len(one) - int(one.valid.sum()),
+            len(one) - int(one.complete.sum()),
             one.source.sha256[:12] or "–",
         )
         for use, group in (("fitted", material.recordings), ("unseen", material.verify))
