@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.pushes import force_alone
 from ground.plain import AsJson
 from symbolic.force import TORQUE, VERTICAL, WORLD, Force
-from symbolic.mechanics.newton_euler import STILL, BaseMotion
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
 from symbolic.quantity import Estimate
 
 FRAMES = {WORLD: "forwards and upwards", VERTICAL: "upwards"}
@@ -58,16 +57,8 @@ def acts_at(force: Force, estimates: Sequence[Estimate]) -> tuple[float, float, 
 def _use(force: Force, now: FittedModel) -> ForceUse:
     model, shown = now.model, now.prepared.verify or now.prepared.train
     at, gain, place = acts_at(force, now.fit.estimates)
-    first = model.channels.index(force.columns[0])
-    made, whole = [], []
-    for one in shown:
-        motion = one.motion
-        assert motion.force is not None  # `prepare` refuses recordings without
-        signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
-        base = STILL if motion.base is None else BaseMotion(*motion.base.T)
-        own = one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
-        made.append(np.where(one.used, own, 0.0))
-        whole.append(np.where(one.used, one.torque, 0.0))
+    made = [np.where(one.used, force_alone(model, one, force, at, gain), 0.0) for one in shown]
+    whole = [np.where(one.used, one.torque, 0.0) for one in shown]
     size, all_of = (np.sqrt(np.mean(np.concatenate(part, axis=1) ** 2, axis=1)) for part in (made, whole))
     where = f"at the {force.link}" if force.frame == TORQUE else _where(force, at, place)
     parts = ", ".join(f"{joint} {x:.3g}" for joint, x in zip(model.joint_names, size, strict=True))

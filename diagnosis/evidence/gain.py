@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue, weighted_fit
+from diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
 from diagnosis.evidence.shifts import draw_shifts, spectra_of, upper_pairs
 from diagnosis.rules import RULES, Rules
 from symbolic.motion import Float
@@ -149,17 +149,6 @@ class Evidence:
             np.sum(robust_weight(b, self.sigma, self.rules) * b.residual**2, axis=1) / self.sigma**2 for b in self.train
         ]
         return np.asarray(np.sum(parts, axis=0))
-
-    def within_reach(self, joints: Sequence[int]) -> float:
-        """Return the share of the held-out loss that a candidate at `joints` alone gains at most: what is left at the
-        other joints stays, whatever numbers the model takes.
-        """
-        others = np.setdiff1d(np.arange(len(self.sigma)), joints)
-        weights = [robust_weight(b, self.sigma, self.rules)[others] / self.sigma[others, None] ** 2 for b in self.train]
-        columns, residuals = ([getattr(b, of)[others] for b in self.train] for of in ("columns", "residual"))
-        _, step = weighted_fit(columns, weights, residuals, 0.0 * self.prior)
-        least = sum(np.sum(w * (r - x @ step) ** 2) for x, w, r in zip(columns, weights, residuals, strict=True))
-        return 1.0 - float(least / self.fold_losses.sum())
 
     @property
     def unseen_loss(self) -> float:

@@ -10,9 +10,11 @@ from diagnosis.evidence.channel_doubt import Doubt
 from diagnosis.evidence.fitted import FittedModel
 from ground.thresholds import Threshold
 from optimisation.linear.factor import factorise
+from optimisation.preparation.filtering import PreparedRecording
 from symbolic.force import TORQUE, Force
 from symbolic.mechanics.newton_euler import STILL, BaseMotion
 from symbolic.mechanics.pushed import placed_joints, pushed_torques
+from symbolic.model import Model
 from symbolic.motion import Float
 
 TURNED = Threshold(
@@ -78,7 +80,8 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
         deviation = (place.high - place.low) / (2.0 * 1.96) / max(abs(place.value), 1e-9)
         without = _share_of_column(base, list(data.names).index(place.name))
         return WantedGain(force, float(np.sign(place.value)), deviation, without)
-    parts = [_alone(force, base, index) for index in range(len(base.prepared.train))]
+    # Where its place is free, it is taken at its link's upper joint.
+    parts = [force_alone(model, one, force, force.at or 0.0) for one in base.prepared.train]
     column = (np.concatenate(parts, axis=1) * data.use).ravel()
     residual = (data.residual(base.linear) * data.use).ravel()
     basis = data.factor.basis
@@ -93,15 +96,13 @@ def _wanted(force: Force, base: FittedModel) -> WantedGain | None:
     return WantedGain(force, 1.0 + slope, float(deviation), share)
 
 
-def _alone(force: Force, base: FittedModel, index: int) -> Float:
-    """Return the torque (J, K) of one force alone, at its place or at its link's upper joint where that is free."""
-    model, one = base.model, base.prepared.train[index]
-    first = model.channels.index(force.columns[0])
-    motion = one.motion
+def force_alone(model: Model, one: PreparedRecording, force: Force, at: float, gain: float = 1.0) -> Float:
+    """Return the filtered torque (J, K) that a measured force makes alone at `at` m on its link, times its `gain`."""
+    motion, first = one.motion, model.channels.index(force.columns[0])
     assert motion.force is not None  # `prepare` refuses recordings without
-    signals = force.sign * motion.force[:, first : first + len(force.columns)]
-    swaying = STILL if motion.base is None else BaseMotion(*motion.base.T)
-    return one.smooth(pushed_torques(placed_joints(model), motion.q, force, force.at or 0.0, signals, swaying))
+    signals = force.sign * gain * motion.force[:, first : first + len(force.columns)]
+    base = STILL if motion.base is None else BaseMotion(*motion.base.T)
+    return one.smooth(pushed_torques(placed_joints(model), motion.q, force, at, signals, base))
 
 
 def _share_of_column(base: FittedModel, place: int) -> float:

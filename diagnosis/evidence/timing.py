@@ -14,14 +14,12 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.rules import RULES, Rules
 from ground.engines.workers import share_out
 from ground.ties import index_of_least, least_of
-from measurement.reading.angles import running_median
+from measurement.signals.spikes import without_spikes
 from optimisation.linear.factor import factorise
 from symbolic.evaluation import carrying
 from symbolic.language.torque import is_transform
 from symbolic.motion import Float
 
-NEARBY, FAR = 0.11, 4.0
-"""Width in s of the median beside which a changed torque has spikes, and robust deviations from which on it does."""
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s."""
 LAGS = (0.03, 0.05, 0.08, 0.12, 0.18, 0.28, 0.45)
@@ -149,8 +147,8 @@ CHANGES: Mapping[str, tuple[Callable[[Float, float], Float], tuple[float, ...]]]
 class _Readings:
     """The torque of the fitted recordings as it was logged, to be read otherwise and explained anew.
 
-    It is the torque that is changed, not the model: what dry friction does while a joint sticks stays where it is, and
-    so do spikes, which a filter smears and its inverse restores.
+    It is the torque that is changed, not the model: what dry friction does while a joint sticks stays where it is.
+    Spikes that a filter smeared are whole again where its inverse was applied, and taken out then.
     """
 
     def __init__(self, base: FittedModel) -> None:
@@ -158,14 +156,13 @@ class _Readings:
         reference = base.linear if model.needs_reference else None
         whole = [model.whole_columns(p.motion, s, reference) for p, s in zip(self.train, base.shapes, strict=False)]
         none = np.zeros(len(base.linear))
-        self.raw = [x[:, :, : len(base.linear)] for x in whole]
+        raw = [x[:, :, : len(base.linear)] for x in whole]
         self.known = [(x @ carrying(model, p.motion, none)).T for p, x in zip(self.train, whole, strict=True)]
-        parts = [p.smooth_columns(x) for p, x in zip(self.train, self.raw, strict=True)]
+        parts = [p.smooth_columns(x) for p, x in zip(self.train, raw, strict=True)]
         self.use = np.concatenate([p.used for p in self.train], axis=1)
         self.columns = np.concatenate(parts, axis=1) * self.use[:, :, None]
         factor = factorise(self.columns.reshape(-1, self.columns.shape[2]))
         self.solve = factor.backward @ factor.basis.T
-        self.linear = base.linear
 
     @cached_property
     def now(self) -> Float:
@@ -224,19 +221,6 @@ class _Readings:
         one = self.train[index]
         if change is None:
             return one.torque - one.smooth(self.known[index])
-        changed = change(one.wide_tau, seconds * one.rate)
+        changed = without_spikes(change(one.wide_tau, seconds * one.rate), one.rate)
         changed = changed if which is None else np.where(which, changed, one.wide_tau)
-        changed = changed - self.known[index]
-        return one.smooth(_without_spikes(changed, (self.raw[index] @ self.linear).T, one.rate))
-
-
-def _without_spikes(tau: Float, known: Float, rate: float) -> Float:
-    """Return `tau` (N, J) without what stands far off its neighbours beside the torque `known` (N, J): a filter smears
-    spikes, and its inverse restores them.
-    """
-    window = max(5, round(NEARBY * rate) | 1)
-    rest = tau - known
-    middle = np.column_stack([running_median(channel, window) for channel in rest.T])
-    away = np.abs(rest - middle)
-    scale = np.median(away, axis=0) / 0.6745
-    return np.where(away > FAR * np.maximum(scale, 1e-300), known + middle, tau)
+        return one.smooth(changed - self.known[index])

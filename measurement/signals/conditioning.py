@@ -25,6 +25,7 @@ from measurement.signals.butterworth import (
     low_pass_filter,
 )
 from measurement.signals.compiled import POLES
+from measurement.signals.holes import BRIEF, LOST, WIDE, interpolated
 from measurement.signals.masks import straight
 from measurement.signals.spikes import spikes
 from symbolic.mechanics.payload import Payload
@@ -36,13 +37,8 @@ MOST_APART = 0.9
 """Share of samples left out of an estimate of noise beyond which none are."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
-LOST, WIDE, BRIEF = 1.9, 2.5, 0.02
-"""Median steps between samples from which one is missing; from which angles are, unless it is as brief as so many s:
-the cubic across it is then as good as measured."""
 MISSING = 0.25
 """Part of an averaged torque that must be missing for it to be missing."""
-BESIDE = 0.05
-"""Seconds on either side of a hole from which its ends are taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +85,7 @@ class UniformSignals:
         if factor == 1 or not self.torque_gap.any():
             return self.torque_gap[::factor]
         return np.asarray(averaged(self.torque_gap.astype(float), factor) > MISSING)
+
     def slower_force(self, factor: int) -> Float | None:
         """Return the measured forces (N / factor, C) at a rate lower by `factor`, as the torque."""
         return self.force if self.force is None or factor == 1 else averaged(self.force, factor)
@@ -157,7 +154,7 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         """Return the valid values (N, J) of `x` on the grid, and where there are holes of more than `wide` s."""
         if grid is t and valid.all():
             return np.asarray(x[recording.valid]), np.zeros((grid.size, x.shape[1]), dtype=bool)
-        pairs = [_interpolated(grid, recording.t[known], x[known, j], step, wide) for j, known in enumerate(valid.T)]
+        pairs = [interpolated(grid, recording.t[known], x[known, j], step, wide) for j, known in enumerate(valid.T)]
         values, holes = (np.column_stack(each) for each in zip(*pairs, strict=True))
         return values, holes
 
@@ -178,46 +175,6 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
     missing = torque_gap & ~passive
     return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, passive, recording.payloads, base, pushed)
-
-
-def _interpolated(
-    grid: Float, t: Float, x: Float, step: float, wide: float
-) -> tuple[Float, NDArray[np.bool_]]:
-    """Return what was logged as `x` (M,) at times `t` on the `grid` (N,), and where there is a hole of more than `wide`
-    s. Across missing samples goes the cubic that continues level and slope on either side.
-    """
-    if t.size < 2:
-        return np.zeros(grid.size), np.ones(grid.size, dtype=bool)
-    after = np.clip(np.searchsorted(t, grid, side="right"), 1, t.size - 1)
-    apart, off = t[after] - t[after - 1], np.minimum(np.abs(grid - t[after - 1]), np.abs(t[after] - grid)) > 1e-3 * step
-    outside = (grid > t[-1] + 0.5 * step) | (grid < t[0] - 0.5 * step)
-    hole = outside | (off & (apart > wide))
-    out = np.interp(grid, t, x)
-    inside = off & ~outside & (apart > LOST * step) & (grid > t[0]) & (grid < t[-1])
-    if inside.any():
-        ends, which = np.unique(after[inside], return_inverse=True)
-        width = t[ends] - t[ends - 1]
-        at = (grid[inside] - t[ends - 1][which]) / width[which]
-        before, behind = (_end(t, x, ends - 1, -1), _end(t, x, ends, 1))
-        (level, rise), (goal, fall) = ((each[0][which], each[1][which] * width[which]) for each in (before, behind))
-        out[inside] = (
-            level * (2 * at**3 - 3 * at**2 + 1) + rise * (at**3 - 2 * at**2 + at)
-            + goal * (3 * at**2 - 2 * at**3) + fall * (at**3 - at**2)
-        )  # fmt: skip
-    return out, hole
-
-
-def _end(t: Float, x: Float, last: NDArray[np.int_], side: int) -> tuple[Float, Float]:
-    """Return level and slope (H,) of `x` (M,) at its samples `last`, by parabolas through those on their `side`."""
-    step = float(np.median(np.diff(t)))
-    count = max(5, round(BESIDE * (1.0 / step)))
-    rows = np.clip(last[:, None] + side * np.arange(count), 0, t.size - 1)
-    ago = (t[rows] - t[last][:, None]) / (count * step)
-    near = (np.abs(ago) <= 1.5).astype(float)  # what lies beyond another hole has no part
-    powers = ago[:, :, None] ** np.arange(3) * near[:, :, None]
-    gram = np.swapaxes(powers, 1, 2) @ powers + 1e-9 * np.eye(3)
-    found = np.linalg.solve(gram, np.swapaxes(powers, 1, 2) @ (x[rows] * near)[:, :, None])[:, :, 0]
-    return found[:, 0], found[:, 1] / (count * step)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

@@ -57,6 +57,11 @@ def spikes(x: Float, rate: float, unknown: Mask | None = None) -> Mask:
     return out
 
 
+def without_spikes(x: Float, rate: float) -> Float:
+    """Return `x` (N, J) with straight lines across its spikes."""
+    return np.column_stack([straight(channel, bad) for channel, bad in zip(x.T, spikes(x, rate).T, strict=True)])
+
+
 def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
     """Return which samples of `x` (N,) are spikes, judged anew without those found until nothing changes; beside one so
     many have no part in its prediction.

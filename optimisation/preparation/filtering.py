@@ -209,7 +209,7 @@ def prepare_one(
     wide = np.column_stack([straight(x, off) for x, off in zip(tau.T, (bad | missing).T, strict=True)])
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    loaded = held & _bears_load(wide, rate, cutoff) if held.any() else held
+    loaded = held & _bears_load(wide, rate, cutoff, factor) if held.any() else held
     rows = np.concatenate([tau.T, hidden.T])
     for row, column in zip(rows, hidden.T, strict=False):
         bridging(column, rate).across(row)
@@ -287,12 +287,14 @@ def _held_still(q: Float, dq: Float, rate: float, noise: Float) -> Bool:
     return np.asarray(quiet & (reach < HELD))
 
 
-def _bears_load(tau: Float, rate: float, cutoff: float) -> Bool:
-    """Return for each joint (J,) whether its torque tells something about the load while it stands.
+def _bears_load(tau: Float, rate: float, cutoff: float, factor: int = 1) -> Bool:
+    """Return for each joint (J,) whether its torque, the mean of `factor` samples, tells something about the load while
+    it stands.
 
     Where a brake, a lock or dry friction carries the load, the torque stays as it is while the other joint moves.
     """
-    return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * quiet_noise(tau, rate, cutoff))
+    noise = quiet_noise(tau, rate, cutoff, factor=factor)
+    return np.asarray(low_pass(tau, cutoff, rate).std(axis=0) > LOADED * noise)
 
 
 def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:

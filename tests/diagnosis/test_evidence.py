@@ -82,17 +82,6 @@ def test_one_recording_is_judged_on_blocks_of_itself():
         assert gain.folds[held, 0] == pytest.approx(fall, rel=1e-8, abs=1e-8)
 
 
-def test_nothing_gains_more_at_a_joint_than_the_other_one_leaves():
-    rng = np.random.default_rng(5)
-    blocks = [block(rng, n, 3) for n in (160, 140, 120)]
-    evidence = Evidence(blocks, [], seed=0, draws=1)
-    for joint in (0, 1):
-        perfect = [Columns((joint,), b.residual[joint][None, None, :, None]) for b in blocks]
-        share = evidence.gain(evidence.plain(perfect)).total[0] / evidence.fold_losses.sum()
-        assert share <= evidence.within_reach((joint,)) < share + 0.1
-    assert evidence.within_reach((0, 1)) == 1.0
-
-
 def test_a_placebo_is_the_candidate_rolled_in_time():
     rng = np.random.default_rng(3)
     train = [block(rng, n, 3) for n in (160, 140)]
