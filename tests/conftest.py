@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import tempfile
 from pathlib import Path
 
@@ -16,6 +17,13 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 # Before NumPy is imported: workers whose BLAS has as many threads as there are cores mostly wait for one another.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["COLUMNS"] = "200"  # what commands say is not folded in the middle of what a test looks for
+
+
+# A background job of a shell ignores Ctrl-C, one of nohup that its terminal closes; what tests start would too.
+for name, usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
+    number = getattr(signal, name, None)
+    if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, usual)
 
 
 def pytest_configure(config):
