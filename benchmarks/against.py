@@ -60,7 +60,7 @@ compare(Model.standard(), train, verify)
     "add": READ + """
 from diagnosis.extend import add
 began = now()
-add(Model.standard(), "stribeck", "knee", train, verify)
+add(Model.standard(), "stribeck:knee", train, verify)
 """,
     "discover": READ + """
 from diagnosis import discover

@@ -292,7 +292,7 @@ def run(case: str, seed: int) -> tuple[bool, str]:
     rng = np.random.default_rng([seed, zlib.crc32(case.encode())])
     chain = Chain.of(case, rng)
     runs = [simulate(chain, rng, f"run_{k}")[0] for k in range(4)]
-    found = discover(Model("chain", limits={}, chain=chain.joints), runs[:3], runs[3:])
+    found = discover(Model("chain", limits={}, joints=chain.joints), runs[:3], runs[3:])
     truth = [] if chain.built is None else [case.split(":")[0] if chain.built.where == "tilt" else case]
     named = match(truth, [(one.name, one.look_alikes) for one in found.accepted])
     right = None not in named.values() and len(found.accepted) == len(truth)

@@ -7,8 +7,8 @@ beyond one curve, near which values and at reversals, is measured on the residua
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,14 +18,17 @@ from diagnosis.evidence.curves import variables
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders
 from diagnosis.outside import ForceUse, force_uses
-from diagnosis.plots import against, over_time
+from diagnosis.plots import against
+from diagnosis.torques import torques_over_time
 from diagnosis.where import Where, samples_of, where_it_sits
+from ground.calling import understood
 from ground.frames import pandas
-from ground.html import table
+from ground.html import picture, table
+from ground.lazy import LentMethod
 from ground.plain import AsJson
 from measurement.finding import Finding
 from measurement.forces import pushed_model
-from measurement.recording import Recording
+from measurement.reading.given import Given, question_of
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
@@ -98,7 +101,7 @@ class Comparison(AsJson):
 
     def plot(self) -> Figure:
         """Draw measured and modelled torque over time, with what is left."""
-        return self._over_time({"model": self.now})
+        return torques_over_time({"model": self.now})
 
     def before_and_after(self, after: Fit) -> tuple[str, str, Figure]:
         """Return (title, alternative text, figure): the measured torque, this model and the one of `after`.
@@ -110,17 +113,8 @@ class Comparison(AsJson):
         pairs = zip(self.joints, self.now.evaluation_rms, other.evaluation_rms, strict=True)
         text = "; ".join(f"{joint}: error {b:.3g} before, {a:.3g} {self.unit} after" for joint, b, a in pairs)
         kind = "unseen motion" if held_out else "the fitted motion"
-        figure = self._over_time({"before": self.now, "after": other})
+        figure = torques_over_time({"before": self.now, "after": other})
         return f"Measured, before and after, on {kind}", text, figure
-
-    def _over_time(self, models: Mapping[str, FittedModel]) -> Figure:
-        index = len(self.now.prepared.train) if self.now.prepared.verify else 0
-        one = self.now.prepared.all[index]
-        drawn = {
-            name: (model.torque(index).T, np.where(one.used, model.residuals[index], np.nan).T)
-            for name, model in models.items()
-        }
-        return over_time(one.name, one.t, one.torque.T, drawn, self.now.model.joints)
 
     def figures(self) -> list[tuple[str, str, Figure]]:
         """Return (title, alternative text, figure) of everything there is to see."""
@@ -159,23 +153,30 @@ class Comparison(AsJson):
             for j, joint in enumerate(self.joints)
         ]
         where = [(f"{100 * w.share:.0f} %", w.sentence, w.caution) for w in self.where[:6]]
-        return table((f"RMS [{self.unit}]", "torque", "error, fitted", "error, unseen", "noise floor"), size) + (
-            table(("share", "where the error sits", "caution"), where) if where else ""
+        return (
+            table((f"RMS [{self.unit}]", "torque", "error, fitted", "error, unseen", "noise floor"), size)
+            + picture(self.plot(), "Torque over time, measured and modelled, with what is left")
+            + (table(("share", "where the error sits", "caution"), where) if where else "")
         )
 
+    report = LentMethod[Path]("workbench.report.result:write_result")
 
+
+@understood()
 def compare(
     model: Model | Fit,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     *,
     cutoff: float | None = None,
     derivative: str = BUTTERWORTH,
 ) -> Comparison:
     """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
 
-    Refuses recordings that are too short or do not determine the model.
+    Both are what `measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses recordings that are
+    too short or do not determine the model.
     """
+    model, recordings, verify = question_of(model, recordings, verify)
     leg: Model = model.model if isinstance(model, Fit) else pushed_model(model, (*recordings, *verify))
     prepared = prepare(leg, recordings, verify, cutoff=cutoff, derivative=derivative)
     fit = model if isinstance(model, Fit) else identify(leg, prepared.train, optimisers=())

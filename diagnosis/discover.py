@@ -30,6 +30,7 @@ from ground.engines.workers import once, with_copies
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from measurement.forces import pushed_model
+from measurement.reading.given import Given, question_of
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
@@ -40,8 +41,8 @@ from symbolic.model import Model
 @spelt_out(DiscoverySettings)
 def discover(
     model: Model | Fit,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     settings: DiscoverySettings | None = None,
     *,
     progress: Progress | None = None,
@@ -50,9 +51,11 @@ def discover(
     """Find which effects `model` (or the model of a Fit) is missing and add them.
 
     `verify` are recordings that are never fitted and must improve. The user's own effects that the model declares
-    (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Refuses recordings that are too
-    short, too slow or do not determine the model.
+    (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Recordings are what
+    `measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses those that are too short, too
+    slow or do not determine the model.
     """
+    model, recordings, verify = question_of(model, recordings, verify)
     model = pushed_model(model.model if isinstance(model, Fit) else model, (*recordings, *verify))
     question = Question(model, DiscoverySettings.chosen(settings, changes))
     return answer_of(question, recordings, verify, progress or silent)
@@ -146,8 +149,8 @@ def _filtered(context: SearchContext, state: State, rules: Rules) -> FilterOnTor
 @spelt_out(DiagnosisSettings)
 def diagnose(
     model: Model | Fit,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     settings: DiagnosisSettings | None = None,
     *,
     progress: Progress | None = None,

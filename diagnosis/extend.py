@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +12,15 @@ import numpy as np
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Step, steps_figure, steps_table
 from diagnosis.verdict import biased_parameters, sentence_of
+from ground.calling import understood
+from ground.errors import ExoidError
 from ground.frames import pandas
-from ground.html import bullets, lines
+from ground.html import bullets, lines, picture
+from ground.lazy import LentMethod
 from ground.plain import AsJson
 from ground.thresholds import Threshold
 from measurement.forces import pushed_model
-from measurement.recording import Recording
+from measurement.reading.given import Given, machine_of, model_of, question_of
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
@@ -76,7 +80,10 @@ class Waterfall(AsJson):
         return falling_text(self.steps, self.joints, self.unit)
 
     def _repr_html_(self) -> str:
-        return steps_table(self.steps, self.noise_floor, self.joints, self.unit)
+        fall = falling_text(self.steps, self.joints, self.unit)
+        return steps_table(self.steps, self.noise_floor, self.joints, self.unit) + picture(self.plot(), fall)
+
+    report = LentMethod[Path]("workbench.report.result:write_result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +122,8 @@ class Addition(AsJson):
     def _repr_html_(self) -> str:
         return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
+    report = LentMethod[Path]("workbench.report.result:write_result")
+
 
 def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:
     """Return the steps as lines of text."""
@@ -125,10 +134,11 @@ def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str
     return "\n".join(lines)
 
 
+@understood()
 def fit_in_turn(
     models: Sequence[Model],
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     *,
     cutoff: float | None = None,
     derivative: str = BUTTERWORTH,
@@ -136,26 +146,37 @@ def fit_in_turn(
     """Fit one model after the other to the same samples and return how the error falls."""
     if not models:
         raise ValueError("watch needs at least one model")
+    _, recordings, verify = question_of(models[0], recordings, verify)
     models = [pushed_model(model, (*recordings, *verify)) for model in models]
     prepared = prepare(models[0], recordings, verify, cutoff=cutoff, derivative=derivative)
     fits = [identify(model, prepared.train, optimisers=()) for model in models]
     return _waterfall(fits, prepared)
 
 
+@understood()
 def add(
     model: Model,
     effect: Effect | str,
-    joint: str | None,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     *,
+    joint: str | None = None,
     cutoff: float | None = None,
     derivative: str = BUTTERWORTH,
 ) -> Addition:
-    """Extend `model` by `effect` at `joint` (None: both), generate and compile its code, refit, and compare.
+    """Extend `model` by `effect` ("stribeck:hip", or an Effect at `joint`), generate and compile its code, refit, and
+    compare.
 
-    Refuses effects that do not exist there or that the model has already.
+    Recordings are what `measurement.reading.given` takes. Refuses effects that do not exist there or that the model has
+    already.
     """
+    own = machine_of(model_of(model))
+    if recordings is None or (isinstance(recordings, str) and recordings in own.joint_names):
+        raise ExoidError(
+            f"{recordings!r} is a joint and no recording",
+            remedy=f"add(model, 'stribeck:{recordings or own.joint_names[0]}', recordings, verify)",
+        )
+    model, recordings, verify = question_of(own, recordings, verify)
     model = pushed_model(model, (*recordings, *verify))
     extended = model.with_effect(effect, joint)
     code = compiled(extended)
@@ -176,7 +197,7 @@ def add(
     elif inside:
         text += f" But {inside}: it is not this effect that is missing."
     if not verify:
-        text += " No recording was held out (--verify), so nothing shows that it holds on other motion."
+        text += " No recording was held out (verify), so nothing shows that it holds on other motion."
     return Addition(extended, before, after, waterfall, text, helped, code.backend, biased_parameters(before, after))
 
 

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import Differing
-from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import ModelError
 from diagnosis.evidence.remainder import Remainder
 from diagnosis.outside import ForceUse
 from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
+from diagnosis.torques import torques_over_time
 from ground.frames import pandas
-from ground.html import lines, table
+from ground.html import Bar, lines, picture, table
+from ground.lazy import LentMethod
 from ground.plain import AsJson
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
@@ -279,12 +282,25 @@ class Diagnosis(AsJson):
         return (
             lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
             + steps_table(self.steps, self.noise_floor, self.joints, self.unit)
+            + self._torques()
             + (ranking if rows else "")
             + lines(*(f"{a.name}: {a.stability}" for a in self.accepted if a.stability))
             + lines(*(f"possible, {p.sentence}" for p in self.possible))
             + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
+
+
+    def _torques(self) -> str:
+        """Return the picture of the torque before and after, where the recordings are known."""
+        if self.given is None:
+            return ""
+        models = {"model": self.given}
+        if len(self.steps) > 1:
+            models = {"before": self.given, "after": fitted_model(self.fit, self.given.prepared)}
+        return picture(torques_over_time(models), f"Torque over time, measured, and of: {', '.join(models)}")
+
+    report = LentMethod[Path]("workbench.report.result:write_result")
 
 
 def steps_figure(
@@ -300,11 +316,17 @@ def steps_figure(
 def steps_table(
     steps: Sequence[Step], noise_floor: Float, joints: Sequence[str] = JOINTS, unit: str = "N·m"
 ) -> str:
-    """Return the falling error as an HTML table, the noise floor as its last row."""
-    rows = []
+    """Return the falling error as an HTML table with bars, the noise floor as its last row."""
+    longest = np.max([step.evaluation_rms for step in steps], axis=0)
+
+    def cell(values: Float | None, j: int, shown: bool) -> Any:
+        value = None if values is None else float(values[j])
+        return Bar(value, value / longest[j]) if shown and value is not None and longest[j] > 0.0 else value
+
+    rows: list[tuple[Any, ...]] = []
     for step in steps:
-        unseen = (None, None) if step.verify_rms is None else step.verify_rms.tolist()
-        rows.append((step.label, *(x for j in range(len(joints)) for x in (float(step.train_rms[j]), unseen[j]))))
+        pairs = ((step.train_rms, step.verify_rms is None), (step.verify_rms, True))
+        rows.append((step.label, *(cell(values, j, shown) for j in range(len(joints)) for values, shown in pairs)))
     rows.append(("noise floor", *np.repeat(noise_floor, 2).tolist()))
     head = (f"RMS error [{unit}]", *(f"{joint}, {kind}" for joint in joints for kind in ("fitted", "unseen")))
     return table(head, rows)

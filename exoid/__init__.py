@@ -3,8 +3,8 @@
     import exoid
 
     leg = exoid.Model.standard(thigh_length=0.40)
-    runs = [exoid.read_recording(f"run{k}.csv") for k in (1, 2, 3, 4)]
-    found = exoid.discover(leg, runs[:3], verify=runs[3:])
+    found = exoid.discover(leg, ["run1.csv", "run2.csv", "run3.csv"], verify="run4.csv")
+    found.report("out")
 
 the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, `catalogue`, `read_model`, `write_model`
 any machine      `Joint`, `Payload`; its equations and code: `mechanics`, `equations`, `regressor`, `check_equations`,
@@ -17,6 +17,7 @@ what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; 
 figures          `figure_style`, `new_figure`, `label`
 bad input        `ExoidError`: what is wrong, where, what to do
 
+Wherever recordings are asked for, paths, folders, DataFrames, mappings {name: array} and arrays will do, one or many.
 `dir(exoid)` has them all. Every name lives in one of the packages `symbolic`, `measurement`, `optimisation` and
 `diagnosis`, which can be imported from as well, and is loaded at its first use: `import exoid` itself costs nothing.
 """

@@ -1,6 +1,7 @@
 """How results show themselves in a notebook: small tables and lines of HTML, everything escaped.
 
-No style of its own beyond alignment, so that light and dark notebooks both look right.
+No colour of text or ground of its own, so that light and dark notebooks both look right; pictures bring their own
+ground.
 """
 
 from __future__ import annotations
@@ -8,7 +9,29 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
+
+from ground.figures import png_uri, to_png
+
+BAR = "rgba(86, 180, 233, 0.35)"
+"""Sky blue through which text of any colour can be read."""
+SHARP = 100
+"""Dots per inch of a picture."""
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A number of a table with a bar behind it, `share` of the cell long."""
+
+    value: float | None
+    share: float
+
+
+def picture(figure: Any, alt: str) -> str:
+    """Return a matplotlib figure on its own light ground, which can be read in any notebook."""
+    uri = png_uri(to_png(figure, SHARP))
+    return f"<p><img src='{uri}' alt='{html.escape(alt, quote=True)}' style='max-width:100%;height:auto'></p>"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> str:
@@ -37,6 +60,10 @@ def code(text: str) -> str:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, Bar):
+        end = f"{100 * min(max(value.share, 0.0), 1.0):.1f}%"
+        ground = f"background:linear-gradient(90deg, {BAR} {end}, transparent {end})"
+        return _cell(value.value).replace("<td style='", f"<td style='{ground};")
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return f"<td style='text-align:left'>{html.escape('–' if value is None else str(value))}</td>"
     text = str(value) if isinstance(value, int) else f"{value:.4g}" if math.isfinite(value) else "–"

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from typing import Any, ClassVar, TypeVar
 
+from ground.calling import understood
 from ground.errors import ExoidError
 from ground.suggest import did_you_mean
 
@@ -96,7 +97,7 @@ def spelt_out(record: type[VerbSettings]) -> Callable[[Verb], Verb]:
         kept = [one for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
         verb.__signature__ = own.replace(parameters=[*kept, *names])  # type: ignore[attr-defined]
         verb.__doc__ = "\n".join([inspect.cleandoc(verb.__doc__ or ""), "", "Settings:", *lines])
-        return verb
+        return understood()(verb)
 
     return shown
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.calling import understood
 from ground.errors import RecordingError, refused
 from ground.files import write_whole
 from ground.frames import pandas
@@ -44,6 +45,11 @@ class Source:
     sha256: str = ""
 
 
+class ArrayError(RecordingError, ValueError):
+    """Arrays that make no recording: their shapes, or numbers that no sensor gives."""
+
+
+@understood()
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Time `t` (N,) in s, angles `q` (N, J) in rad, torques `tau` (N, J) in N·m; m and N where a joint slides.
@@ -90,24 +96,24 @@ class Recording:
             array = read_only(value)
             shape = (count,) if name in ("t", "contact") else (count, 3 if name == "base" else len(self.joints))
             if array.shape != shape:
-                raise ValueError(f"recording.{name} has shape {array.shape}, expected {shape}")
+                raise ArrayError(f"recording.{name} has shape {array.shape}, expected {shape}")
             if not np.max(np.abs(array), initial=0.0) <= LARGEST:
                 what = "values that are not finite"
                 if np.isfinite(array).all():
                     what = f"values as large as {np.abs(array).max():.3g}, which no sensor measures"
-                raise ValueError(f"recording.{name} holds {what}; mask those rows first")
+                raise ArrayError(f"recording.{name} holds {what}; mask those rows first")
             object.__setattr__(self, name, array)
         forces = {name: read_only(values) for name, values in self.forces.items()}
         for name, array in forces.items():
             if array.shape != (count,) or not np.isfinite(array).all():
-                raise ValueError(f"recording.forces[{name!r}] must hold {count} finite numbers")
+                raise ArrayError(f"recording.forces[{name!r}] must hold {count} finite numbers")
         object.__setattr__(self, "forces", forces)
         valid = np.ones(count, dtype=bool) if self.valid is None else _kept(self.valid, bool)
         row = np.arange(1, count + 1) if self.row is None else _kept(self.row, np.int64)
         if valid.shape != (count,) or row.shape != (count,):
-            raise ValueError(f"recording.valid and .row must have shape {(count,)}")
+            raise ArrayError(f"recording.valid and .row must have shape {(count,)}")
         if np.any(np.diff(self.t) <= 0):
-            raise ValueError("recording.t must increase strictly")
+            raise ArrayError("recording.t must increase strictly")
         for name, value in (("valid", valid), ("row", row)):
             value.setflags(write=False)
             object.__setattr__(self, name, value)
@@ -121,7 +127,7 @@ class Recording:
         if given is None:
             return rows
         if np.shape(given) != shape:
-            raise ValueError(f"recording.{name} has shape {np.shape(given)}, expected {shape}")
+            raise ArrayError(f"recording.{name} has shape {np.shape(given)}, expected {shape}")
         cells = rows & np.asarray(given, dtype=bool)
         cells.setflags(write=False)
         return cells

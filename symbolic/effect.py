@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from ground.calling import understood
+from ground.errors import EffectError
 from ground.html import code, lines, table
 from symbolic.effect_declaration import check_effect
 
@@ -62,13 +64,14 @@ class Shape:
     """Whether its lowest value stands for the same effect without any transition, so that it is no limit there."""
 
 
+@understood({"joint": "joints", "numbers": "coefficients"})
 @dataclass(frozen=True)
 class Effect:
     """One entry of the catalogue, or an effect of the user's own; EffectError or ExpressionError where it contradicts
     itself.
 
-    `joints` is ("hip", "knee") or a part of it for an effect that belongs to one joint at a time, and ("both",)
-    for an effect that acts on both joints at once. Exactly one of `torque`, `derive` and `deflection` is
+    `joints` is ("hip", "knee") or a part of it (or "hip") for an effect that belongs to one joint at a time, and
+    ("both",) for an effect that acts on both joints at once. Exactly one of `torque`, `derive` and `deflection` is
     given:
 
     * `torque`: one text for a single-joint effect (`theta`, `dtheta`, `ddtheta`, `tau_rigid`, `tau_model` mean its
@@ -83,7 +86,7 @@ class Effect:
     """
 
     id: str
-    explains: str
+    explains: str = ""
     torque: str | Mapping[str, str] | None = None
     derive: Callable[[Any, Mapping[str, Any]], Any] | None = None
     joints: tuple[str, ...] = ("hip", "knee")
@@ -103,6 +106,16 @@ class Effect:
     """Which machines have it: "all", the "leg" with hip and knee, or "others"."""
 
     def __post_init__(self) -> None:
+        if isinstance(self.joints, str):
+            object.__setattr__(self, "joints", (self.joints,))
+        if [self.torque, self.derive, self.deflection] == [None] * 3:
+            place = "" if self.joints in (("hip", "knee"), ("both",)) else f":{self.joints[0]}"
+            raise EffectError(
+                "an Effect is a new one of your own, and this has no torque",
+                where=str(self.id)[:60],
+                remedy=f"name one of the catalogue: model.with_effect('{str(self.id)[:60]}{place}'); or give a torque: "
+                "Effect('magnet', 'a magnet', torque='c * dtheta', coefficients={'c': Coefficient('N·m·s/rad')})",
+            )
         check_effect(self)
 
     def _repr_html_(self) -> str:

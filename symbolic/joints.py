@@ -114,7 +114,7 @@ def check_joints(joints: Sequence[Joint]) -> None:
             raise EffectError(
                 f"the length of {names[parent]} is missing: {names[k]} hangs from its link",
                 where=f"joint {parent + 1} ({names[parent]})",
-                remedy="give the length in m from one joint to the other",
+                remedy=f'give the length in m from one joint to the other: Joint("{names[parent]}", length=0.4)',
             )
 
 

@@ -11,21 +11,22 @@ model as methods, found at their first use.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ground.calling import understood
 from ground.errors import EffectError
 from ground.html import lines, table
 from ground.lazy import LentMethod, LentProperty
 from symbolic.catalogue import find_effect
 from symbolic.effect import Effect
 from symbolic.force import Force, channels_of, check_forces
-from symbolic.joints import LEG, Joint, check_joints, units
+from symbolic.joints import LEG, Joint, check_joints, names, units
 from symbolic.language.torque import check_units
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float
@@ -67,10 +68,15 @@ USUAL: Mapping[bool, Limits] = MappingProxyType(
 """Limits of motions that are drawn for a joint whose model has none: where it turns, and where it slides (m)."""
 
 
+@understood({"chain": "joints", "effects": "terms"})
 @dataclass(frozen=True, eq=False)
 class Model:
     """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
     and friction.
+
+    `joints` (J,) make another machine of it, in the order of every axis of length J: Joints, or the names of ones that
+    turn. `terms` (or `effects`) may be named: "stribeck:hip". EffectError for joints
+    that make no machine, and effects that have no place there.
     """
 
     name: str = "standard leg"
@@ -80,23 +86,27 @@ class Model:
     terms: tuple[Term, ...] = ()
     custom: tuple[Effect, ...] = ()
     """Effects of the user's own, known beside the catalogue whether or not they are among the terms."""
-    chain: tuple[Joint, ...] = ()
-    """Joints of a machine that is not the leg; empty for the leg. Its gravity may be 0."""
+    joints: tuple[Joint, ...] = LEG
+    """Those of the leg, or of another machine, whose gravity may be 0."""
     moving_base: bool = False
     """Whether the machine's base moves and its recordings say how: angle and, where they have it, acceleration."""
     forces: tuple[Force, ...] = ()
     """External forces that its recordings have measured; they are no effects, and belong to the base model."""
 
     def __post_init__(self) -> None:
+        given = self.terms
+        object.__setattr__(self, "joints", joints_of(self.joints))
+        object.__setattr__(self, "terms", ())
         if self.chain:
             check_joints(self.chain)
         elif self.moving_base:
-            raise EffectError("the leg's base stands still", where="base", remedy="give the joints as `chain`")
+            raise EffectError("the leg's base stands still", where="base", remedy="give the `joints`")
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
             if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
                 raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
         for effect in self.custom:
             check_custom(effect, self.joints)
+        object.__setattr__(self, "terms", self._named(given))
         for term in self.terms:
             if term.among is not self.joints and term.among != self.joints:
                 raise EffectError(
@@ -104,10 +114,10 @@ class Model:
                 )
             if term.effect.custom:
                 check_units(term)
-        names = [term.name for term in self.terms]
-        check_forces(self.forces, self.joints, names)
-        for name in names:
-            if names.count(name) > 1:
+        called = [term.name for term in self.terms]
+        check_forces(self.forces, self.joints, called)
+        for name in called:
+            if called.count(name) > 1:
                 raise EffectError(
                     f"the model has {name} twice",
                     where=self.name,
@@ -124,12 +134,23 @@ class Model:
 
         EffectError where there is no such effect, not at that joint, or where the model has it already.
         """
-        if isinstance(effect, str):
-            name, _, place = effect.partition(":")
-            term = Term(self.find_effect(name), joint or place or None, self.joints)
-        else:
-            term = Term(effect, joint, self.joints)
-        return replace(self, terms=(*self.terms, term))
+        return replace(self, terms=(*self.terms, self._term(effect, joint)))
+
+    def _term(self, effect: Effect | str, joint: str | None = None) -> Term:
+        """Return the effect, or the one of that name, at its place; an Effect of one joint alone is at that one."""
+        if isinstance(effect, Effect):
+            alone = effect.joints[0] if len(effect.joints) == 1 and not effect.on_both else None
+            return Term(effect, joint or alone, self.joints)
+        if not isinstance(effect, str):
+            kind = type(effect).__name__
+            raise EffectError(f"a {kind} is no effect", where=self.name, remedy='name it: "stribeck:hip"')
+        name, _, place = effect.partition(":")
+        return Term(self.find_effect(name), joint or place or None, self.joints)
+
+    def _named(self, terms: str | Effect | Iterable[Term | Effect | str]) -> tuple[Term, ...]:
+        """Return `terms`, those that are only named among them."""
+        several = [terms] if isinstance(terms, (str, Effect)) else terms
+        return tuple(term if isinstance(term, Term) else self._term(term) for term in several)
 
     def without(self, term_name: str) -> Model:
         """Return this model without the term of that name; EffectError where it has none."""
@@ -162,9 +183,9 @@ class Model:
         return find_effect(id)
 
     @property
-    def joints(self) -> tuple[Joint, ...]:
-        """The joints (J,), in the order of every axis of length J."""
-        return self.chain or LEG
+    def chain(self) -> tuple[Joint, ...]:
+        """The joints of a machine that is not the leg; empty for the leg."""
+        return () if self.joints == LEG else self.joints
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
@@ -275,6 +296,17 @@ class Model:
         terms = "".join(f" + {one}" for one in [*(f.name for f in self.forces), *(t.name for t in self.terms)])
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
+
+
+def joints_of(given: Any) -> tuple[Joint, ...]:
+    """Return `given` joints, those that are only named among them as ones that turn; none are the leg's."""
+    several = tuple(given or LEG) if isinstance(given, (list, tuple)) else (given,)
+    wrong = next((one for one in several if not isinstance(one, (str, Joint))), None)
+    if wrong is not None:
+        raise EffectError(f"a {type(wrong).__name__} is no joint", remedy='name it, "hip", or give a Joint("hip")')
+    if several in (names(LEG), LEG):
+        return LEG
+    return tuple(one if isinstance(one, Joint) else Joint(one) for one in several)
 
 
 def require_still_base(model: Model, what: str) -> None:

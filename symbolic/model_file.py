@@ -260,7 +260,7 @@ def _machine(top: Table) -> Model:
         custom = _custom_effects(top, LEG)
         return Model(name, float(joints[0].length or 0.0), gravity, known, custom=custom)
     custom = _custom_effects(top, joints)
-    return Model(name, gravity=gravity, limits=limits, custom=custom, chain=joints, moving_base=moving)
+    return Model(name, gravity=gravity, limits=limits, custom=custom, joints=joints, moving_base=moving)
 
 
 def _moving_base(top: Table) -> bool:

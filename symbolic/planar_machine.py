@@ -82,7 +82,7 @@ def planar_machine(
         if made[-1].name != one.name:
             notes.append(f"joint {one.name!r} is called {made[-1].name} in the model")
     limits = {joint.name: limit for joint, one in zip(made, joints, strict=True) if (limit := _limits(one, where))}
-    model = Model(robot.name or "robot", gravity=gravity, limits=limits, chain=tuple(made))
+    model = Model(robot.name or "robot", gravity=gravity, limits=limits, joints=tuple(made))
     for k, name in enumerate(_off_axis(robot, joints, directions, normal)):
         if name and (gravity > 0.0 or parents[k] is not None):
             model = model.with_effect(f"com_offset:{made[k].name}")

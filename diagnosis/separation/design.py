@@ -25,7 +25,7 @@ from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from ground.ties import least_of, order_of
 from measurement.bench.simulation import bench_machine
-from measurement.recording import Recording
+from measurement.reading.given import Given, question_of
 from measurement.trajectories.extremes import bounds, uses
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from optimisation.excitation.criteria import Noise
@@ -62,7 +62,7 @@ class SeparateError(ExoidError):
 def separate(
     model: Model,
     rivals: Sequence[str],
-    recordings: Sequence[Recording] = (),
+    recordings: Given = (),
     settings: SeparationSettings | None = None,
     *,
     progress: Progress | None = None,
@@ -76,6 +76,7 @@ def separate(
     exist.
     """
     began = time.perf_counter()
+    model, recordings, _ = question_of(model, recordings)
     say = progress or silent
     asked = SeparationSettings.chosen(settings, changes)
     require_still_base(model, "the design of a motion")
@@ -120,6 +121,7 @@ def separate(
 
 def _without(model: Model, rivals: Sequence[str]) -> tuple[Model, tuple[Term, ...]]:
     """Return the model without the rivals, and the rivals as terms of it."""
+    rivals = [rivals] if isinstance(rivals, str) else rivals
     base = model
     for name in rivals:
         if name in {term.name for term in base.terms}:

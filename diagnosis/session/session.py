@@ -30,7 +30,7 @@ from diagnosis.session.ranking import Ranking
 from diagnosis.settings import DiscoveryOptions, DiscoverySettings
 from ground.progress import Progress, silent
 from measurement.forces import pushed_model
-from measurement.recording import Recording
+from measurement.reading.given import Given, question_of
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.effect import Effect
@@ -50,16 +50,17 @@ class Session:
     def __init__(
         self,
         model: Model,
-        recordings: Sequence[Recording],
-        verify: Sequence[Recording] = (),
+        recordings: Given,
+        verify: Given = (),
         settings: DiscoverySettings | None = None,
         *,
         prepared: Prepared | None = None,
         **changes: Unpack[DiscoveryOptions],
     ) -> None:
         asked = DiscoverySettings.chosen(settings, changes)
+        model, recordings, verify = question_of(model, recordings, verify)
         self.model = pushed_model(model, (*recordings, *verify))
-        self.recordings, self.verify = tuple(recordings), tuple(verify)
+        self.recordings, self.verify = recordings, verify
         self.asked = replace(asked, extra=own_effects(model, tuple(asked.extra)))
         if prepared is not None:
             self.prepared = prepared

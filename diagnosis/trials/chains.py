@@ -23,13 +23,13 @@ def _vary(rng: np.random.Generator, *values: float) -> tuple[float, ...]:
 def _drive(rng: np.random.Generator) -> Model:
     reach, velocity, acceleration = _vary(rng, 1.0, 2.0, 6.0)
     limits = {"axis": Limits((-reach, reach), velocity, acceleration)}
-    return Model("drive on a bench", limits=limits, chain=(Joint("axis"),))
+    return Model("drive on a bench", limits=limits, joints=(Joint("axis"),))
 
 
 def _slide(rng: np.random.Generator) -> Model:
     reach, velocity, acceleration = _vary(rng, 0.12, 0.25, 1.0)
     limits = {"axis": Limits((-reach, reach), velocity, acceleration)}
-    return Model("sliding drive", gravity=0.0, limits=limits, chain=(Joint("axis", "prismatic"),))
+    return Model("sliding drive", gravity=0.0, limits=limits, joints=(Joint("axis", "prismatic"),))
 
 
 def _chain(rng: np.random.Generator) -> Model:
@@ -40,7 +40,7 @@ def _chain(rng: np.random.Generator) -> Model:
         for name, (low, high, velocity, acceleration) in usual.items()
     }
     joints = (Joint("hip", length=round(thigh, 3)), Joint("knee", length=round(shank, 3)), Joint("ankle"))
-    return Model("leg with ankle", limits=limits, chain=joints)
+    return Model("leg with ankle", limits=limits, joints=joints)
 
 
 CHAINS: Mapping[str, Callable[[np.random.Generator], Model]] = MappingProxyType(

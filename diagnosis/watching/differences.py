@@ -29,10 +29,11 @@ from diagnosis.rules import RULES, Rules
 from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
 from diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, questions
 from diagnosis.watching.result import ChangeFound, Course, Differences
+from ground.calling import understood
 from ground.thresholds import Threshold
 from ground.ties import ascending
 from measurement.forces import pushed_model
-from measurement.recording import Recording
+from measurement.reading.given import Given, question_of
 from measurement.signals.methods import BUTTERWORTH
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import identify
@@ -61,10 +62,11 @@ QUICK = replace(RULES, placebo_for=6, placebo_nodes=25)
 """Thresholds as elsewhere; but half as many candidates get placebos, with fewer places in their search, for speed."""
 
 
+@understood()
 def compare_against(
     model: Model | Fit,
-    before: Sequence[Recording],
-    after: Sequence[Recording],
+    before: Given,
+    after: Given,
     *,
     seed: int = 0,
     cutoff: float | None = None,
@@ -76,6 +78,7 @@ def compare_against(
     `extra` are effects beyond the catalogue and the model's own. Refuses recordings that are too short or, before, do
     not determine the model.
     """
+    model, before, after = question_of(model, before, after)
     machine = model.model if isinstance(model, Fit) else model
     assert isinstance(machine, Model)
     machine = machine if isinstance(model, Fit) else pushed_model(machine, (*before, *after))

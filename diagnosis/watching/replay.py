@@ -15,7 +15,7 @@ from diagnosis.watching.watcher import Watcher
 from ground.errors import RecordingError
 from ground.html import bullets
 from ground.plain import AsJson
-from measurement.recording import Recording
+from measurement.reading.given import Given, machine_of, model_of, one_recording
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
@@ -110,7 +110,7 @@ class Logbook:
 
 
 def replay(
-    model: Model, recording: Recording, settings: Settings | None = None,
+    model: Model, recording: Given, settings: Settings | None = None,
     *, extra: Sequence[Effect] = (), progress: Callable[[Replay], object] | None = None,
 ) -> Replay:  # fmt: skip
     """Return what a watch reports of a recording; `progress` hears of it after every block.
@@ -118,6 +118,8 @@ def replay(
     Without `settings` the first third says what is usual, two minutes at most. RecordingError for one that is too
     short.
     """
+    model = machine_of(model_of(model))
+    recording = one_recording(recording, model.joints)
     rows = np.column_stack([recording.t, recording.q, recording.tau])[recording.complete]
     usual = settings or Settings()
     if settings is None:

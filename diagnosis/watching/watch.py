@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from diagnosis.watching.settings import Settings
 from diagnosis.watching.watcher import Watcher
 from ground.errors import ExoidError
 from measurement.reading.columns import required
+from measurement.reading.frames import is_table
+from measurement.reading.given import machine_of, model_of, one_recording
 from measurement.recording import Recording
 from optimisation.fitting.fit import Fit
 from symbolic.effect import Effect
@@ -23,18 +26,20 @@ PORTION = 500
 
 
 def follow(
-    model: Model | Fit, samples: Recording | Iterable[Any], settings: Settings | None = None,
+    model: Model | Fit | str | Path, samples: Recording | Iterable[Any], settings: Settings | None = None,
     *, extra: Sequence[Effect] = (),
 ) -> Iterator[Event]:  # fmt: skip
     """Yield what is to be reported of `samples` as they come; the last event is the summary.
 
-    `samples` is a recording, an array (N, 1 + 2 J), or anything that yields rows (t, q1, ..., tau1, ...) or mappings
-    with these names, one sample or an array of several at a time, in s, rad and N·m. ExoidError for anything else.
+    `samples` is a recording (its path, a table), an array (N, 1 + 2 J), or anything that yields rows (t, q1, ..., tau1,
+    ...) or mappings with these names, one sample or an array of several at a time, in s, rad and N·m. ExoidError for
+    anything else.
     """
-    machine = model.model if isinstance(model, Fit) else model
-    assert isinstance(machine, Model)
+    machine = machine_of(model_of(model))
     watcher = Watcher(machine, settings or Settings(), tuple(extra))
     names = required(machine.joints)
+    if isinstance(samples, (str, Path, Mapping)) or (is_table(samples) and not isinstance(samples, np.ndarray)):
+        samples = one_recording(samples, machine.joints)
     if isinstance(samples, Recording):
         samples = np.column_stack([samples.t, samples.q, samples.tau])[samples.complete]
     waiting: list[np.ndarray] = []
@@ -63,6 +68,6 @@ def watch(model: Any, samples: Any, *further: Any, **options: Any) -> Waterfall 
 
     `watch(models, recordings, verify)` fits one model after the other to the same samples .
     """
-    if isinstance(model, (Model, Fit)):
+    if isinstance(model, (Model, Fit, str, Path)):
         return follow(model, samples, *further, **options)
     return fit_in_turn(model, samples, *further, **options)

@@ -37,6 +37,13 @@ class Hidden:
     values: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     size: float | None = None
 
+    def __post_init__(self) -> None:
+        """Take "stribeck:knee" apart."""
+        if isinstance(self.effect, str) and ":" in self.effect and self.joint is None:
+            identity, _, joint = self.effect.partition(":")
+            object.__setattr__(self, "effect", identity)
+            object.__setattr__(self, "joint", joint)
+
     @property
     def name(self) -> str:
         """The term's name: `stribeck:knee`, or `gravity_tilt` for an effect on both joints."""
@@ -63,6 +70,13 @@ def parse_hidden(text: str) -> Hidden:
             raise _unreadable(text)
         values[key.strip()] = _number(number, text)
     return Hidden(identity, joint or None, MappingProxyType(values))
+
+
+def hidden_in(effects: str | Effect | Hidden | Iterable[str | Effect | Hidden]) -> tuple[Hidden, ...]:
+    """Return what hides in a machine, one or several, those that are only named ("stribeck:knee=0.8") among them."""
+    several = [effects] if isinstance(effects, (str, Effect, Hidden)) else effects
+    found = (parse_hidden(one) if isinstance(one, str) else one for one in several)
+    return tuple(Hidden(one) if isinstance(one, Effect) else one for one in found)
 
 
 @dataclass(frozen=True, eq=False)

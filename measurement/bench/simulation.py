@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import ExoidError
+from ground.calling import understood
+from ground.errors import EffectError, ExoidError
 from measurement.bench.controller import Controller
 from measurement.bench.deflection import at_encoders, rigid_torque
 from measurement.bench.equation import split_channel, stepper
-from measurement.bench.hidden import Hidden, TrueModel, true_model
+from measurement.bench.hidden import Hidden, TrueModel, hidden_in, true_model
 from measurement.bench.leg import Leg, standard_leg
 from measurement.bench.machine import Machine, standard_machine
 from measurement.bench.seal import HiddenTruth, Truth
@@ -31,6 +32,7 @@ from measurement.bench.sway import ACCELERATION_NOISE, base_motion
 from measurement.bench.wearer import Wearer, pinned, pushes, worn
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
+from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 
@@ -106,11 +108,12 @@ class Bench:
         return max(1, math.ceil(1.0 / (self.rate * self.step) - 1e-9))
 
 
+@understood()
 def simulate(
     model: Model | None = None,
     leg: Leg | Machine | None = None,
     *,
-    effects: Iterable[Hidden] = (),
+    effects: str | Hidden | Iterable[str | Hidden] = (),
     seed: int = 0,
     excitation: Fourier | None = None,
     bench: Bench | None = None,
@@ -118,7 +121,8 @@ def simulate(
     rate: float | None = None,
     name: str = "run",
 ) -> Recording:
-    """Return a Recording of `leg` moving along `excitation` with `effects` hidden in it.
+    """Return a Recording of `leg` moving along `excitation` with `effects` ("stribeck:knee", "stribeck:knee=0.8" or
+    Hidden, one or many) hidden in it.
 
     `model` (the standard leg's) gives geometry, limits and the terms known already; `excitation` None draws a
     fresh motion from `seed`; `duration` in s and `rate` in Hz override those of `bench`. The same arguments
@@ -128,12 +132,13 @@ def simulate(
     return run_bench(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
 
 
+@understood()
 def simulate_runs(
     count: int,
     model: Model | None = None,
     leg: Leg | Machine | None = None,
     *,
-    effects: Iterable[Hidden] = (),
+    effects: str | Hidden | Iterable[str | Hidden] = (),
     seed: int = 0,
     excitation: Fourier | None = None,
     bench: Bench | None = None,
@@ -143,7 +148,7 @@ def simulate_runs(
 
     With `excitation` all follow that motion; only noise and disturbances then differ.
     """
-    hidden = tuple(effects)
+    hidden = hidden_in(effects)
     return tuple(
         run_bench(
             model, leg, effects=hidden, seed=seed, index=k, excitation=excitation, bench=bench, name=f"{name}_{k}"
@@ -156,7 +161,7 @@ def run_bench(
     model: Model | None = None,
     leg: Leg | Machine | None = None,
     *,
-    effects: Iterable[Hidden] = (),
+    effects: str | Hidden | Iterable[str | Hidden] = (),
     seed: int = 0,
     index: int = 0,
     excitation: Fourier | None = None,
@@ -169,13 +174,15 @@ def run_bench(
     `feed_forward` gives the torque (N, J) in N·m that the drives add to the controller's along the wanted motion.
     """
     model = Model.standard() if model is None else model
+    if isinstance(leg, (str, Effect, Hidden)):
+        raise EffectError("an effect is hidden by `effects`", remedy='simulate(model, effects="stribeck:knee")')
     leg = bench_machine(model) if leg is None else leg
     bench = Bench() if bench is None else bench
     if bench.wearer is not None and not model.chain:
         model = worn(model, bench.wearer)
     model = pinned(model)
     _check_fits(model, leg, bench.wearer is not None)
-    hidden = tuple(effects)
+    hidden = hidden_in(effects)
     # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
     # as it is.
     motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))

@@ -13,14 +13,29 @@ import numpy as np
 from ground.errors import RecordingError
 from measurement.reading.raw import RawTable, named_column, table_from_arrays
 
+FRAMES = ("pandas.DataFrame", "polars.DataFrame", "polars.LazyFrame", "pyarrow.Table")
 
-def table_from(source: Any, where: str) -> RawTable:
-    """Return the columns of a table in memory; RecordingError where `source` is none, or has no rows."""
-    kind = f"{type(source).__module__.partition('.')[0]}.{type(source).__name__}"
+
+def is_table(source: Any) -> bool:
+    """Whether this is a table or an array in memory, as `table_from` reads them or refuses them with a reason."""
+    kind = _kind(source)
+    return kind in FRAMES or kind.startswith("xarray.") or isinstance(source, (np.ndarray, Mapping))
+
+
+def _kind(source: Any) -> str:
+    return f"{type(source).__module__.partition('.')[0]}.{type(source).__name__}"
+
+
+def table_from(source: Any, where: str, joints: int | None = None) -> RawTable:
+    """Return the columns of a table in memory; RecordingError where `source` is none, or has no rows.
+
+    An array (N, 1 + 2 J) has the columns t, q1, ..., tau1, ...; `joints` is J where it is known.
+    """
+    kind = _kind(source)
     if kind == "pandas.DataFrame":
         table = _from_pandas(source)
     elif kind == "polars.LazyFrame":
-        return table_from(source.collect(), where)
+        return table_from(source.collect(), where, joints)
     elif kind in ("polars.DataFrame", "pyarrow.Table"):
         names = list(source.columns if kind.startswith("polars") else source.column_names)
         table = _table([(name, _cells(source[name]), "") for name in names])
@@ -28,18 +43,38 @@ def table_from(source: Any, where: str) -> RawTable:
         table = _from_xarray(source)
     elif isinstance(source, np.ndarray) and source.dtype.names:
         return table_from_arrays({name: source[name] for name in source.dtype.names}, where=where)
+    elif isinstance(source, np.ndarray):
+        return _from_matrix(source, where, joints)
     elif isinstance(source, Mapping):
         return table_from_arrays({str(name): np.asarray(cells) for name, cells in source.items()}, where=where)
     else:
         raise RecordingError(
             f"a {type(source).__name__} is not a recording",
             where=where,
-            remedy="give a path, a DataFrame (pandas or polars), a structured NumPy array, an xarray Dataset, or a "
-            "mapping {name: array}",
+            remedy="give a path, a DataFrame (pandas or polars), an array with the columns t, q1, ..., tau1, ..., a "
+            "structured NumPy array, an xarray Dataset, or a mapping {name: array}",
         )
     if not table.columns or not table.row.size:
         raise RecordingError("the table has no rows", where=where, remedy="give one row per sample")
     return table
+
+
+def _from_matrix(matrix: np.ndarray, where: str, joints: int | None) -> RawTable:
+    """Return the columns t, q1, ..., tau1, ... of an array whose width says of how many joints it is."""
+    shape = matrix.shape
+    fits = matrix.ndim == 2 and shape[1] % 2 == 1 and shape[1] >= 3 and joints in (None, (shape[1] - 1) // 2)
+    if not fits or matrix.dtype.kind not in "iuf":
+        wanted = "1 + 2 J columns" if joints is None else f"{1 + 2 * joints} columns"
+        turned = matrix.ndim == 2 and shape[0] in ([1 + 2 * joints] if joints else (3, 5, 7)) and shape[0] < shape[1]
+        raise RecordingError(
+            f"an array {shape} of {matrix.dtype} is not a recording: {wanted} of numbers are needed, the time, then "
+            "the angles, then the torques of all joints",
+            where=where,
+            remedy="turn it round: array.T" if turned else "name the columns: {'t': ..., 'q1': ..., 'tau1': ...}",
+        )
+    count = (shape[1] - 1) // 2
+    names = ["t", *(f"{what}{k}" for what in ("q", "tau") for k in range(1, count + 1))]
+    return _table([(name, matrix[:, k], "") for k, name in enumerate(names)])
 
 
 def _from_pandas(frame: Any) -> RawTable:

@@ -53,16 +53,17 @@ def read_recording(
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
 
-    `source` is a path (also `archive.zip/run1.csv`) or a table in memory: a pandas or polars DataFrame, a structured
-    NumPy array, an xarray Dataset, a mapping {name: array}. `columns` maps canonical names to columns of the file
-    ({"q1": "HipEnc"}), `units` gives the unit of a quantity or column ({"q": "deg", "tau1": "Nm/A*0.1*50"}), `leg`
-    ("left" or "right") says which one where both are in it, `convention` how angles and torques are counted
-    ("flexion-positive", "absolute-shank,hip-from-upright"; `measurement.reading.conventions`). What is not given is
-    taken from `exoid.toml` beside the file, if that knows its columns. Rows with a cell that is not a number are masked
-    in `valid`, never dropped. `join` are further files of the same trial with clocks of their own, or pairs (file, what
-    its clock reads more in s); see `measurement.reading.join`. `joints` are those of the machine (`model.joints`); None
-    means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that
-    cannot be used, with the place and the remedy.
+    `source` is a path (also `archive.zip/run1.csv`) or a table in memory: a pandas or polars DataFrame, an array (N, 1
+    + 2 J) with the columns t, q1, ..., tau1, ..., a structured one, an xarray Dataset, a mapping {name: array}.
+    `columns` maps canonical names to columns of the file ({"q1": "HipEnc"}), `units` gives the unit of a quantity or
+    column ({"q": "deg", "tau1": "Nm/A*0.1*50"}), `leg` ("left" or "right") says which one where both are in it,
+    `convention` how angles and torques are counted ("flexion-positive", "absolute-shank,hip-from-upright";
+    `measurement.reading.conventions`). What is not given is taken from `exoid.toml` beside the file, if that knows its
+    columns. Rows with a cell that is not a number are masked in `valid`, never dropped. `join` are further files of the
+    same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
+    `measurement.reading.join`. `joints` are those of the machine (`model.joints`); None means the leg's, or as many as
+    the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that cannot be used, with the place
+    and the remedy.
     """
     told = _told(columns, units, leg, convention, join)
     if told.leg not in ("", *LEGS):
@@ -188,7 +189,7 @@ def _whole(
     source: Any, told: StatedMapping, name: str, machine: Machine
 ) -> tuple[RawTable, Source, str, StatedMapping]:
     """Return what `_loaded` does, with the files that are joined to it."""
-    table, origin, name, told = _loaded(source, told, name)
+    table, origin, name, told = _loaded(source, told, name, machine)
     if not told.join:
         return table, origin, name, told
     if told.leg == "both":
@@ -206,10 +207,13 @@ def _whole(
     return one, Source(origin.path, sha256("".join(sums))), name, replace(told, columns={}, units={}, leg="")
 
 
-def _loaded(source: Any, told: StatedMapping, name: str) -> tuple[RawTable, Source, str, StatedMapping]:
+def _loaded(
+    source: Any, told: StatedMapping, name: str, machine: Machine = None
+) -> tuple[RawTable, Source, str, StatedMapping]:
     """Return the table of `source`, where it came from, its name, and all that is said of its columns."""
     if not isinstance(source, (str, Path)):
-        return join_split(table_from(source, name or "table")), Source(), name or "table", told
+        count = None if machine is None else len(machine)
+        return join_split(table_from(source, name or "table", count)), Source(), name or "table", told
     path = Path(source)
     with opened(path) as real:
         origin = Source(str(path), digest(real))

@@ -207,7 +207,9 @@ def _check(path: Path) -> None:
         kind = path.stat()
     if stat.S_ISDIR(kind.st_mode) and not is_bag(path):
         raise RecordingError(
-            "this is a folder, not a recording", where=str(path), remedy=f"name one of its files: {path}/*.csv"
+            "this is a folder, not a recording",
+            where=str(path),
+            remedy=f"name one of its files, {path}/*.csv; read_recordings reads them all",
         )
     if not (stat.S_ISREG(kind.st_mode) or is_bag(path)):
         raise RecordingError("this is not an ordinary file", where=str(path), remedy="give the path of a file on disk")

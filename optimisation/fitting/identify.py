@@ -10,14 +10,14 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Unpack, cast
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from ground.errors import NotEnoughDataError
 from ground.settings import spelt_out
 from measurement.forces import pushed_model
-from measurement.recording import Recording
+from measurement.reading.given import Given, machine_of, model_of, question_of
 from optimisation.fitting.assemble import Assembly, Settled
 from optimisation.fitting.cautions import held, numerical, price, unproven
 from optimisation.fitting.fit import Fit, FitStage
@@ -36,7 +36,7 @@ from optimisation.linear.solve import delta_rule, solve_sse
 from optimisation.optimiser import OptimiserRun, minimise
 from optimisation.optimisers.nfo import NFO
 from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import prepare
+from optimisation.preparation.prepare import Prepared, prepare
 from symbolic.codegen.fitness import fitness
 from symbolic.motion import Float
 
@@ -55,13 +55,14 @@ Progress = Callable[[str], None]
 @spelt_out(FitSettings)
 def identify(
     model: Model,
-    data: Sequence[PreparedRecording] | Sequence[Recording],
+    data: Sequence[PreparedRecording] | Given,
     settings: FitSettings | None = None,
     *,
     progress: Progress | None = None,
     **changes: Unpack[FitOptions],
 ) -> Fit:
-    """Fit `model` to recordings, prepared or as they were read (they are then prepared), and return the Fit.
+    """Fit `model` to recordings, prepared or as `measurement.reading.given` takes them (they are then prepared), and
+    return the Fit.
 
     `physical` looks for the best parameters that some leg could have (`optimisation.linear.physical`), by IPOPT with
     our certificate; NFO, which has no such conditions, is then left out. `Fit.held` says what that changed. Shape
@@ -71,7 +72,7 @@ def identify(
     """
     began = time.perf_counter()
     asked = FitSettings.chosen(settings, changes)
-    if not data:
+    if isinstance(data, (list, tuple)) and not data:
         raise NotEnoughDataError("there is no recording to fit", remedy="give at least one recording")
     model, data = _prepared(model, data)
     possible = physics(model) if asked.physical else None
@@ -162,15 +163,14 @@ def _spacing(one: PreparedRecording) -> float:
     return float(t[-1] - t[0]) / max(1, len(t) - 1) * max(1, round(len(t) / max(1, len(one.kept))))
 
 
-def _prepared(
-    model: Model, data: Sequence[PreparedRecording] | Sequence[Recording]
-) -> tuple[Model, Sequence[PreparedRecording]]:
+def _prepared(model: Model, data: Any) -> tuple[Model, Sequence[PreparedRecording]]:
     """Return the model and prepared recordings; those just read are prepared for it, with the cut-off chosen, and it
     gets the forces that they have measured.
     """
-    raw = [one for one in data if isinstance(one, Recording)]
-    if not raw:
-        return model, cast("Sequence[PreparedRecording]", data)
+    data = data.train if isinstance(data, Prepared) else data
+    if isinstance(data, (list, tuple)) and all(isinstance(one, PreparedRecording) for one in data):
+        return model, data
+    model, raw, _ = question_of(machine_of(model_of(model)), data)
     model = pushed_model(model, raw)
     return model, prepare(model, raw).train
 

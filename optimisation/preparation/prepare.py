@@ -23,6 +23,7 @@ from measurement.auditing.convention import check_conventions
 from measurement.finding import Finding
 from measurement.forces import force_signals, unused_forces
 from measurement.overlap import held_apart
+from measurement.reading.given import Given, question_of
 from measurement.recording import Recording
 from measurement.signals.conditioning import UniformSignals, uniform_sampling
 from measurement.signals.derivatives import check_method
@@ -85,8 +86,8 @@ class Prepared:
 
 def prepare(
     model: Model,
-    recordings: Sequence[Recording],
-    verify: Sequence[Recording] = (),
+    recordings: Given,
+    verify: Given = (),
     *,
     cutoff: float | None = None,
     derivative: str = BUTTERWORTH,
@@ -97,6 +98,7 @@ def prepare(
     are too short or too slow for the cut-off, motion that does not repeat where periods are to be averaged, and unseen
     recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
     """
+    model, recordings, verify = question_of(model, recordings, verify)
     check_method(derivative)
     reuse_freed_memory()
     if not recordings:

@@ -39,7 +39,7 @@ def test_the_equation_of_motion_of_a_chain_is_mujocos(effect, enough):
     rng = np.random.default_rng(3)
     chain = mujoco_chains.Chain.of(f"{effect}:{'hip' if enough else 'ankle'}", rng)
     seen, motion = mujoco_chains.simulate(chain, rng, "run", seconds=3.0, noise=False)
-    model = Model("chain", limits={}, chain=chain.joints)
+    model = Model("chain", limits={}, joints=chain.joints)
     moving = np.all(np.abs(motion.dq) > 0.05, axis=1)  # where a joint sticks friction is anything up to the dry one
     columns, torque = model.columns(motion)[:, moving].reshape(-1, len(model.parameters)), seen.tau[moving].T.ravel()
     left = torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]

@@ -194,7 +194,7 @@ def test_held_out_recordings_of_another_leg(good):
 def test_short_recordings_of_one_machine_are_not_taken_for_two(shared_data):
     """Six seconds of a pendulum fitted, three held out: a much larger error there, and no number that differs."""
     fitted, unseen = (read_recording(shared_data / "one_joint_rig" / f"swing_up_{k}.csv") for k in ("ddp", "slow"))
-    machine = Model("pendulum", limits={}, chain=(Joint("axis"),))
+    machine = Model("pendulum", limits={}, joints=(Joint("axis"),))
     prepared = prepare(machine, [fitted], [unseen])
     found = fitted_model(identify(machine, prepared.train, optimisers=()), prepared)
     assert found.verify_rms is not None and found.verify_rms[0] > 2.0 * found.train_rms[0]
@@ -314,7 +314,7 @@ def test_slow_motion_without_friction_is_not_taken_for_motion_by_hand(good):
 
 @pytest.mark.parametrize(("joint", "kind"), [("axis", "revolute"), ("stage", "prismatic")])
 def test_a_torque_counted_the_other_way_is_said_on_any_machine(joint, kind):
-    machine = Model("bench", gravity=9.81 if kind == "revolute" else 0.0, chain=(Joint(joint, kind),))
+    machine = Model("bench", gravity=9.81 if kind == "revolute" else 0.0, joints=(Joint(joint, kind),))
     runs = [run_bench(machine, seed=6, index=k, bench=Bench(duration=12.0)).recording for k in range(2)]
     for sign in (1.0, -1.0):
         prepared = prepare(machine, [replace(one, tau=sign * one.tau) for one in runs], cutoff=6.0)

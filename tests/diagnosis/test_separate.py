@@ -110,7 +110,7 @@ def test_fewer_than_two_rivals_are_refused(rivals):
     ],
 )
 def test_a_motion_for_rivals_in_other_machines(joint, rivals):
-    model = Model("bench", chain=(joint,))
+    model = Model("bench", joints=(joint,))
     found = separate(model, rivals, generations=1)
     assert found.separable and all(use.holds for use in found.uses)
     assert f" {joint.unit('tau')} on" in repr(found)
@@ -118,14 +118,14 @@ def test_a_motion_for_rivals_in_other_machines(joint, rivals):
 
 
 def test_what_else_distinguishes_look_alikes_of_a_chain():
-    model = Model("bench", chain=(Joint("axis"),))
+    model = Model("bench", joints=(Joint("axis"),))
     terms = [model.with_effect(name).terms[-1] for name in ("com_offset:axis", "gravity_tilt")]
     (one,) = same_torques(model, terms)
     assert one.mutual and one.ways[0].startswith("hang a known mass on the axis")
 
 
 def test_a_machine_on_a_moving_base_is_refused():
-    model = Model("bench", chain=(Joint("axis"),), moving_base=True)
+    model = Model("bench", joints=(Joint("axis"),), moving_base=True)
     with pytest.raises(EffectError, match="takes the base to stand still"):
         separate(model, ["stribeck:axis", "viscous_cubic:axis"])
 

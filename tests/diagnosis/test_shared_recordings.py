@@ -77,9 +77,9 @@ def test_real_rig_zeros_that_differ_are_named_and_not_taken_for_an_effect(shared
 
 def test_adding_what_is_not_missing_is_told(shared_data):
     train, verify = leg(shared_data, "b")
-    wrong = add(Model.standard(), "joint_spring", "knee", train, verify)
+    wrong = add(Model.standard(), "joint_spring:knee", train, verify)
     assert (not wrong.helped and "does not lower" in wrong.sentence) or "not this effect" in wrong.sentence
-    right = add(Model.standard(), "stribeck", "hip", train, verify)
+    right = add(Model.standard(), "stribeck:hip", train, verify)
     assert right.helped
     assert right.after.estimate("stribeck:hip.c").low < 2.65 < right.after.estimate("stribeck:hip.c").high + 0.1
 

@@ -25,8 +25,8 @@ from symbolic.joints import LEVER, Joint
 from symbolic.model import Model
 from symbolic.term import Term
 
-DRIVE = Model("drive", chain=(Joint("axis"),))
-SLIDE = Model("slide", gravity=0.0, chain=(Joint("axis", "prismatic"),))
+DRIVE = Model("drive", joints=(Joint("axis"),))
+SLIDE = Model("slide", gravity=0.0, joints=(Joint("axis", "prismatic"),))
 
 
 def test_what_a_term_with_a_choice_leaves_is_weighed_on_one_joint():

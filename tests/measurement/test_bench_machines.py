@@ -14,11 +14,11 @@ from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.joints import Joint
 from symbolic.model import Limits, Model
 
-DRIVE = Model("drive", chain=(Joint("drive"),))
+DRIVE = Model("drive", joints=(Joint("drive"),))
 SLIDE = Model(
-    "slide", gravity=0.0, chain=(Joint("stage", "prismatic"),), limits={"stage": Limits((-0.1, 0.1), 0.2, 0.8)}
+    "slide", gravity=0.0, joints=(Joint("stage", "prismatic"),), limits={"stage": Limits((-0.1, 0.1), 0.2, 0.8)}
 )
-CRANE = Model("crane", chain=(Joint("boom", length=0.4), Joint("reach", "prismatic")))
+CRANE = Model("crane", joints=(Joint("boom", length=0.4), Joint("reach", "prismatic")))
 IDEAL = Bench(duration=6.0, sensors=Sensors.ideal())
 
 

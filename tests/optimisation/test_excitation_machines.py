@@ -12,9 +12,9 @@ from symbolic.joints import Joint
 from symbolic.model import Model
 
 MACHINES = {
-    "drive": Model("drive", chain=(Joint("drive"),)),
-    "crane": Model("crane", chain=(Joint("boom", length=0.4), Joint("reach", "prismatic"))),
-    "three": Model("three", chain=(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle"))),
+    "drive": Model("drive", joints=(Joint("drive"),)),
+    "crane": Model("crane", joints=(Joint("boom", length=0.4), Joint("reach", "prismatic"))),
+    "three": Model("three", joints=(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle"))),
 }
 
 

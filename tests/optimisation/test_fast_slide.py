@@ -27,7 +27,7 @@ def test_a_slow_cut_off_that_its_own_filter_error_favours_is_not_taken(tmp_path)
     tau = MASS * ddq + COULOMB * sign + VISCOUS * dq + noise
     path = tmp_path / "slide.csv"
     np.savetxt(path, np.column_stack([t, q, tau]), delimiter=",", header="t,q,tau", comments="", fmt="%.7f")
-    model = Model("slide", gravity=0.0, chain=(Joint("axis", "prismatic"),))
+    model = Model("slide", gravity=0.0, joints=(Joint("axis", "prismatic"),))
     prepared = prepare(model, [read_recording(path, joints=model.joints)])
     assert prepared.choice.cutoff >= 10.0
     mass = identify(model, prepared.train, optimisers=()).estimates[0]

@@ -14,9 +14,9 @@ from optimisation.preparation.prepare import prepare
 from symbolic.joints import Joint
 from symbolic.model import Model
 
-DRIVE = Model("drive", chain=(Joint("drive"),))
-CHAIN = Model("arm", chain=(Joint("shoulder", length=0.3), Joint("elbow")))
-SLIDE = Model("slide", gravity=0.0, chain=(Joint("stage", "prismatic"),))
+DRIVE = Model("drive", joints=(Joint("drive"),))
+CHAIN = Model("arm", joints=(Joint("shoulder", length=0.3), Joint("elbow")))
+SLIDE = Model("slide", gravity=0.0, joints=(Joint("stage", "prismatic"),))
 
 
 @pytest.mark.parametrize("model", [DRIVE, SLIDE], ids=["drive", "slide"])
@@ -31,7 +31,7 @@ def test_the_numbers_of_the_bench_are_found_again(model):
 
 @pytest.mark.parametrize("chain", [(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")), DRIVE.chain])
 def test_the_best_possible_links_of_any_machine(chain):
-    model = Model("machine", chain=chain)
+    model = Model("machine", joints=chain)
     run = run_bench(model, seed=4, bench=Bench(duration=8.0)).recording
     last = np.eye(len(chain))[-1]
     wrong = replace(run, tau=run.tau - 1.2 * last * run.tau)  # the last drive seems to push the wrong way a little

@@ -20,7 +20,7 @@ from optimisation.preparation.prepare import prepare
 from symbolic.joints import Joint
 from symbolic.model import Model
 
-PACK = Model("backpack", limits={}, chain=(Joint("hip", length=0.42), Joint("knee")), moving_base=True)
+PACK = Model("backpack", limits={}, joints=(Joint("hip", length=0.42), Joint("knee")), moving_base=True)
 FIXED = replace(PACK, moving_base=False)
 
 

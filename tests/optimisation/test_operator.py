@@ -18,8 +18,8 @@ from symbolic.joints import Joint
 from symbolic.model import Model
 from symbolic.motion import Motion
 
-AXIS = Model("bench", chain=(Joint("axis"),))
-CHAIN = Model("chain", chain=(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")))
+AXIS = Model("bench", joints=(Joint("axis"),))
+CHAIN = Model("chain", joints=(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")))
 HIDDEN = {
     "viscous_quadratic": (0.4,),
     "viscous_cubic": (0.2,),

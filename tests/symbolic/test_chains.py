@@ -21,7 +21,7 @@ TREE = (Joint("left", length=0.42, parent="base"), Joint("left_knee"), Joint("ri
 
 
 def machine(joints, gravity=9.81):
-    return Model("machine", gravity=gravity, limits={}, chain=joints)
+    return Model("machine", gravity=gravity, limits={}, joints=joints)
 
 
 def motion(count, samples=30):
@@ -163,7 +163,7 @@ def test_effects_at_joints_of_a_machine():
         with pytest.raises(EffectError, match=message):
             model.with_effect(wrong)
     with pytest.raises(EffectError, match="other joints"):
-        Model("mixed", limits={}, chain=LEG3, terms=Model.standard().with_effect("stribeck:knee").terms)
+        Model("mixed", limits={}, joints=LEG3, terms=Model.standard().with_effect("stribeck:knee").terms)
 
 
 def test_units_of_a_drive_that_slides():
@@ -211,7 +211,7 @@ def test_what_changes_the_mechanism_changes_it_as_it_changes_the_leg(on_leg, on_
 
 @pytest.mark.parametrize("joints", [KNEE, LEG3])
 def test_a_base_that_turns_and_is_accelerated(joints):
-    moving = Model("backpack", limits={}, chain=joints, moving_base=True)
+    moving = Model("backpack", limits={}, joints=joints, moving_base=True)
     on, rng, count = motion(len(joints)), np.random.default_rng(4), len(joints)
     linear = np.array([*masses(machine(joints))[0], *([0.0] * 2 * count)])
     base = rng.normal(size=(30, 5))
@@ -232,7 +232,7 @@ def test_two_legs_on_a_backpack_are_a_tree():
     legs = tuple(Joint(f"{side}_{name}", length=length, parent=parent and parent.format(side))
                  for side in ("left", "right")
                  for name, length, parent in (("hip", 0.42, "base"), ("knee", None, None)))  # fmt: skip
-    model = Model("legs", limits={}, chain=legs, moving_base=True)
+    model = Model("legs", limits={}, joints=legs, moving_base=True)
     assert [str(one) for one in check_equations(model) if not one.holds] == []
     reached = model.with_effect("motor_elasticity:left_knee").columns(motion(4), None, np.ones(17))[:, :, -1]
     assert np.abs(reached[:2]).min(axis=1).max() > 0.0 and not reached[2:].any()

@@ -16,7 +16,7 @@ from symbolic.writing_equations import FORMATS
 
 LEG = exoid.Model.standard(thigh_length=0.43)
 CHAIN = exoid.Model(
-    "machine", limits={}, chain=(Joint("hip", length=0.42), Joint("knee", length=0.4), Joint("slide", "prismatic"))
+    "machine", limits={}, joints=(Joint("hip", length=0.42), Joint("knee", length=0.4), Joint("slide", "prismatic"))
 )
 MODELS = {
     "leg": LEG,

@@ -56,7 +56,7 @@ def test_virtual_work_and_newton_euler_ask_the_drives_for_the_same_on_a_tree(mov
         Force("v", "other", ("u",), frame=VERTICAL),
         Force("p", "ankle", ("it",), frame=TORQUE),
     ]
-    model = Model(chain=TREE, moving_base=moving).with_forces(*forces)
+    model = Model(joints=TREE, moving_base=moving).with_forces(*forces)
     checks = [check for check in check_equations(model) if check.name == "measured forces"]
     assert len(checks) == len(forces)
     assert all(check.holds for check in checks), [str(check) for check in checks]
@@ -74,7 +74,7 @@ def test_virtual_work_and_newton_euler_ask_the_drives_for_the_same_on_a_tree(mov
 def test_place_and_gain_may_be_known_or_numbers_of_the_model(frame, link, at, gain, sign, seed):
     columns = ("x", "z") if frame == WORLD else ("x",)
     open_, known = (
-        Model(chain=TREE).with_forces(Force("f", link, columns, a, frame, g, sign=sign))
+        Model(joints=TREE).with_forces(Force("f", link, columns, a, frame, g, sign=sign))
         for a, g in ((None, None), (at, gain))
     )
     motion = motion_of(known, seed)
@@ -104,7 +104,7 @@ def test_a_force_is_no_part_of_the_rigid_body_torque_that_friction_follows():
 
 
 def test_a_measured_base_turns_the_point_with_it():
-    model = Model(chain=TREE[:2], moving_base=True).with_forces(Force("g", "knee", ("x", "z"), at=0.3))
+    model = Model(joints=TREE[:2], moving_base=True).with_forces(Force("g", "knee", ("x", "z"), at=0.3))
     motion = motion_of(model)
     wanted = pushed_torques(model.chain, motion.q, model.forces[0], 0.3, motion.force, BaseMotion(*motion.base.T))
     assert model.torque(motion, np.zeros(len(model.parameters))) == pytest.approx(wanted)
@@ -163,4 +163,4 @@ def test_what_a_file_says_wrongly_of_a_force_is_told_with_its_place(tmp_path, ch
 
 def test_a_force_that_does_no_work_is_refused():
     with pytest.raises(EffectError, match="does no work"):
-        Model(chain=(Joint("rail", "prismatic"),)).with_forces(Force("f", "rail", ("x",)))
+        Model(joints=(Joint("rail", "prismatic"),)).with_forces(Force("f", "rail", ("x",)))

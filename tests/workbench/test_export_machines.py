@@ -27,12 +27,12 @@ HKA = (Joint("hip", length=0.42), Joint("knee", length=0.4), Joint("ankle"))
 LEGS = (Joint("hip_l", length=0.42, parent="base"), Joint("knee_l"), Joint("hip_r", length=0.4, parent="base"),
         Joint("knee_r"))  # fmt: skip
 MACHINES = {
-    "drive": Model("drive", limits={}, chain=(Joint("drive"),)).with_effect("stribeck:drive"),
-    "slide": Model("slide", gravity=0.0, limits={}, chain=(Joint("axis", "prismatic"),)).with_effect(
+    "drive": Model("drive", limits={}, joints=(Joint("drive"),)).with_effect("stribeck:drive"),
+    "slide": Model("slide", gravity=0.0, limits={}, joints=(Joint("axis", "prismatic"),)).with_effect(
         "torque_offset:axis"
     ),
-    "hka": Model("hka", limits={}, chain=HKA).with_effect("com_offset:ankle").with_effect("backlash:knee"),
-    "legs": Model("legs", limits={}, chain=LEGS, moving_base=True),
+    "hka": Model("hka", limits={}, joints=HKA).with_effect("com_offset:ankle").with_effect("backlash:knee"),
+    "legs": Model("legs", limits={}, joints=LEGS, moving_base=True),
 }
 
 
@@ -122,7 +122,7 @@ def test_pinocchio_and_mujoco_read_the_machine_and_give_its_rigid_torque(name):
 
 def test_mujoco_has_rotor_spring_and_viscous_friction():
     mujoco = pytest.importorskip("mujoco")
-    model = Model("hk", limits={}, chain=HKA).with_effect("rotor_inertia:knee").with_effect("joint_spring:ankle")
+    model = Model("hk", limits={}, joints=HKA).with_effect("rotor_inertia:knee").with_effect("joint_spring:ankle")
     given, on = numbers(model), motion(model)
     given.linear["joint_spring:ankle.c"] = -0.4
     machine = mujoco.MjModel.from_xml_string(mjcf.write(ready(model, given), Options())["exoid_leg.xml"])
@@ -235,7 +235,7 @@ def test_numbers_go_into_an_odd_urdf(seed, tmp_path):
 
 def test_numbers_that_are_the_files_own_leave_its_bodies_as_they_are(tmp_path):
     """Of all bodies with the same numbers, the nearest to the file's is the file's."""
-    model = Model("hka", limits={}, chain=HKA)
+    model = Model("hka", limits={}, joints=HKA)
     mine = [LinkInertia(0.3, 0.8, 0.0, 4.0), LinkInertia(0.15, 0.45, 0.0, 2.5), LinkInertia(0.02, 0.08, 0.0, 1.0)]
     links = [[one.inertia, one.along, one.mass] for one in mine]
     phi = np.einsum("pjk,jk->p", model.mixture, links)
@@ -249,10 +249,10 @@ def test_numbers_that_are_the_files_own_leave_its_bodies_as_they_are(tmp_path):
 def test_what_cannot_be_written_is_refused_in_words(tmp_path):
     path = tmp_path / "robot.urdf"
     path.write_text(OWN, encoding="utf-8")
-    model = Model("hka", limits={}, chain=HKA)
+    model = Model("hka", limits={}, joints=HKA)
     with pytest.raises(ExportError, match="no joint 'ankle'"):
         into_urdf(ready(model, numbers(model)), path)
-    longer = Model("hka", limits={}, chain=(Joint("hip", length=0.5), Joint("knee")))
+    longer = Model("hka", limits={}, joints=(Joint("hip", length=0.5), Joint("knee")))
     with pytest.raises(ExportError, match=r"0\.5 m long in the model"):
         into_urdf(ready(longer, numbers(longer)), path)
     bent = numbers(model)

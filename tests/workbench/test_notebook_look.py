@@ -22,7 +22,7 @@ def results():
     leg, train, verify = Model.standard(), runs[:1], runs[3:]
     prepared = prepare(leg, train, verify)
     fit = identify(leg, prepared.train)
-    added = add(leg, "load_friction", "knee", train, verify)
+    added = add(leg, "load_friction:knee", train, verify)
     return {
         "Prepared": prepared, "Recording": runs[0],
         "Model": added.model, "Effect": catalogue()["stribeck"], "Fourier": paper_trajectory(),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from workbench.command_line.deliver import deliver_results
 from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material, before_and_after, pictures_of
+from workbench.report.material import Material
+from workbench.report.result import material_of_answer
 from workbench.terminal.progress import part, progress
 from workbench.terminal.screen import Screen
 from workbench.terminal.showing import show_diagnosis, show_steps
@@ -58,19 +60,5 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
 
 def material_of(title: str, given: Inputs, found: Any, comparison: Any, truth: str = "") -> Material:
     """Return what the report of a Diagnosis draws on."""
-    changed = comparison is not None and len(found.steps) > 1
-    falls = before_and_after(comparison, found.fit) if changed else ()
-    return Material(
-        title=title,
-        recordings=given.recordings,
-        verify=given.verify,
-        model=found.model,
-        fit=found.fit,
-        comparison=comparison,
-        diagnosis=found,
-        fall=found,
-        pictures=falls + pictures_of(found, section="suspects") + pictures_of(comparison, section="where"),
-        truth=truth,
-        settings={"filter": found.cutoff} if found.cutoff else {},
-        seconds=found.seconds,
-    )
+    made = material_of_answer(title, found, comparison, truth)
+    return replace(made, recordings=given.recordings, verify=given.verify)

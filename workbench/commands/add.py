@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     with progress(f"adding {args.effect}", quiet=args.quiet):
         from diagnosis.extend import add
 
-        found = add(given.model, effect, joint, given.recordings, given.verify, **given.filter)
+        found = add(given.model, args.effect, given.recordings, given.verify, **given.filter)
     from symbolic.model_file import write_model
 
     write_model(found.model, target, found.after)
@@ -66,10 +67,7 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from workbench.report.material import Material, pictures_of
+    from workbench.report.result import material_of_result
 
-    return Material(
-        title=f"Adding {args.effect}", answer=str(found.sentence), recordings=given.recordings,
-        verify=given.verify, model=found.model, fit=found.after, fall=found.waterfall,
-        pictures=pictures_of(found),
-    )  # fmt: skip
+    made = material_of_result(found, f"Adding {args.effect}")
+    return replace(made, recordings=given.recordings, verify=given.verify)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
-from typing import Any
+from dataclasses import replace
 
 from workbench.command_line.deliver import deliver_results
 from workbench.command_line.options import add_common, add_limit, add_question, exclusive
@@ -39,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
         from diagnosis.compare import compare
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
-    from workbench.report.material import Material, pictures_of
+    from workbench.report.result import material_of_result
     from workbench.terminal.showing import show_comparison, show_limit
 
     screen = Screen.of(args)
@@ -47,10 +46,8 @@ def run(args: argparse.Namespace) -> int:
     rms = found.rms if found.verify_rms is None else found.verify_rms
     over = show_limit(screen, args.limit, rms, found.unit)
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
-    deliver_results(args, screen, payload, lambda: Material(
-        title="Model against measurement", answer=_sentence(rms, found),
-        recordings=given.recordings, verify=given.verify, model=given.model, fit=found.fit, comparison=found,
-        pictures=pictures_of(found, section="where"),
+    deliver_results(args, screen, payload, lambda: replace(
+        material_of_result(found), recordings=given.recordings, verify=given.verify,
     ))  # fmt: skip
     return 1 if over else 0
 
@@ -79,14 +76,3 @@ def _against(args: argparse.Namespace) -> int:
         recordings=given.recordings, verify=given.verify, model=given.model, pictures=pictures_of(found),
     ))  # fmt: skip
     return 0
-
-
-def _sentence(rms: Iterable[float], found: Any) -> str:
-    from workbench.terminal.screen import per_joint
-    from workbench.terminal.showing import NOTHING_HELD_OUT
-
-    unseen = found.verify_rms is not None
-    kind = "motion the fit has not seen" if unseen else "the fitted motion"
-    held_out = "" if unseen else f" {NOTHING_HELD_OUT}"
-    error = per_joint(rms, found.joints, found.unit)
-    return f"The model's torque misses the measured one by {error} (RMS) on {kind}.{held_out}"

@@ -141,7 +141,7 @@ def draw(name: str) -> Sealed:
     motions = [_motion(rng, count, rate) for _ in range(5)]
     torques = [rigid(links, m) + links.dry * np.sign(m.dq) + links.viscous * m.dq for m in motions]
     joints = tuple(Joint(label, length=float(one)) for label, one in zip(labels, links.length, strict=True))
-    model = Model("chain", limits={}, chain=joints)
+    model = Model("chain", limits={}, joints=joints)
     small = np.full(count, noise)
 
     def sealed(added: list[Float], hidden: tuple[str, ...]) -> Sealed:

@@ -41,7 +41,7 @@ def draw(name: str) -> Sealed:
         clean = [(seen, Motion(seen.t, *kept[:3])) for seen, kept in made]
     else:
         chain = mujoco_chains.Chain.of(what, rng)
-        model = Model("chain", limits={}, chain=chain.joints)
+        model = Model("chain", limits={}, joints=chain.joints)
         noise = float(size) * np.array([link.noise for link in chain.links]) / 0.5
         hidden = _hidden(chain, what)
         clean = [mujoco_chains.simulate(chain, rng, f"run_{k}", SECONDS, noise=False) for k in range(5)]

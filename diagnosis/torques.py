@@ -1,0 +1,30 @@
+"""The torque over time as fitted models have it, beside the measured one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.plots import over_time
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def torques_over_time(models: Mapping[str, FittedModel]) -> Figure:
+    """Draw the measured torque and that of `models` of the same recordings by name, two at most, with what each leaves.
+
+    On the first recording that is held out, or the first of all.
+    """
+    first = next(iter(models.values()))
+    prepared = first.prepared
+    index = len(prepared.train) if prepared.verify else 0
+    one = prepared.all[index]
+    drawn = {
+        name: (model.torque(index).T, np.where(one.used, model.residuals[index], np.nan).T)
+        for name, model in models.items()
+    }
+    return over_time(one.name, one.t, one.torque.T, drawn, first.model.joints)

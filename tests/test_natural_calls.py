@@ -1,0 +1,165 @@
+"""What one tries first in Python works, or an ExoidError says what to do instead.
+
+The calls were written down before the code was looked at, as somebody would who has a folder of recordings and has
+read one example.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exoid
+from workbench.commands.demo import DATA
+
+NAMES = ("t", "q1", "q2", "tau1", "tau2")
+MAGNET = {"torque": "c * dtheta * abs(dtheta)", "coefficients": {"c": exoid.Coefficient("N·m·s²/rad²")}}
+
+
+class Bench:
+    """What somebody has at hand: files, tables, arrays, recordings, and a leg."""
+
+    def __init__(self) -> None:
+        pandas = pytest.importorskip("pandas")
+        self.files = sorted(map(str, DATA.glob("*.csv")))
+        self.frames = [pandas.read_csv(file) for file in self.files]
+        self.arrays = [frame[list(NAMES)].to_numpy() for frame in self.frames]
+        self.runs = [exoid.read_recording(file) for file in self.files]
+        self.leg = exoid.Model.standard()
+        self.table = {name: self.arrays[0][:, k] for k, name in enumerate(NAMES)}
+        self.stacked = {"t": self.arrays[0][:, 0], "q": self.arrays[0][:, 1:3], "tau": self.arrays[0][:, 3:]}
+
+
+@pytest.fixture(scope="module")
+def bench():
+    return Bench()
+
+
+COMPARED = {
+    "a path": lambda b: (b.files[0],),
+    "a Path": lambda b: (Path(b.files[0]),),
+    "paths": lambda b: (b.files[:1],),
+    "a frame": lambda b: (b.frames[0],),
+    "a dict": lambda b: (b.table,),
+    "a dict of arrays with a column per joint": lambda b: (b.stacked,),
+    "an array": lambda b: (b.arrays[0],),
+    "a recording": lambda b: (b.runs[0],),
+}
+
+
+@pytest.mark.parametrize("called", COMPARED)
+def test_the_same_recording_in_any_form_gives_the_same_answer(bench, called):
+    first = exoid.compare(bench.leg, [bench.runs[0]])
+    found = exoid.compare(bench.leg, *COMPARED[called](bench))
+    assert np.array_equal(found.rms, first.rms) and found.verify_rms is None
+
+
+HELD_OUT = {
+    "a path": lambda b: b.files[3],
+    "a frame": lambda b: b.frames[3],
+    "an array": lambda b: b.arrays[3],
+    "a recording": lambda b: b.runs[3],
+    "many": lambda b: [b.files[3]],
+}
+
+
+@pytest.mark.parametrize("called", HELD_OUT)
+def test_what_is_held_out_comes_in_any_form_too(bench, called):
+    found = exoid.compare(bench.leg, bench.runs[:1], verify=HELD_OUT[called](bench))
+    assert found.verify_rms is not None and found.verify_rms[0] > 0.0
+
+
+def test_a_folder_and_a_mixture(bench):
+    assert len(exoid.compare(bench.leg, DATA).per_recording) == len(bench.files)
+    mixed = exoid.compare(bench.leg, [bench.files[0], bench.frames[1], bench.arrays[2]], verify=bench.runs[3])
+    assert [name for name, _ in mixed.per_recording][:3] == ["train_1", "table 2", "table 3"]
+
+
+READ = {
+    "read_recording of an array": lambda b: exoid.read_recording(b.arrays[0]),
+    "read_recording of a frame": lambda b: exoid.read_recording(b.frames[0]),
+    "read_recordings of a folder": lambda b: exoid.read_recordings(DATA)[0],
+    "an array of one joint": lambda b: exoid.prepare(exoid.Model(joints=["axis"]), b.arrays[0][:, [0, 1, 3]]),
+    "identify of a path": lambda b: exoid.identify(b.leg, b.files[0], optimisers=()),
+    "identify of what is prepared": lambda b: exoid.identify(b.leg, exoid.prepare(b.leg, b.files[0]), optimisers=()),
+    "a session": lambda b: exoid.Session(b.leg, b.files[:1], b.frames[3]).fitted(),
+    "watch of a path": lambda b: list(exoid.watch(b.leg, b.files[0])),
+    "watch of a frame": lambda b: list(exoid.watch(b.leg, b.frames[0])),
+    "add by its full name": lambda b: exoid.add(b.leg, "load_friction:knee", b.files[0]),
+    "add with a joint": lambda b: exoid.add(b.leg, "load_friction", b.runs[0], joint="knee"),
+    "add of one's own": lambda b: exoid.add(b.leg, exoid.Effect("magnet", joint="hip", **MAGNET), b.runs[0]),
+    "add to an answer": lambda b: exoid.add(exoid.compare(b.leg, b.runs[0]), "load_friction:knee", b.runs[0]),
+    "a named joint": lambda b: exoid.Model(joints=["axis"]),
+    "the leg by names": lambda b: exoid.Model(joints=["hip", "knee"], effects=["stribeck:hip"]),
+    "an effect of a model": lambda b: exoid.Model(effects="stribeck:hip").without("stribeck:hip"),
+    "a simulated effect": lambda b: exoid.simulate(b.leg, effects="stribeck:hip", duration=5.0),
+}
+
+
+@pytest.mark.parametrize("called", READ)
+def test_it_works(bench, called):
+    assert READ[called](bench)
+
+
+SAID = {
+    "the old order": (lambda b: exoid.add(b.leg, "load_friction", "knee", b.runs), "add(model, 'stribeck:knee'"),
+    "no joint": (lambda b: exoid.add(b.leg, "load_friction", b.runs), "load_friction:hip or load_friction:knee"),
+    "an Effect of the catalogue": (lambda b: exoid.Effect("stribeck", joint="hip"), "with_effect('stribeck:hip')"),
+    "an Effect by its full name": (lambda b: exoid.Effect("stribeck:hip"), "with_effect('stribeck:hip')"),
+    "joints without links": (lambda b: exoid.Model(joints=["hip", "knee", "ankle"]), 'Joint("hip", length=0.4)'),
+    "a misspelt keyword of a model": (lambda b: exoid.Model(joint=["hip"]), "did you mean 'joints'?"),
+    "joints that are none": (lambda b: exoid.Model(joints=5), 'Joint("hip")'),
+    "an effect that is none": (lambda b: exoid.Model(effects=[5]), "stribeck:hip"),
+    "an array that lies": (lambda b: exoid.compare(b.leg, b.arrays[0].T), "array.T"),
+    "arrays one by one": (lambda b: exoid.compare(b.leg, [b.arrays[0][:, 0]]), "name the columns"),
+    "read_recording of a folder": (lambda b: exoid.read_recording(DATA), "read_recordings"),
+    "a file that is not there": (lambda b: exoid.compare(b.leg, "run_99.csv"), "check the path"),
+    "a model that is not there": (lambda b: exoid.compare("no.toml", b.files), "check the path"),
+    "a number": (lambda b: exoid.compare(b.leg, 3), "give a recording, a path"),
+    "nothing": (lambda b: exoid.compare(b.leg, []), "name at least one recording"),
+    "a number among files": (lambda b: exoid.compare(b.leg, [b.files[0], 3]), "number 2 of 2"),
+    "the wrong way round": (lambda b: exoid.compare(b.runs, b.leg), "the recordings come second"),
+    "no model": (lambda b: exoid.discover(None, b.files), "Model.standard()"),
+    "no recordings": (lambda b: exoid.discover(b.leg), "discover(model, recordings"),
+    "a misspelt keyword": (lambda b: exoid.compare(b.leg, b.files, verfy=b.runs), "did you mean 'verify'?"),
+    "a misspelt setting": (lambda b: exoid.discover(b.leg, b.runs[0], sed=3), "did you mean 'seed'?"),
+    "one rival": (lambda b: exoid.separate(b.leg, "stribeck:hip"), "add a second effect"),
+    "an effect as a leg": (lambda b: exoid.simulate(b.leg, "stribeck:hip"), "effects="),
+    "a recording without a name": (lambda b: exoid.Recording(**b.stacked), "Recording(name, t, q, tau"),
+    "a word twice": (lambda b: exoid.Model(joints=["a"], chain=("a",)), "give one of them"),
+}
+
+
+@pytest.mark.parametrize("called", SAID)
+def test_it_says_what_to_do(bench, called):
+    call, remedy = SAID[called]
+    with pytest.raises(exoid.ExoidError) as caught:
+        call(bench)
+    assert remedy in str(caught.value)
+
+
+def test_an_error_inside_is_not_taken_for_a_wrong_call():
+    from ground.calling import understood
+
+    @understood({"old": "new"})
+    def adds(new: int) -> int:
+        return new + "1"  # type: ignore[operator]
+
+    with pytest.raises(TypeError) as caught:
+        adds(old=1)
+    assert not isinstance(caught.value, exoid.ExoidError)
+
+
+def test_results_report_themselves_and_show_the_fall(bench, tmp_path):
+    found = exoid.diagnose(bench.leg, bench.files[:2], verify=bench.files[3])
+    assert [one.name for one in found.accepted] == ["load_friction:knee"]
+    shown = found._repr_html_()
+    assert "data:image/png" in shown and "linear-gradient" in shown
+    assert not any(word in shown for word in ("color:#", "background:#", "background-color"))
+    page = found.report(tmp_path / "out")
+    assert page == tmp_path / "out" / "report.html" and "load_friction" in page.read_text("utf-8")
+    added = exoid.add(found, "stribeck:hip", bench.files[0])
+    for number, other in enumerate((added, added.waterfall, exoid.compare(bench.leg, bench.files[0]))):
+        assert other.report(tmp_path / str(number)).stat().st_size > 10_000
