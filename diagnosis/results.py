@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -17,9 +18,10 @@ from diagnosis.evidence.remainder import Remainder
 from diagnosis.outside import ForceUse
 from diagnosis.plots import falling_error, suspects
 from diagnosis.rules import RULES, Rules
+from diagnosis.sureness import MEANINGS, least_sure, meanings_of, sureness
 from diagnosis.torques import torques_over_time
 from ground.frames import pandas
-from ground.html import Bar, lines, picture, table
+from ground.html import Bar, bullets, fold, lines, picture, table
 from ground.lazy import LentMethod
 from ground.plain import AsJson
 from measurement.finding import Finding
@@ -28,12 +30,21 @@ from optimisation.fitting.thigh_length import ThighLength
 from symbolic.model import Model
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS, Estimate
+from symbolic.wording import called
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
 SCHEMA = "exoid.discovery/1"
+HEADLINES: Mapping[str, str] = MappingProxyType(
+    {
+        "adequate": "Nothing is missing that these recordings can tell from noise",
+        "unexplained": "Something is left that no known effect explains",
+        "check_channels": "Check the channels: they cannot be what they say",
+    }
+)
+"""The answer in a line where no effect was found."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +60,8 @@ class Suspect(AsJson):
     p_value: float | None
     look_alikes: tuple[str, ...] = ()
     caution: str = ""
+    sureness: str = ""
+    """How sure it is that it is missing (`diagnosis.sureness`); "" where it was not accepted."""
 
     @property
     def name(self) -> str:
@@ -65,7 +78,7 @@ class Accepted(AsJson):
 
     JSON = (
         "effect joint parameters look_alikes never_separable p_value rms_before rms_after sentence "
-        "accepted_in=agreement.share splits=agreement.of ranges=agreement.ranges against stability"
+        "accepted_in=agreement.share splits=agreement.of ranges=agreement.ranges against stability sureness"
     )
 
     effect: str
@@ -90,6 +103,11 @@ class Accepted(AsJson):
     def name(self) -> str:
         """Full name, e.g. "stribeck:knee"."""
         return self.effect if self.joint is None else f"{self.effect}:{self.joint}"
+
+    @property
+    def sureness(self) -> str:
+        """How sure it is that it is missing, in one word (`diagnosis.sureness`)."""
+        return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes))
 
     @property
     def stability(self) -> str:
@@ -122,7 +140,7 @@ class Possible(AsJson):
     @property
     def sentence(self) -> str:
         """The effect and why it is only possible, in words."""
-        return f"{self.name}: {self.reason}"
+        return f"{called(self.name)}: {self.reason}"
 
 
 def stability_of(agreement: Agreement, units: Mapping[str, str], against: Sequence[str] = ()) -> str:
@@ -174,7 +192,7 @@ class Diagnosis(AsJson):
     """
 
     JSON = (
-        "schema verdict joints rule sentence accepted suspects possible steps noise_floor "
+        "schema verdict headline sureness joints rule sentence accepted suspects possible steps noise_floor "
         "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
         "stopped_because parameters=fit.estimates{} forces thigh_length audit seconds"
     )
@@ -216,6 +234,32 @@ class Diagnosis(AsJson):
         return self.model.joint_names
 
     @property
+    def sureness(self) -> str:
+        """The least sure word of what was accepted; "" where nothing was."""
+        return least_sure(one.sureness for one in self.accepted)
+
+    @property
+    def headline(self) -> str:
+        """The answer in a line: "Found: end stop at the hip, 35 N·m/rad ...; very sure"."""
+        if self.verdict not in ("missing", "ambiguous"):
+            return HEADLINES[self.verdict]
+        word = f"{self.sureness} which of its look-alikes it is" if self.verdict == "ambiguous" else self.sureness
+        return f"Found: {self._named}; {word}"
+
+    @property
+    def further(self) -> str:
+        """What the sentence says beyond the headline."""
+        return self.sentence.removeprefix(f"Missing: {self._named}. ")
+
+    @property
+    def _named(self) -> str:
+        return "; ".join(one.sentence for one in self.accepted)
+
+    def called(self, name: str) -> str:
+        """Return what an effect such as "stribeck:knee" is called."""
+        return called(name, self.model.find_effect)
+
+    @property
     def _unexplained_json(self) -> dict[str, Any]:
         one = self.unexplained
         if one is None and self.error is not None and self.verdict == "unexplained":
@@ -236,8 +280,12 @@ class Diagnosis(AsJson):
 
     def to_frame(self) -> pd.DataFrame:
         """Return the suspects, one row each, best first."""
-        rows = [(s.name, s.explained_share, s.p_value, ", ".join(s.look_alikes), s.caution) for s in self.suspects]
-        return pandas().DataFrame(rows, columns=["effect", "explained_share", "p_value", "look_alikes", "caution"])
+        rows = [
+            (s.name, s.explained_share, s.sureness, s.p_value, ", ".join(s.look_alikes), s.caution)
+            for s in self.suspects
+        ]
+        head = ["effect", "explained_share", "sureness", "p_value", "look_alikes", "caution"]
+        return pandas().DataFrame(rows, columns=head)
 
     def plot(self) -> Figure:
         """Draw the falling error."""
@@ -253,7 +301,7 @@ class Diagnosis(AsJson):
         text = "; ".join(f"{joint}: {kind} error from {b:.3g} to {a:.3g} {self.unit}" for joint, b, a in changes)
         out = [("The error falling", text, self.plot())]
         if self.suspects:
-            best = ", ".join(s.name for s in self.suspects[:3])
+            best = ", ".join(self.called(s.name) for s in self.suspects[:3])
             alt = f"Share of the unseen error each suspect explains alone; first: {best}."
             bars = [
                 (s.name, s.joint, s.explained_share, s.p_value is not None and s.p_value <= 0.01 and not s.caution)
@@ -265,31 +313,37 @@ class Diagnosis(AsJson):
         return out
 
     def __repr__(self) -> str:
-        lines = [f"{self.verdict}: {self.sentence}", f"  why: {self.rule}"]
+        lines = [f"{self.verdict}: {self.headline}", f"  {self.further}", f"  why: {self.rule}"]
         for step in self.steps:
             numbers = ", ".join(f"{joint} {x:.3f}" for joint, x in zip(self.joints, step.evaluation_rms, strict=True))
             lines.append(f"  {step.label:<28} {step.judged} error [{self.unit}]: {numbers}")
-        lines += [f"  {a.name}: {a.stability}" for a in self.accepted if a.stability]
+        lines += [f"  {self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
         lines += [f"  possible, {p.sentence}" for p in self.possible]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         rows = [
-            (s.name, f"{100 * s.explained_share:.0f} %", s.p_value, ", ".join(s.look_alikes), s.caution)
+            (self.called(s.name), f"{100 * s.explained_share:.0f} %", s.sureness or None,
+             ", ".join(map(self.called, s.look_alikes)), s.caution, s.p_value, s.name)
             for s in self.suspects[:8]
-        ]
-        ranking = table(("suspect", "explains", "p-value", "look-alikes in these data", "caution"), rows)
+        ]  # fmt: skip
+        head = ("suspect", "explains", "how sure", "look-alikes in these data", "caution", "p-value", "id")
+        ranking = table(head, rows) + fold("what the words mean", bullets(meanings_of(MEANINGS)))
         return (
-            lines(self.sentence, f"why: {self.rule}", strong=self.verdict)
+            lines(self.further, strong=self.headline)
             + steps_table(self.steps, self.noise_floor, self.joints, self.unit)
             + self._torques()
             + (ranking if rows else "")
-            + lines(*(f"{a.name}: {a.stability}" for a in self.accepted if a.stability))
+            + fold("why", lines(f"{self.verdict}: {self.rule}", *self._stable))
             + lines(*(f"possible, {p.sentence}" for p in self.possible))
             + lines(*(f"differs: {d.sentence}" for d in self.differing))
             + lines(self.next_experiment and f"measure next: {self.next_experiment}")
         )
 
+
+    @property
+    def _stable(self) -> list[str]:
+        return [f"{self.called(a.name)}: {a.stability}" for a in self.accepted if a.stability]
 
     def _torques(self) -> str:
         """Return the picture of the torque before and after, where the recordings are known."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import diagnosis.evidence
 import diagnosis.extend
 import diagnosis.separation
+import diagnosis.sureness
 import diagnosis.watching
 import diagnosis.where
 import measurement.auditing
@@ -26,6 +27,7 @@ def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
     yield from thresholds_in(diagnosis.evidence, "measured forces")
     yield from rules.table()
     yield from thresholds_in(diagnosis.where, "where the error sits")
+    yield from thresholds_in(diagnosis.sureness, "how sure that is, in a word")
 
 
 def every_threshold() -> Iterator[Rule]:

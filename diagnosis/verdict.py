@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,11 +20,13 @@ from diagnosis.search.doubt import too_short
 from ground.ties import index_of_greatest, least_of
 from measurement.finding import Finding
 from optimisation.fitting.fit import Fit
-from symbolic.catalogue import every_effect
+from symbolic.catalogue import every_effect, find_effect
+from symbolic.effect import Effect
 from symbolic.joints import Joint
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 from symbolic.term import Term
+from symbolic.wording import called, number_called, number_said, title_of
 
 if TYPE_CHECKING:
     from diagnosis.evidence.fitted import FittedModel
@@ -91,7 +93,12 @@ class _End:
     @property
     def nearest(self) -> str:
         """What comes nearest of what was not accepted, as a sentence that follows others."""
-        return _nearest(self.possible, self.rules)
+        return _nearest(self.possible, self.rules, self.find)
+
+    @property
+    def find(self) -> Callable[[str], Effect]:
+        """What finds an effect by its id, the user's own among them."""
+        return self.last.model.find_effect
 
 
 def _of_nothing(end: _End, advice: str) -> Conclusion:
@@ -155,7 +162,7 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     if error is not None and left is None:
         advice = error.advice
     alike = [a for a in accepted if a.look_alikes]
-    names = " and ".join(a.name for a in accepted)
+    names = " and ".join(called(a.name, end.find) for a in accepted)
     falls = _falls(end.first, end.last)
     text = f"Missing: {'; '.join(a.sentence for a in accepted)}. {falls}"
     if left is not None:
@@ -163,18 +170,19 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
     text += sways
-    if lost := " and ".join(a.name for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)):
+    losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
+    if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
         where = "in nearly all splits of the recordings, though not on those held out here"
     rule = f"{names}: significant against placebos (p ≤ {max(a.p_value for a in accepted):.3g}) and better {where}"
     if alike:
-        texts = [f"{a.name} from {', '.join(a.look_alikes)}" for a in alike]
+        texts = [f"{called(a.name, end.find)} from {_list(a.look_alikes, end.find)}" for a in alike]
         return Conclusion(
             "ambiguous",
             rule + f"; these data cannot distinguish {'; '.join(texts)}",
             text + " Which of the look-alikes it is, these recordings cannot say.",
             end.stopped,
-            _deciding(alike) or advice,
+            _deciding(alike, end.find) or advice,
             error,
         )
     return Conclusion("missing", rule, text, end.stopped, advice, error)
@@ -199,11 +207,12 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
 
 def _early(early: Possible, first: FittedModel, where: str, stopped: str) -> Conclusion:
     """Return the conclusion where the only thing that helps is a torque that comes before its motion."""
+    name = called(early.name, first.model.find_effect)
     return Conclusion(
         "unexplained",
-        f"{early.name} lowers the error {where} more than its placebos do, but {early.reason}",
+        f"{name} lowers the error {where} more than its placebos do, but {early.reason}",
         f"Something is missing that the catalogue does not describe; the error is {_times(first):.2g} times the noise "
-        f"floor. Nearest is {early.name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
+        f"floor. Nearest is {name}, {100 * early.explained_share:.0f} % of the error, but {early.reason}.",
         stopped,
         "a link that swings behind a drive that gives way looks so: measure its angle behind the drive, or clamp the "
         "link, load the drive and see whether the encoder moves; and compare the clocks of angles and torques at a "
@@ -267,14 +276,17 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     )
 
 
-def _nearest(possible: Sequence[Possible], rules: Rules) -> str:
+def _nearest(
+    possible: Sequence[Possible], rules: Rules, find: Callable[[str], Effect] = find_effect
+) -> str:
     """Return which entry of the catalogue comes nearest to what is left, and why it was not accepted; "" for none."""
     if not possible:
         return ""
     best = least_of(possible, lambda one: -one.explained_share, 1.0)
     if best.explained_share < rules.nearest:
         return ""
-    return f" Nearest in the catalogue: {best.name}, {100 * best.explained_share:.0f} % of the error; {best.reason}."
+    share = f"{100 * best.explained_share:.0f} % of the error"
+    return f" Nearest in the catalogue: {called(best.name, find)}, {share}; {best.reason}."
 
 
 def _size(error: ModelError | None) -> str:
@@ -307,13 +319,17 @@ def _advice(verified: bool, recordings: int) -> str:
     return ""
 
 
-def _deciding(alike: Sequence[Accepted]) -> str:
+def _list(names: Sequence[str], find: Callable[[str], Effect]) -> str:
+    return ", ".join(called(name, find) for name in names)
+
+
+def _deciding(alike: Sequence[Accepted], find: Callable[[str], Effect] = find_effect) -> str:
     """Return the experiments that distinguish look-alikes, from the catalogue; and say where none can."""
     parts = []
     for one in alike:
         if one.never_separable:
-            others = ", ".join(one.never_separable)
-            parts.append(f"no motion can distinguish {one.name} from {others}: inspect the hardware")
+            others = _list(one.never_separable, find)
+            parts.append(f"no motion can distinguish {called(one.name, find)} from {others}: inspect the hardware")
         apart = [name for name in one.look_alikes if name not in (*one.never_separable, *one.outside)]
         if apart:
             parts.append(f"exoid design --separate {','.join([one.name, *apart[:2]])} finds the motion that decides")
@@ -334,31 +350,30 @@ def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
 
 
 def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
-    """Return e.g. "Stribeck friction, knee (c = 2.2 ± 0.1 N·m, v_s = 0.15 rad/s)"."""
-    title = term.effect.title or term.effect.id.replace("_", " ")
+    """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"."""
     parts = []
     turning = {name for name, shape in term.effect.shape.items() if shape.turns}
     for name, e in numbers.items():
         if name in turning:
-            parts.append(f"{name} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
+            what = number_called(term.effect, name)
+            parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
             continue
         half = 0.5 * (e.high - e.low)
-        spread = f" ± {half:.2g}" if np.isfinite(half) and half > 0.0 else ""
-        unit = "" if e.unit in ("1", "") else f" {e.unit}"
-        parts.append(f"{name} = {e.value:.3g}{spread}{unit}")
-    place = f", {term.joint}" if term.joint else ""
-    return f"{title}{place} ({', '.join(parts)})"
+        known = half if np.isfinite(half) and half > 0.0 else None
+        parts.append(number_said(term.effect, name, e.value, e.unit, known))
+    return f"{title_of(term.effect, term.joint)} ({', '.join(parts)})"
 
 
 def biased_parameters(before: Fit, after: Fit) -> tuple[str, ...]:
     """Return, in words, which old parameters the missing effects had pulled off, and what became plausible."""
     new = {e.name: e for e in after.estimates}
+    labels = {parameter.name: parameter.label for parameter in before.model.parameters}
     out = []
     for old in before.estimates:
         now = new.get(old.name)
         if now is None or not np.isfinite([now.low, now.high]).all() or now.low <= old.value <= now.high:
             continue
-        text = f"{old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
+        text = f"{labels.get(old.name) or old.name} was {old.value:.4g}, is {now.value:.4g} {now.unit}".rstrip()
         friction = old.name.startswith(("coulomb", "viscous"))
         if friction and old.value < 0.0 <= now.value:
             text += " (a friction that was negative, which is impossible, has become positive)"

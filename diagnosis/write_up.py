@@ -6,14 +6,12 @@ import time
 from collections.abc import Sequence
 from itertools import pairwise
 
-import numpy as np
-
 from diagnosis.evidence.agreement import Agreement
 from diagnosis.evidence.consistency import differing
 from diagnosis.evidence.own_sway import ENTRY as SWAY
 from diagnosis.evidence.own_sway import OwnSway
 from diagnosis.evidence.remainder import Remainder
-from diagnosis.evidence.score import Score
+from diagnosis.evidence.score import Score, above_noise, share_of_own_joints
 from diagnosis.evidence.soft_drive import SoftDrive
 from diagnosis.evidence.stretches import searched
 from diagnosis.outside import force_uses
@@ -30,6 +28,7 @@ from optimisation.fitting.thigh_length import wanted_thigh_length
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
+from symbolic.term import Term
 
 
 def possible_beside(
@@ -99,7 +98,7 @@ def write_up(
     prepared, last = done.prepared, extensions[-1]
     first = () if conclusion.verdict == "check_channels" else done.found.first
     steps = steps_of(extensions, [one.sentence for one in accepted])
-    alike = {a.name: a.look_alikes for a in accepted}
+    named = {a.name: a for a in accepted}
     told_apart = (
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     )
@@ -109,7 +108,7 @@ def write_up(
         rule=conclusion.rule,
         sentence=conclusion.sentence,
         accepted=accepted,
-        suspects=tuple(_suspect(s, alike, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
+        suspects=tuple(_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
         steps=steps,
         noise_floor=prepared.noise_floor,
         unexplained=left,
@@ -146,18 +145,21 @@ def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:
     return (Finding("too_short_to_diagnose", "warning", text, "fitted recordings", None, rules.least_seconds, remedy),)
 
 
-def _suspect(score: Score, alike: dict[str, tuple[str, ...]], steps: Sequence[Step], noise_floor: Float) -> Suspect:
+def _suspect(score: Score, accepted: dict[str, Accepted], steps: Sequence[Step], noise_floor: Float) -> Suspect:
     """Return a suspect with its share of the error of its own joints, which noise bounds.
 
     Of the one that was added first it is what the refit found, on the motion that the steps show.
     """
-    term, likes = score.candidate.term, alike.get(score.name, ())
+    term = score.candidate.term
+    share = share_of_own_joints(score, steps[0].evaluation_rms, noise_floor)
+    if next(iter(accepted), None) == score.name:
+        at = _joints_of(term)
+        share = above_noise(steps[0].evaluation_rms[at], steps[1].evaluation_rms[at])
+    mine = accepted.get(score.name)
+    likes, word = ((), "") if mine is None else (mine.look_alikes, mine.sureness)
+    return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution, word)
+
+
+def _joints_of(term: Term) -> list[int]:
     names = [joint.name for joint in term.among]
-    at = slice(None) if term.joint is None else [names.index(term.joint)]
-    before, after = steps[0].evaluation_rms[at], noise_floor[at]
-    first = next(iter(alike), None) == score.name
-    if first:
-        after = steps[1].evaluation_rms[at]
-    most = max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
-    share = most if first else min(score.joint_share, most)
-    return Suspect(term.effect.id, term.joint, share, score.p_value, likes, score.caution)
+    return list(range(len(names))) if term.joint is None else [names.index(term.joint)]

@@ -59,6 +59,11 @@ def code(text: str) -> str:
     return f"<pre>{html.escape(text)}</pre>"
 
 
+def fold(title: str, content: str) -> str:
+    """Return what is shown when its `title` is clicked; nothing where there is nothing to show."""
+    return f"<details><summary>{html.escape(title)}</summary>{content}</details>" if content else ""
+
+
 def _cell(value: Any) -> str:
     if isinstance(value, Bar):
         end = f"{100 * min(max(value.share, 0.0), 1.0):.1f}%"

@@ -91,6 +91,19 @@ class Score:
         return self.candidate.nodes[np.arange(len(self.nodes)), self.nodes]
 
 
+def share_of_own_joints(score: Score, before: Float, floor: Float) -> float:
+    """Return the share of the error (RMS `before` (J,)) of its own joints that a candidate explains on motion it was
+    not fitted to, at most all that is above the noise (`floor` (J,)).
+    """
+    at = list(score.candidate.joints)
+    return min(score.joint_share, above_noise(before[at], floor[at]))
+
+
+def above_noise(before: Float, after: Float) -> float:
+    """Return by what share of itself the squared error falls from one RMS (J,) to another."""
+    return max(0.0, 1.0 - float(np.sum(after**2) / max(float(np.sum(before**2)), 1e-300)))
+
+
 def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) -> Score:
     """Return the score of a candidate at its best node, without placebos."""
     grams, active = _looked_at(evidence, columns)

@@ -22,6 +22,7 @@ from diagnosis.evidence.placebo import placebo
 from diagnosis.evidence.ranking import agreed, mark_significant
 from diagnosis.evidence.score import Score, weigh
 from diagnosis.rules import RULES, Rules
+from diagnosis.sureness import sureness
 from ground.ties import ascending
 from symbolic.motion import Float
 
@@ -67,6 +68,7 @@ class Ranking:
         self._scores: dict[str, Score] = {}
         self._columns: dict[str, tuple[Columns, ...]] = {}
         self._trials: dict[str, Trial] = {}
+        self._word: str | None = None
 
     @cached_property
     def evidence(self) -> Evidence:
@@ -123,6 +125,18 @@ class Ranking:
         near = [s for s in self.scores if s is not score and s.share >= 0.5 * score.share and not s.caution]
         pairs = [(s, self._best(s)) for s in (score, *near[:RIVALS])]
         return tuple(look_alikes(self.evidence, pairs[0], pairs[1:]))
+
+    def sureness(self, name: str) -> str:
+        """Return how sure it is that this one is missing, of the leader when all placebos were asked; "" of the others,
+        which may do no more than follow it.
+        """
+        if not self.finished or not self.scores or self.scores[0].name != name:
+            return ""
+        if self._word is None:
+            first = self.scores[0]
+            doubted = bool(first.caution) or not first.significant or bool(self.alike(name))
+            self._word = sureness(first.p_value, first.agreement, doubted=doubted, rules=self.rules)
+        return self._word
 
     def explained(self, selected: Sequence[np.ndarray]) -> dict[str, float]:
         """Return, best first, which share of the squared error at the samples `selected` (J, K) of every recording

@@ -187,7 +187,7 @@ def test_a_model_is_not_adequate_where_only_an_early_torque_helps():
     early = Possible(DELAY, "hip", Agreement(4, 4), {}, 0.04, "the torque would come 0.03 s before", early=True)
     found = conclude((), None, last, last, True, 4, possible=(early,))
     assert found.verdict == "unexplained" and "drive" in found.next_experiment
-    assert "time_delay:hip, 4 %" in found.sentence
+    assert "Time delay at the hip, 4 %" in found.sentence
     assert conclude((), None, last, last, True, 4, possible=(replace(early, early=False),)).verdict == "adequate"
 
 
@@ -200,7 +200,7 @@ def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recording
     found = conclude((), None, near, near, True, 4, possible=(offset,))
     assert found.verdict == "unexplained"
     assert "the knee keeps" in found.sentence and "(run_0, run_1, run_2)" in found.sentence
-    assert "torque_offset:knee, 48 %" in found.sentence and "hold out a recording" in found.next_experiment
+    assert "Torque offset at the knee, 48 %" in found.sentence and "hold out a recording" in found.next_experiment
     little = replace(offset, explained_share=0.1)
     assert conclude((), None, near, near, True, 4, possible=(little,)).verdict == "adequate"
     assert conclude((), None, near, near, True, 4).verdict == "adequate"
@@ -214,7 +214,7 @@ def test_it_is_said_where_the_recordings_held_out_lose_by_what_nearly_all_splits
         "rotor_inertia", "knee", {}, (), (), 0.001, np.ones(2), np.array([1.0, after]), "Rotor inertia", agreement
     )
     found = conclude((one,), None, last, last, True, recordings)
-    assert ("lose a little by rotor_inertia:knee" in found.sentence) is said
+    assert ("lose a little by Rotor inertia at the knee" in found.sentence) is said
     assert ("though not on those held out" in found.rule) is said and found.verdict == "missing"
 
 

@@ -101,7 +101,7 @@ def test_json_file_report_and_table_together(stand_in, tmp_path, capsys):
     arguments = ["--out", str(tmp_path / "r"), "--json", str(tmp_path / "x.json")]
     assert main(["discover", TRAIN, "--verify", VERIFY, *arguments]) == 0
     out = capsys.readouterr().out
-    assert "An effect is missing" in out
+    assert "Found: Stribeck friction at the knee; very sure" in out
     assert "noise floor" in out
     assert (tmp_path / "r" / "report.html").is_file()
     assert json.loads((tmp_path / "x.json").read_text("utf-8")) == json.loads(

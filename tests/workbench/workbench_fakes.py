@@ -132,6 +132,8 @@ class FakeDiagnosis:
     verdict: str = "missing"
     rule: str = "stribeck:knee lowers the error of unseen motion, and no placebo did"
     sentence: str = "The knee sticks when it starts or reverses, and runs freely once it moves."
+    headline: str = "Found: Stribeck friction at the knee; very sure"
+    sureness: str = "very sure"
     suspects: tuple[Any, ...] = (
         SimpleNamespace(effect="stribeck", joint="knee", caution=""),
         SimpleNamespace(effect="viscous_quadratic", joint="knee", caution="looks like the first"),
@@ -155,6 +157,13 @@ class FakeDiagnosis:
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Suspects", "Share explained by each suspect, with its placebos.", figure())]
 
+    @property
+    def further(self) -> str:
+        return self.sentence
+
+    def called(self, name: str) -> str:
+        return name
+
     def to_json(self) -> dict[str, Any]:
         return {
             "schema": "exoid.discovery/1",
@@ -162,11 +171,11 @@ class FakeDiagnosis:
             "accepted": [
                 {"effect": "stribeck", "joint": "knee", "look_alikes": ["viscous_quadratic:knee"], "p_value": 0.001,
                  "parameters": {"stribeck:knee.c": Estimate("c", 2.6, "N·m", 2.2, float("inf")).to_json()},
-                 "rms_before": [0.74, 0.98], "rms_after": [0.73, 0.58]},
+                 "rms_before": [0.74, 0.98], "rms_after": [0.73, 0.58], "sureness": "very sure"},
             ],
             "suspects": [
                 {"effect": s.effect, "joint": s.joint, "explained_share": share, "p_value": p, "look_alikes": alike,
-                 "caution": s.caution}
+                 "caution": s.caution, "sureness": "very sure" if s.effect == "stribeck" else ""}
                 for s, share, p, alike in zip(self.suspects, (0.61, 0.4, 0.02), (0.001, 0.02, None),
                                               (["viscous_quadratic:knee"], [], []), strict=True)
             ],

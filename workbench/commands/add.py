@@ -67,7 +67,7 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from workbench.report.result import material_of_result
+    from workbench.report.result import material_of_addition
 
-    made = material_of_result(found, f"Adding {args.effect}")
+    made = material_of_addition(found, args.effect)
     return replace(made, recordings=given.recordings, verify=given.verify)

@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
         from diagnosis.compare import compare
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
-    from workbench.report.result import material_of_result
+    from workbench.report.result import material_of_comparison
     from workbench.terminal.showing import show_comparison, show_limit
 
     screen = Screen.of(args)
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     over = show_limit(screen, args.limit, rms, found.unit)
     payload = {"schema": "exoid.comparison/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: replace(
-        material_of_result(found), recordings=given.recordings, verify=given.verify,
+        material_of_comparison(found), recordings=given.recordings, verify=given.verify, model=given.model,
     ))  # fmt: skip
     return 1 if over else 0
 

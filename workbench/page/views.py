@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.evidence.fitted import pooled_rms
+from diagnosis.evidence.score import share_of_own_joints
+from diagnosis.sureness import MEANINGS
 from ground.plain import picked, plain_dict
 from ground.text import printable
 from optimisation.linear.links import tree_of
 from symbolic.joints import parents
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
+from symbolic.wording import called, number_said, title_of
 from workbench.exporting import formats
 from workbench.page.given import VERIFY, error_json
 from workbench.report.sections.verdict import term
@@ -43,6 +47,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "kept": workspace.keeping.kept,
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
+        "sureness": dict(MEANINGS),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
         "search": _search(workspace),
@@ -160,12 +165,16 @@ def _layers(workspace: Workspace, session: Session) -> list[dict[str, Any]]:
                 **picked(layer, "name on"),
                 "title": _title(effect, layer.name),
                 "explains": effect.explains,
-                "numbers": [
-                    {**picked(e, "value low high unit"), "name": e.name.rpartition(".")[2]} for e in mine
-                ],
+                "numbers": [{**picked(e, "value low high unit"), **_said(effect, e)} for e in mine],
             }
         )
     return out
+
+
+def _said(effect: Effect, estimate: Any) -> dict[str, str]:
+    """Return the name of a number of an effect, and what it is in words."""
+    name = estimate.name.rpartition(".")[2]
+    return {"name": name, "said": number_said(effect, name, estimate.value, estimate.unit)}
 
 
 def _history(workspace: Workspace, session: Session) -> dict[str, Any]:
@@ -193,11 +202,15 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     if found is not None:
         return {
             "kind": found["verdict"],
-            "sentence": found["sentence"],
+            "headline": found.get("headline", ""),
+            "sureness": found.get("sureness", ""),
+            "sentence": _further(found),
             "why": found["rule"],
             "next": found["next_experiment"],
-            "stability": [f"{term(one)}: {one['stability']}" for one in found["accepted"] if one["stability"]],
-            "possible": [f"{term(one)}: {one['reason']}" for one in found["possible"]],
+            "stability": [
+                f"{_called(workspace, one)}: {one['stability']}" for one in found["accepted"] if one["stability"]
+            ],
+            "possible": [f"{_called(workspace, one)}: {one['reason']}" for one in found["possible"]],
             "judged": True,
         }
     if names in workspace.failed:
@@ -210,14 +223,23 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     worst = max(range(len(times)), key=times.__getitem__)
     joint = session.model.joints[worst]
     kind = "unseen" if session.prepared.verify else "fitted"
-    near = times[worst] <= session.rules.near_noise
     missed = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion"
-    text = f"The {joint.name} misses {missed}, {times[worst]:.2g} times its noise."
-    text += " What is left is near the noise." if near else " Something is still missing."
+    text = f"Not judged yet: the torque of the {joint.name} misses {missed}, {times[worst]:.2g} times its noise."
     if not session.prepared.verify:
         text += " Nothing is held out: hold a recording back to see whether it holds on unseen motion."
-    return {"kind": "near_noise" if near else "open", "sentence": text, "judged": False,
+    return {"kind": "open", "sentence": text, "judged": False,
             "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
+
+
+def _further(found: Mapping[str, Any]) -> str:
+    """Return what the sentence of an answer says beyond its headline."""
+    named = "; ".join(one.get("sentence", "") for one in found["accepted"])
+    return str(found["sentence"]).removeprefix(f"Missing: {named}. ")
+
+
+def _called(workspace: Workspace, one: Mapping[str, Any]) -> str:
+    name = term(one)
+    return called(name, lambda identifier: _effect(workspace, identifier))
 
 
 def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
@@ -226,7 +248,9 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
     low, high = interval(score.p_value, draws)
     agreement = score.agreement
     return {
-        **picked(score, "name share p=p_value significant caution"),
+        **picked(score, "name p=p_value significant caution"),
+        "share": share_of_own_joints(score, ranking.fitted.evaluation_rms, ranking.fitted.prepared.noise_floor),
+        "sureness": ranking.sureness(score.name),
         **picked(term, "effect=effect.id joint explains=effect.explains custom=effect.custom"),
         "title": _title(term.effect, score.name),
         "p_low": low,
@@ -245,7 +269,10 @@ def _numbers(score: Score) -> list[dict[str, Any]]:
     units = {key: entry.unit for key, entry in effect.coefficients.items()}
     bent = {key: entry.unit for key, entry in effect.shape.items()}
     pairs = (*zip(units.items(), score.coefficients, strict=False), *zip(bent.items(), shape, strict=False))
-    return [{"name": key, "unit": unit, "value": float(value)} for (key, unit), value in pairs]
+    return [
+        {"name": key, "unit": unit, "value": float(value), "said": number_said(effect, key, float(value), unit)}
+        for (key, unit), value in pairs
+    ]
 
 
 def interval(p: float | None, draws: int) -> tuple[float | None, float | None]:
@@ -274,6 +301,4 @@ def _effect(workspace: Workspace, name: str) -> Effect:
 
 
 def _title(effect: Effect, name: str) -> str:
-    joint = name.partition(":")[2]
-    title = effect.title or effect.id.replace("_", " ")
-    return f"{title}, {joint}" if joint else title
+    return title_of(effect, name.partition(":")[2] or None)

@@ -24,10 +24,9 @@ def write_result(result: Any, folder: str | Path = FOLDER) -> Path:
     return write_report(replace(material_of_result(result), payload=result.to_json()), folder)
 
 
-def material_of_result(result: Any, title: str = "") -> Material:
+def material_of_result(result: Any) -> Material:
     """Return what the report of a result draws on, the recordings apart."""
-    made = MATERIALS[type(result).__name__](result)
-    return replace(made, title=title) if title else made
+    return MATERIALS[type(result).__name__](result)
 
 
 def material_of_answer(title: str, found: Any, comparison: Any, truth: str = "") -> Material:
@@ -48,7 +47,8 @@ def _of_answer(found: Any) -> Material:
     return material_of_answer("What the model was missing", found, first)
 
 
-def _of_comparison(found: Any) -> Material:
+def material_of_comparison(found: Any) -> Material:
+    """Return what the report of a Comparison draws on, the recordings apart."""
     unseen = found.verify_rms is not None
     kind = "motion the fit has not seen" if unseen else "the fitted motion"
     held_out = "" if unseen else f" {NOTHING_HELD_OUT}"
@@ -60,10 +60,11 @@ def _of_comparison(found: Any) -> Material:
     )  # fmt: skip
 
 
-def _of_addition(found: Any) -> Material:
+def material_of_addition(found: Any, name: str = "") -> Material:
+    """Return what the report of an Addition draws on, the recordings apart; `name` is what was added."""
     return Material(
-        title=f"Adding {found.model.terms[-1].name}", answer=str(found.sentence), model=found.model, fit=found.after,
-        fall=found.waterfall, pictures=pictures_of(found),
+        title=f"Adding {name or found.model.terms[-1].name}", answer=str(found.sentence), model=found.model,
+        fit=found.after, fall=found.waterfall, pictures=pictures_of(found),
     )  # fmt: skip
 
 
@@ -75,5 +76,6 @@ def _of_waterfall(found: Any) -> Material:
 
 
 MATERIALS: Mapping[str, Callable[[Any], Material]] = MappingProxyType({
-    "Diagnosis": _of_answer, "Comparison": _of_comparison, "Addition": _of_addition, "Waterfall": _of_waterfall,
+    "Diagnosis": _of_answer, "Comparison": material_of_comparison, "Addition": material_of_addition,
+    "Waterfall": _of_waterfall,
 })  # fmt: skip

@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from workbench.report.sections.verdict import WORDS, term
+from diagnosis.sureness import meanings_of
+from workbench.report.sections.verdict import term
 from workbench.report.sections.where import error_sizes
 from workbench.terminal.screen import Screen, bar
 
 MOST_SUSPECTS = 8
 MOST_PLACES = 6
-VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "bad", "check_channels": "bad"}
+VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "good", "check_channels": "bad"}
 MOST_BESIDE = 2
 NOTHING_HELD_OUT = (
     "Nothing is held out: these errors are on the motion that was fitted, and say little about any other. "
@@ -106,29 +107,32 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     """Show verdict, reason, what was accepted, the suspects and what to measure next."""
     result = found.to_json()
     screen.say()
-    screen.say(f"{WORDS.get(found.verdict, found.verdict)}.", VERDICT_STYLES.get(found.verdict, "warn"))
-    screen.say(str(found.sentence))
+    screen.say(f"{found.headline}.", VERDICT_STYLES.get(found.verdict, "warn"))
+    screen.say(str(found.further))
     screen.say(f"why: {found.rule}", "faint")
     for finding in of_the_set(found.audit):
         screen.say(f"careful: {finding}", "warn")
     for force in result.get("forces", ()):
         screen.say(f"measured force: {force['sentence']}", "faint")
     for one in result["accepted"]:
-        alike = f"; these data cannot distinguish it from {', '.join(one['look_alikes'])}" if one["look_alikes"] else ""
-        never = one.get("never_separable") or ()
-        alike += f"; no motion can distinguish it from {', '.join(never)}" if never else ""
-        screen.say(f"  + {term(one)}{values(one['parameters'])}{alike}")
+        likes, never = (", ".join(map(found.called, one.get(key) or ())) for key in ("look_alikes", "never_separable"))
+        said = [f"these data cannot distinguish it from {likes}"] if likes else []
+        said += [f"no motion can distinguish it from {never}"] if never else []
+        screen.say(f"  + {term(one)}: {'; '.join([one['sureness'], *said])}")
         if one.get("stability"):
             screen.say(f"    {one['stability']}", "faint")
     for one in result.get("possible", ()):
-        screen.say(f"  possible: {term(one)}: {one['reason']}")
+        screen.say(f"  possible: {found.called(term(one))}: {one['reason']}  [{term(one)}]")
     suspects = result["suspects"][:MOST_SUSPECTS]
     if suspects:
         rows = [
-            (term(s), percent(s["explained_share"]), number(s["p_value"], 2), ", ".join(s["look_alikes"]))
+            (found.called(term(s)), percent(s["explained_share"]), s["sureness"] or "–",
+             ", ".join(map(found.called, s["look_alikes"])), term(s))
             for s in suspects
-        ]
-        screen.table("Suspects", ("effect", "explains", "p-value", "look-alikes in these data"), rows)
+        ]  # fmt: skip
+        head = ("suspect", "explains", "how sure", "look-alikes in these data", "id")
+        words = meanings_of(s["sureness"] for s in suspects)
+        screen.table("Suspects", head, rows, ". ".join(words) and f"{'. '.join(words)}.")
     left = result.get("unexplained") or {}
     if left.get("significant") and left["variables"]:
         screen.say(f"left over: {left['joint']}, depends on {', '.join(left['variables'])}", "warn")
@@ -154,15 +158,6 @@ def show_steps(screen: Screen, fall: Any) -> None:
             screen.say(f"  {name:<{width}}  {number(x):>7}  {bar(x / longest if math.isfinite(x) else 1.0)}")
         floor = float(fall.noise_floor[j])
         screen.say(f"  {'noise floor':<{width}}  {number(floor):>7}  {bar(floor / longest)}", "faint")
-
-
-def values(parameters: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return ": c = 2.6 N·m, v_s = 0.15 rad/s" for the parameters of an accepted effect."""
-    parts = [
-        f"{name.rsplit('.', 1)[-1]} = {number(p['value'])} {'' if p['unit'] == '1' else p['unit']}".rstrip()
-        for name, p in parameters.items()
-    ]
-    return ": " + ", ".join(parts) if parts else ""
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from diagnosis.sureness import meanings_of
 from workbench.report.cells import share
 from workbench.report.effects import said_of
 from workbench.report.material import Material
-from workbench.report.sections.verdict import term
+from workbench.report.sections.verdict import term, title
 from workbench.terminal.screen import without_empty
 
 TITLE = "Suspects"
@@ -24,20 +25,26 @@ def context(material: Material) -> Mapping[str, Any] | None:
     rows = [
         (
             place,
-            term(one),
+            title(term(one), material.model),
             said_of(term(one), material.model) or "–",
             share(one["explained_share"]),
-            one["p_value"],
-            ", ".join(one["look_alikes"]) or "–",
+            one.get("sureness") or "–",
+            ", ".join(title(other, material.model) for other in one["look_alikes"]) or "–",
             one.get("caution") or "–",
+            one["p_value"],
+            term(one),
         )
         for place, one in enumerate(found["suspects"][:MOST], start=1)
     ]
-    names = ("rank", "effect", "what it means", "explains", "p-value", "look-alikes in these data", "caution")
+    names = (
+        "rank", "effect", "what it means", "explains", "how sure", "look-alikes in these data", "caution", "p-value",
+        "id",
+    )  # fmt: skip
     head, shown = without_empty(names, rows)
     return {
         "head": head,
         "rows": shown,
+        "meanings": meanings_of(one.get("sureness", "") for one in found["suspects"][:MOST]),
         "pictures": material.pictures_in("suspects"),
         "more": max(0, len(found["suspects"]) - MOST),
         "unexplained": {"suggested_toml": [], **(found.get("unexplained") or {"significant": False})},

@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.effects import said_of, torque
+from diagnosis.sureness import meanings_of
+from workbench.report.effects import effect_of, said_of, torque
 from workbench.report.material import Material
 
 TITLE = "Answer"
 ORDER = 10
 
 WORDS = {
-    "adequate": "The model is adequate",
-    "missing": "An effect is missing",
-    "ambiguous": "An effect is missing, and these data cannot tell which of its look-alikes",
-    "unexplained": "Something is left that no known effect explains",
-    "check_channels": "Check the channels: they cannot be what they say",
+    "adequate": "Nothing missing",
+    "missing": "Found",
+    "ambiguous": "Found, with look-alikes",
+    "unexplained": "Not explained",
+    "check_channels": "Check the channels",
 }
-"""What each verdict means, in words."""
+"""The verdict in a word or two; what is told of it is the headline of the answer."""
 
 
 def context(material: Material) -> Mapping[str, Any] | None:
@@ -31,10 +32,12 @@ def context(material: Material) -> Mapping[str, Any] | None:
         "tiles": tiles(material),
         "verdict": "" if found is None else found.verdict,
         "words": "" if found is None else WORDS.get(found.verdict, found.verdict),
-        "sentence": material.answer or ("" if found is None else found.sentence),
+        "headline": "" if found is None else found.headline,
+        "meanings": [] if found is None else meanings_of([found.sureness]),
+        "sentence": material.answer or ("" if found is None else found.further),
         "rule": "" if found is None else found.rule,
         "accepted": [accepted_entry(one, material.model) for one in said.get("accepted", ())],
-        "possible": [f"{term(p)}: {p['reason']}" for p in said.get("possible", ())],
+        "possible": [f"{title(term(p), material.model)}: {p['reason']}" for p in said.get("possible", ())],
         "next_experiment": "" if found is None else str(found.next_experiment or ""),
         "biased": [] if found is None else list(found.biased),
         "differing": [d["sentence"] for d in said.get("differing", ())],
@@ -66,18 +69,32 @@ def tiles(material: Material) -> list[Mapping[str, Any]]:
 def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
     """Return an accepted effect of the JSON with what the catalogue says about it."""
     name = term(one)
+    alike = {key: [title(other, model) for other in one.get(key) or ()] for key in ("look_alikes", "never_separable")}
     return {
-        "look_alikes": (), "never_separable": (), "stability": "", **one, "term": name, "meaning": said_of(name, model),
-        "torque": torque(name, model), "numbers": numbers(one.get("parameters") or {}),
+        "stability": "", "sureness": "", **one, **alike, "term": name, "title": title(name, model),
+        "meaning": said_of(name, model), "torque": torque(name, model),
+        "numbers": numbers(one.get("parameters") or {}, effect_of(name, model)),
     }  # fmt: skip
 
 
-def numbers(parameters: Mapping[str, Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return name, value, unit and interval of each parameter of an effect, the name without the effect's."""
-    return [
-        {**p, "name": name.rsplit(".", 1)[-1], "unit": "" if p["unit"] == "1" else p["unit"]}
-        for name, p in parameters.items()
-    ]
+def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Mapping[str, Any]]:
+    """Return words, name, value, unit and interval of each parameter of an effect, the name without the effect's."""
+    from symbolic.wording import number_said
+
+    out: list[Mapping[str, Any]] = []
+    for full, p in parameters.items():
+        name = full.rsplit(".", 1)[-1]
+        words = name if effect is None else number_said(effect, name, p["value"], p["unit"])
+        out.append({**p, "name": name, "words": words, "unit": "" if p["unit"] == "1" else p["unit"]})
+    return out
+
+
+def title(name: str, model: Any) -> str:
+    """Return what an effect such as "stribeck:knee" is called."""
+    from symbolic.wording import title_of
+
+    effect = effect_of(name, model)
+    return name if effect is None else title_of(effect, name.partition(":")[2] or None)
 
 
 def term(entry: Mapping[str, Any]) -> str:

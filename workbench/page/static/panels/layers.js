@@ -23,8 +23,8 @@ function row(layer) {
   const box = h("input", { type: "checkbox", checked: layer.on, "aria-label": `${layer.name} is on`, "data-testid": `switch-${layer.name}`,
     onchange: () => doing(tell("switch", { effect: layer.name })) });
   return h("li", { "data-testid": `layer-${layer.name}`, class: layer.on ? "" : "off" },
-    h("div", { class: "row wrap" }, h("label", {}, box, h("strong", {}, ` ${layer.title}`)), h("span", { class: "faint" }, layer.name),
+    h("div", { class: "row wrap" }, h("label", {}, box, h("strong", { title: layer.name }, ` ${layer.title}`)), h("span", { class: "hidden" }, layer.name),
       button("remove", () => doing(tell("remove", { effect: layer.name })), { "aria-label": `remove ${layer.name}`, "data-testid": `remove-${layer.name}` })),
-    h("p", { class: "faint" }, layer.numbers.map((one) => `${one.name} = ${number(one.value)}${one.low === null ? "" : ` (${number(one.low)} to ${number(one.high)})`} ${one.unit === "1" ? "" : one.unit}`).join(", ") || layer.explains),
+    h("p", { class: "faint" }, layer.numbers.map((one) => `${one.said}${one.low === null || one.low === one.high ? "" : ` (${number(one.low)} to ${number(one.high)})`}`).join(", ") || layer.explains),
   );
 }

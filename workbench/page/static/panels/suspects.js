@@ -24,7 +24,7 @@ export function drawSuspects() {
     : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
   refill(place, head,
     h("p", { class: "faint", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
-      chosen ? "Share of the selected error that each would take away. " : "Share of the error on motion it was not fitted to. ", progress),
+      chosen ? "Share of the selected error that each would take away. " : "Share of the error of its own joints that each explains on motion it was not fitted to. ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
     detailPanel(),
   );
@@ -35,7 +35,7 @@ function row(suspect, chosen) {
   const bar = h("span", { class: "share-bar" });
   bar.style.setProperty("--share", `${Math.round(100 * Math.max(0, Math.min(1, share || 0)))}%`);
   const on = () => point(suspect.name);
-  const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: suspect.explains });
+  const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: `${suspect.explains}\n${evidence(suspect)}` });
   return h("li", {
     "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.significant ? " sure" : ""}`,
     onpointermove: (event) => moved(event) && on(), onfocusin: on,
@@ -43,7 +43,9 @@ function row(suspect, chosen) {
     h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),
       button("add", () => doing(tell("add", { effect: suspect.name })), { "data-testid": `add-${suspect.name}`, "aria-label": `add ${suspect.name}` })),
     bar,
-    h("div", { class: "faint small", id: `p-${suspect.name}` }, suspect.name, " ", evidence(suspect)),
+    h("div", { class: "small", id: `p-${suspect.name}`, title: evidence(suspect) },
+      suspect.sureness && sure(suspect.sureness), suspect.caution && h("span", { class: "faint" }, ` ${suspect.caution}`),
+      h("span", { class: "hidden" }, ` ${suspect.name} ${evidence(suspect)}`)),
   );
 }
 
@@ -56,12 +58,17 @@ function moved(event) {
   return at !== before;
 }
 
+// How sure, in a word; a click says what the word means.
+export function sure(word) {
+  return h("details", { class: `sure-word ${word.replace(" ", "-")}` }, h("summary", {}, word), h("p", { class: "faint" }, view.state.sureness[word]));
+}
+
+// The figures behind the word, for a tooltip.
 function evidence(suspect) {
-  const parts = [];
-  if (suspect.caution) parts.push(suspect.caution);
+  const parts = [suspect.name];
   if (suspect.p !== null) parts.push(`p = ${number(suspect.p, 2)} (${number(suspect.p_low, 2)} to ${number(suspect.p_high, 2)}, ${suspect.draws} placebos)`);
   if (suspect.splits) parts.push(`${suspect.splits[0]} of ${suspect.splits[1]} splits agree`);
-  return parts.length ? `· ${parts.join(" · ")}` : "";
+  return parts.join(" · ");
 }
 
 export async function point(name) {
@@ -81,6 +88,11 @@ export async function point(name) {
   }
 }
 
+// What a suspect is called, where it is known here.
+export function titleOf(name) {
+  return view.state.ranking?.suspects.find((one) => one.name === name)?.title || name;
+}
+
 function detailPanel() {
   if (!shown || view.pointed !== shown.name) return h("div", { class: "detail", id: "detail" }, h("p", { class: "faint" }, "Point at a suspect: what it means, what it cannot be distinguished from, what to measure."));
   const { joints } = view.state;
@@ -89,8 +101,8 @@ function detailPanel() {
     h("h3", {}, shown.title), h("p", {}, shown.explains),
     falls && h("p", {}, `Error as it would become: ${falls}. In the plots: dark with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
-    shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => `${one.name} ≈ ${number(one.value)} ${one.unit === "1" ? "" : one.unit}`).join(", ")),
-    h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.join(", ")}` : "Nothing else does as well in these data."),
+    shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => one.said).join(", ")),
+    h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.map(titleOf).join(", ")}` : "Nothing else does as well in these data."),
     h("p", { class: "faint" }, `To measure: ${shown.tells_apart}`),
   );
 }

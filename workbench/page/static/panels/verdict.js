@@ -5,10 +5,11 @@ import { button, h, refill, svg } from "../dom.js";
 import { percent, rms } from "../format.js";
 import { view } from "../store.js";
 import { doing } from "./status.js";
+import { sure } from "./suspects.js";
 
 const NAMES = {
-  adequate: "adequate", missing: "missing", ambiguous: "ambiguous", unexplained: "unexplained",
-  check_channels: "check the channels", open: "not judged yet", near_noise: "near the noise", unknown: "…",
+  adequate: "nothing missing", missing: "found", ambiguous: "found, with look-alikes", unexplained: "not explained",
+  check_channels: "check the channels", open: "not judged yet", unknown: "…",
 };
 
 // Before there is a session: what goes on, or what is missing.
@@ -29,11 +30,13 @@ export function drawVerdict() {
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
       h("p", {}, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind)),
-      h("p", { class: "lead" }, verdict.sentence),
-      verdict.why && h("p", { class: "faint" }, `why: ${verdict.why}`),
+      h("p", { class: "lead" }, verdict.headline || verdict.sentence),
+      verdict.sureness && sure(verdict.sureness),
+      verdict.headline && h("p", {}, verdict.sentence),
       verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
-      (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
-      (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`)),
+      verdict.why && h("details", {}, h("summary", {}, "why"), h("p", { class: "faint" }, verdict.why),
+        (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
+        (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`))),
     ),
     h("div", { class: "tiles" }, joints.map(tile)),
     staircase(),

@@ -1,0 +1,56 @@
+"""How sure it is that an effect is missing, in one word that is the same wherever a person reads it.
+
+The word sums up three figures that stand beside it for who wants them: how rarely placebos do as well, how many splits
+of the recordings agree, and whether something else does as well on these recordings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+
+from diagnosis.evidence.agreement import Agreement
+from diagnosis.rules import RULES, Rules
+from ground.thresholds import Threshold
+
+RARE = Threshold(0.002, "share of placebos that do as well, at most, where one is very sure: one in twenty is not rare")
+AGREEING = Threshold(0.9, "share of splits that agree where one is very sure: the next recording may say otherwise")
+VERY, FAIRLY, UNSURE = "very sure", "fairly sure", "cannot tell"
+
+MEANINGS: Mapping[str, str] = MappingProxyType(
+    {
+        VERY: f"at most {1000 * RARE:g} placebos in 1000 do as well (the same effect, shifted in time), at least "
+        f"{100 * AGREEING:.0f} % of the splits of the recordings agree, and nothing else does as well on them",
+        FAIRLY: f"more than chance (at most {100 * RULES.false_discovery_rate:.0f} % of such findings are), and enough "
+        "splits of the recordings agree or there are too few recordings to split",
+        UNSURE: "chance does as well, or the splits of the recordings disagree, or another effect does as well on them",
+    }
+)
+"""What each word means."""
+
+
+def meanings_of(words: Iterable[str]) -> list[str]:
+    """Return "very sure: at most ..." for each of `words`, once, the surest first."""
+    wanted = set(words)
+    return [f"{word}: {meaning}" for word, meaning in MEANINGS.items() if word in wanted]
+
+
+def least_sure(words: Iterable[str]) -> str:
+    """Return the least sure of `words`; "" for none."""
+    order = list(MEANINGS)
+    return max(words, key=order.index, default="")
+
+
+def sureness(
+    p: float | None, agreement: Agreement | None = None, *, doubted: bool = False, rules: Rules = RULES
+) -> str:
+    """Return the word for an effect whose placebos do as well with probability `p` (None: nobody asked them).
+
+    `agreement` is what splits of the recordings say; `doubted` where something speaks against it, or something else
+    does as well.
+    """
+    agreement = agreement or Agreement()
+    if doubted or p is None or p > rules.false_discovery_rate or not agreement.enough(rules):
+        return UNSURE
+    share = agreement.share
+    return VERY if p <= RARE and share is not None and share >= AGREEING else FAIRLY
