@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.channels import channel_findings
+from diagnosis.evidence.channels import OUTSIDE, channel_findings
 from diagnosis.evidence.curves import variables
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders
@@ -187,7 +187,8 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
     """Hold a Fit against recordings that are prepared already."""
     now = fitted_model(fit, prepared)
     unseen = verification(fit, prepared)
-    length = wanted_thigh_length(fit, prepared)
+    doubts = channel_findings(now)
+    length = None if any(one.check == OUTSIDE for one in doubts) else wanted_thigh_length(fit, prepared)
     curves = remainders(now, now.evidence(seed=0, draws=1), placebos=0)
     shown = prepared.verify or prepared.train
     return Comparison(
@@ -200,7 +201,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         where=where_it_sits(now, curves),
         per_recording=tuple(now.per_recording),
         cutoff=prepared.choice.reason,
-        audit=(*prepared.findings, *channel_findings(now), *(() if length is None else (length.finding(),))),
+        audit=(*prepared.findings, *doubts, *(() if length is None else (length.finding(),))),
         thigh_length=length,
         now=now,
         curves=tuple(curves),

@@ -9,6 +9,7 @@ import numpy as np
 
 from diagnosis.evidence.channels import doubts_before
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.intermittent import intermittent
 from diagnosis.evidence.library import build_library
 from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
 from diagnosis.evidence.stretches import searched_stretches
@@ -18,7 +19,7 @@ from diagnosis.search.context import SearchContext
 from diagnosis.search.engine import Found, run_search
 from diagnosis.search.state import Extension, State
 from diagnosis.settings import DiscoverySettings
-from diagnosis.verdict import Conclusion, check_channels, doubted, within_filter_error
+from diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
 from ground.progress import Progress
 from measurement.recording import Recording
 from optimisation.fitting.identify import identify
@@ -111,9 +112,14 @@ def most_explained(context: SearchContext, base: FittedModel) -> float:
 
 
 def _before_any_search(base: FittedModel, rules: Rules, best: Callable[[], float]) -> Conclusion | None:
-    """Return the conclusion that needs no search: the channels cannot be right, or nothing is left but filter error."""
+    """Return the conclusion that needs no search: the channels cannot be right, something outside acts in part of the
+    time, or nothing is left but filter error.
+    """
     if base.prepared.misread:
         return check_channels(base.prepared.misread)
+    outside = intermittent(base)
+    if outside is not None:
+        return pushed(outside, base.model.joints)
     doubt = doubts_before(base, rules, best)
     if doubt is not None:
         return doubted(doubt)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from diagnosis.evidence.channel_doubt import Doubt
+from diagnosis.evidence.intermittent import ADVICE, Intermittent
 from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
 from diagnosis.evidence.own_sway import OwnSway
 from diagnosis.evidence.remainder import Remainder
@@ -34,7 +35,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Conclusion:
-    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next."""
+    """Verdict, the rule that fired, the sentence, why it stopped, and what to measure next.
+
+    `outside` is set where the error is not the machine's: nothing else is then said of its numbers.
+    """
 
     verdict: str
     rule: str
@@ -42,6 +46,7 @@ class Conclusion:
     stopped_because: str
     next_experiment: str
     error: ModelError | None = None
+    outside: bool = False
 
 
 def conclude(
@@ -258,6 +263,19 @@ def swayed(sway: OwnSway, answer: Conclusion, joints: Sequence[Joint]) -> Conclu
         sentence=f"What the machine hangs from sways {sway.words} ({falls}). No model of the motion alone can predict "
         "that: nothing is accepted. Nearest in the catalogue: base_motion, which has one amplitude for all recordings.",
         next_experiment=sway.advice,
+    )
+
+
+def pushed(outside: Intermittent, joints: Sequence[Joint]) -> Conclusion:
+    """Return the conclusion where something that was not measured pushes the machine in part of the time."""
+    return Conclusion(
+        "unexplained",
+        f"fitted to the other {100 * (1.0 - outside.share):.0f} % of the time alone, the model leaves noise there, and "
+        "what is left otherwise comes and goes in every recording and is no function of the motion",
+        outside.sentence(joints),
+        "no effect, sign, convention or delay is looked for in a torque that comes from outside the machine",
+        ADVICE,
+        outside=True,
     )
 
 

@@ -102,7 +102,7 @@ def write_up(
     told_apart = (
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     )
-    length = wanted_thigh_length(last.fitted.fit, prepared)
+    length = None if conclusion.outside else wanted_thigh_length(last.fitted.fit, prepared)
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,

@@ -15,6 +15,7 @@ import numpy as np
 
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.evidence.intermittent import ADVICE, intermittent
 from diagnosis.evidence.pushes import turned_force
 from diagnosis.evidence.timing import late_torque
 from diagnosis.rules import RULES, Rules
@@ -26,6 +27,8 @@ from optimisation.preparation.filtering import PreparedRecording
 from optimisation.preparation.prepare import Prepared
 from symbolic.motion import Float
 
+OUTSIDE = "outside"
+"""What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""
 NOTHING_EXPLAINED = 0.9
 """Share of a torque's variance left from which its joint may have no drive; it only adds to what is advised."""
 
@@ -66,6 +69,13 @@ def channel_findings(fitted: FittedModel, rules: Rules = RULES) -> tuple[Finding
     """Return as a warning what makes a model that was only fitted, not searched, no answer; () where nothing does."""
     if fitted.prepared.misread:
         return ()
+    outside = intermittent(fitted)
+    if outside is not None:
+        return (
+            Finding(
+                OUTSIDE, "warning", outside.sentence(fitted.model.joints).rstrip("."), "all recordings", remedy=ADVICE
+            ),
+        )
     doubt = doubts_before(fitted, rules) or _another_machine(fitted, rules)
     share = left_share(fitted)
     if doubt is None and np.nanmax(share, initial=0.0) > rules.unexplained_share:

@@ -3,7 +3,8 @@
 Angles and torques are read in every usual way and combination; for each reading a rough pendulum (`rough.py`) with
 inertias, weights and frictions that are not negative is fitted to all recordings at once. The whole machine mirrored
 (angles and torques negated) is the same one, so such pairs of readings count as one. A reading is only named where the
-recordings as they stand contradict the pendulum and the other reading fits far better.
+recordings as they stand contradict the pendulum and the other reading fits far better, and where the recordings as they
+stand are not explained better still for part of the time (`in_part.py`): a foot on the ground is no wrong sign.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from measurement.auditing.hypotheses import (
     stages,
     turning_joints,
 )
+from measurement.auditing.in_part import acts_in_part
 from measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
 from measurement.auditing.rough import Smooth
 from measurement.finding import Finding
@@ -88,9 +90,22 @@ def check_conventions(
         return tuple(
             _finding([one], better, f"{_file(one)}=")
             for one, better in alone
-            if better is not None and _stands(_read_so(recordings, one, better, weighs, forces)) < _stands(sets)
+            if better is not None
+            and _stands(_read_so(recordings, one, better, weighs, forces)) < _stands(sets)
+            and not _only_in_part([one], better, smoothed_groups([one], weighs, forces))
         )
-    return () if found is None else (_finding(recordings, found),)
+    return () if found is None or _only_in_part(recordings, found, sets) else (_finding(recordings, found),)
+
+
+def _only_in_part(recordings: Sequence[Recording], better: Better, sets: Sequence[Sequence[Smooth]]) -> bool:
+    """Whether something that acts in part of the time explains more than the `better` reading of `recordings` does."""
+    return acts_in_part(sets, _as_in_the_files(recordings, sets), better.reading)
+
+
+def _as_in_the_files(recordings: Sequence[Recording], sets: Sequence[Sequence[Smooth]]) -> list[list[Smooth]]:
+    """Return the motions as the files hold them, where all were read alike: the option to give is looked for there."""
+    kept = {one.conventions for one in recordings}
+    return [[undone(motion, *kept) if len(kept) == 1 else motion for motion in group] for group in sets]
 
 
 def _read_so(
@@ -145,9 +160,7 @@ def better_reading(
     now = _stands(sets)
     if now < LEAST:
         return None
-    kept = {one.conventions for one in recordings}
-    if len(kept) == 1:  # the option to give is looked for from what the files hold
-        sets = [[undone(motion, *kept) for motion in group] for group in sets]
+    sets = _as_in_the_files(recordings, sets)
     doubts = DOUBTS if is_leg(joints) else ((SLIGHT_DOUBT, TIMES),)
     enough = min(GOOD, now / min(times for least, times in doubts if now >= least))
     kinds: list[ConventionHypothesis] = []

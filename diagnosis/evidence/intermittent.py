@@ -1,0 +1,317 @@
+"""Does something that nobody measured act on the machine in part of the time: the ground under a foot, a hand?
+
+Then the model as it stands, with numbers fitted to the rest of the time alone (least trimmed squares over windows),
+leaves noise there; what is left otherwise is far from noise, comes and goes in every recording, and is no function of
+the motion: neither with other numbers nor with smooth curves in angles and velocities is it predicted in a recording
+that was left out. A stop, a bump or another load in part of the time is one of these, and is the search's to find.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.evidence.fitted import FittedModel
+from diagnosis.evidence.model_error import sensor_noise
+from diagnosis.evidence.splines import spline_columns
+from ground.thresholds import Threshold
+from measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from optimisation.preparation.filtering import EDGE, PreparedRecording
+from optimisation.preparation.noise import torque_noise
+from symbolic.evaluation import carrying
+from symbolic.force import Force
+from symbolic.joints import Joint
+from symbolic.mechanics.newton_euler import STILL, BaseMotion
+from symbolic.mechanics.pushed import placed_joints, pushed_torques
+from symbolic.motion import Float
+
+PART = Threshold(0.2, "part of the time that must be free of it: swing is a third of a stride")
+CLEAR = Threshold(
+    10.0,
+    "times the error of the quiet part, RMS, that three quarters of the other windows have: what is sometimes large "
+    "and sometimes small has no quiet part",
+)
+BEYOND = Threshold(
+    5.0,
+    "times the same that curves and other numbers leave of it in a recording left out: a stop or a bump would be taken "
+    "for contact",
+)
+TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
+ADVICE = (
+    "measure it: a force plate or an instrumented treadmill (columns grf_x, grf_z), cuffs with force sensors (f1, f2), "
+    "or at least when it acts (a foot switch, column contact: 1 while it does); or record the motion without it, on a "
+    "stand or with the foot in the air"
+)
+"""What to do about it."""
+WINDOW = 0.1
+"""s, of a window."""
+WORTH = 5.0
+"""Times the noise that the error is, from which it is asked."""
+QUIET = 5.0
+"""Times the mean squared error of the quiet part, up to which a window belongs to it."""
+PHASE = 0.7
+"""Length of the mean direction of the phases in which it begins and ends, from which they are told."""
+KNOTS = 10
+"""Of the curves in each angle and each velocity."""
+RIDGE = 1e-3
+"""Part of its size by which a column must help: curves where nothing was recorded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Intermittent:
+    """Something outside the model that acts during `share` of the time, `seconds` long at a time, every `period` s.
+
+    `torque` (J,) is its RMS while it acts, `quiet` (J,) that of the error meanwhile it does not, N·m; `phase` says when
+    it acts, and `force` what force it would be, in words.
+    """
+
+    share: float
+    seconds: float
+    period: float
+    torque: Float
+    quiet: Float
+    phase: str
+    force: str
+
+    def sentence(self, joints: Sequence[Joint]) -> str:
+        """Return what acts when, and how large it is, for people."""
+        sizes = [
+            ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in zip(joints, part, strict=True))
+            for part in (self.torque, self.quiet)
+        ]
+        when = f", {self.phase}" if self.phase else ", in no phase of its own"
+        return (
+            f"Something outside the model pushes in part of the time: about every {self.period:.2g} s, for "
+            f"{self.seconds:.2g} s ({100 * self.share:.0f} % of the time){when}. While it acts it makes {sizes[0]} "
+            f"(RMS); the rest of the time the model as it is leaves {sizes[1]}, before any filter."
+            + (f" {self.force[0].upper()}{self.force[1:]}." if self.force else "")
+            + (" Is it the ground under a foot?" if self.force else " Is it a person, or something that is touched?")
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """A recording before the common filter: columns (J, N, P), torque (J, N) without what is known, both over the noise
+    of a sample, and which samples (J, N) are `seen`.
+    """
+
+    one: PreparedRecording
+    columns: Float
+    tau: Float
+    seen: NDArray[np.bool_]
+    length: int
+
+    def windows(self) -> Windows:
+        motion = self.one.motion
+        return windows_of(self.columns, self.tau, motion.q, motion.dq, self.seen, self.length)
+
+
+def intermittent(base: FittedModel) -> Intermittent | None:
+    """Return what acts in part of the time of all recordings; None where nothing does, or a model may describe it."""
+    noise = np.maximum(sensor_noise(base.prepared), 1e-6)
+    if not np.any(base.evaluation_rms > WORTH * noise):
+        return None
+    sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
+    views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
+    parts = [view.windows() for view in views]
+    windows = joined(parts)
+    found = _quiet_part(windows)
+    if found is None:
+        return None
+    x, quiet = found
+    losses = windows.losses(x)
+    level, away = float(np.mean(losses[quiet])), ~quiet
+    if np.quantile(losses[away], 0.25) < CLEAR**2 * level:
+        return None
+    ends = np.cumsum([len(part.first) for part in parts])[:-1]
+    pairs = list(zip(views, parts, np.split(away, ends), strict=True))
+    acts = [_spread(view, part, own) for view, part, own in pairs]
+    calm = [_samples(view, part.first[~own]) & ~act for (view, part, own), act in zip(pairs, acts, strict=True)]
+    episodes = [_episodes(act, view.one.rate) for act, view in zip(acts, views, strict=True)]
+    if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
+        return None
+    rest = [view.tau - view.columns @ x for view in views]
+    if not _beyond_curves(views, rest, acts, BEYOND * np.sqrt(level)):
+        return None
+    weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
+    own = [part * w for part, w in zip(rest, weight, strict=True)]
+    sizes = [_rms(views, own, chosen) for chosen in (acts, calm)]
+    long = [(end - begin) / view.one.rate for view, each in zip(views, episodes, strict=True) for begin, end in each]
+    apart = [np.diff([b for b, _ in each]) / view.one.rate for view, each in zip(views, episodes, strict=True)]
+    return Intermittent(
+        share=float(np.mean(np.concatenate(acts))),
+        seconds=float(np.median(long)),
+        period=float(np.median(np.concatenate(apart))),
+        torque=sizes[0],
+        quiet=sizes[1],
+        phase=_phase(base, views, episodes),
+        force=_force(base, views, own, acts),
+    )
+
+
+def _view(base: FittedModel, index: int, sample: Float) -> _View:
+    one, model = base.prepared.all[index], base.model
+    none = np.zeros(len(base.linear))
+    whole = model.whole_columns(one.motion, base.shapes[index], base.linear if model.needs_reference else None)
+    weight = 1.0 / (sample * np.sqrt(0.5 * one.rate))
+    known = whole @ carrying(model, one.motion, none)
+    seen = ~one.hidden.T
+    edge = int(EDGE * one.rate)
+    seen[:, :edge] = seen[:, len(one.motion) - edge :] = False
+    columns = whole[:, :, : len(none)] * weight[:, None, None]
+    return _View(one, columns, (one.wide_tau.T - known) * weight[:, None], seen, max(1, round(WINDOW * one.rate)))
+
+
+def _solved(gram: Float, slope: Float) -> Float:
+    size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
+    return np.asarray(np.linalg.lstsq(gram / np.outer(size, size), slope / size, rcond=1e-10)[0] / size)
+
+
+def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
+    """Return the numbers (P,) that explain part of the windows best, and which (M,) they explain; None where these are
+    too few, or nearly all.
+    """
+    best = trimmed(windows, PART, _solved)
+    if best is None:
+        return None
+    x, quiet = best.x, np.zeros(len(windows.power), dtype=bool)
+    level = float(np.median(best.losses[best.chosen]))
+    for _ in range(20):
+        now = windows.losses(x) <= QUIET * level
+        if np.array_equal(now, quiet):
+            break
+        quiet = now
+        x = windows.solved(np.flatnonzero(quiet), _solved)
+        level = float(np.median(windows.losses(x)[quiet]))
+    return (x, quiet) if PART / 2.0 < quiet.mean() < 1.0 - PART / 2.0 else None
+
+
+def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return at which samples (N,) it acts; a single window between two of the other kind is of theirs."""
+    count = len(view.one.motion) // view.length + 1
+    kind = np.full(count, -1)
+    kind[part.first // view.length] = away
+    known = np.flatnonzero(kind >= 0)
+    if not known.size:
+        return np.zeros(len(view.one.motion), dtype=bool)
+    filled = kind[known[np.abs(np.arange(count)[:, None] - known).argmin(axis=1)]] > 0
+    alone = (filled[1:-1] != filled[:-2]) & (filled[1:-1] != filled[2:])
+    filled[1:-1] ^= alone
+    return np.repeat(filled, view.length)[: len(view.one.motion)]
+
+
+def _samples(view: _View, first: NDArray[np.int_]) -> NDArray[np.bool_]:
+    """Return the samples (N,) of the windows that begin at `first`."""
+    out = np.zeros(len(view.one.motion), dtype=bool)
+    out[(first[:, None] + np.arange(view.length)).ravel()] = True
+    return out
+
+
+def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
+    """Return where it begins and where it ends each time, those at the ends of the recording left out."""
+    edges = np.flatnonzero(np.diff(acts.astype(int)))
+    begins = [int(k) + 1 for k in edges if not acts[k]]
+    ends = [int(k) + 1 for k in edges if acts[k]]
+    pairs = ((begin, next((end for end in ends if end > begin), None)) for begin in begins)
+    return [(begin, end) for begin, end in pairs if end is not None and end - begin >= WINDOW * rate]
+
+
+def _beyond_curves(
+    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], least: float
+) -> bool:
+    """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
+    recordings, leave more than `least` of what acts, at any joint.
+    """
+    q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
+    ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
+    for joint in range(rest[0].shape[0]):
+        rows = [
+            np.concatenate([view.columns[joint], _curves(view, ends)], axis=1)[view.seen[joint]] for view in views
+        ]
+        size = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0)) + 1e-300
+        rows = [part / size for part in rows]
+        own = [part[joint][view.seen[joint]] for part, view in zip(rest, views, strict=True)]
+        grams = [part.T @ part for part in rows]
+        slopes = [part.T @ y for part, y in zip(rows, own, strict=True)]
+        square, count = 0.0, 0
+        for k, view in enumerate(views):
+            others = [i for i in range(len(views)) if i != k or len(views) == 1]
+            gram = np.sum([grams[i] for i in others], axis=0)
+            held = RIDGE * sum(len(own[i]) for i in others) * np.eye(len(gram))
+            left = own[k] - rows[k] @ np.linalg.solve(gram + held, np.sum([slopes[i] for i in others], axis=0))
+            there = acts[k][view.seen[joint]]
+            square, count = square + float(np.sum(left[there] ** 2)), count + int(there.sum())
+        if count and np.sqrt(square / count) > least:
+            return True
+    return False
+
+
+def _curves(view: _View, ends: list[tuple[Float, Float]]) -> Float:
+    """Return cubic splines (N, C) in every angle and every velocity."""
+    out = []
+    for x, (low, high) in zip((view.one.motion.q, view.one.motion.dq), ends, strict=True):
+        for column, first, last in zip(x.T, low, high, strict=True):
+            if last > first:
+                knots = np.concatenate([[first] * 3, np.linspace(first, last, KNOTS), [last] * 3])
+                out.append(spline_columns(column, knots))
+    return np.concatenate(out, axis=1)
+
+
+def _rms(views: list[_View], torques: list[Float], chosen: list[NDArray[np.bool_]]) -> Float:
+    """Return the RMS (J,) of torques (J, N) over the `chosen` samples (N,) of all recordings that are seen."""
+    masks = [view.seen & own for view, own in zip(views, chosen, strict=True)]
+    square = np.sum([np.sum(x**2 * mask, axis=1) for x, mask in zip(torques, masks, strict=True)], axis=0)
+    return np.asarray(np.sqrt(square / np.maximum(np.sum([mask.sum(axis=1) for mask in masks], axis=0), 1)))
+
+
+def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int, int]]]) -> str:
+    """Return in which phase of the motion it begins and ends, of the joint that says so best; "" for none."""
+    q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
+    states = []
+    for place in (0, 1):
+        at = [(view.one.motion, pair[place]) for view, each in zip(views, episodes, strict=True) for pair in each]
+        states.append(tuple(np.array([getattr(m, name)[min(k, len(m) - 1)] for m, k in at]) for name in ("q", "dq")))
+    size = [np.maximum(x.std(axis=0), 1e-12) for x in (q, dq)]
+    lengths = [
+        np.abs(np.mean(np.exp(1j * np.arctan2(v / size[1], (x - q.mean(axis=0)) / size[0])), axis=0)) for x, v in states
+    ]
+    best = int(np.argmax(lengths[0] * lengths[1]))
+    if min(lengths[0][best], lengths[1][best]) < PHASE:
+        return ""
+    joint = base.model.joints[best]
+    words = [
+        f"{np.median(x[:, best]):.2g} {joint.unit('q')} {'forwards' if np.median(v[:, best]) > 0.0 else 'backwards'}"
+        for x, v in states
+    ]
+    return f"from where the {joint.name} passes {words[0]} to where it passes {words[1]}"
+
+
+def _force(base: FittedModel, views: list[_View], own: list[Float], acts: list[NDArray[np.bool_]]) -> str:
+    """Return what force on the last link would do this, in words; "" where one cannot be told or pulls downwards."""
+    model = base.model
+    joints = placed_joints(model)
+    if len(joints) < 2 or not joints[-1].turns:
+        return ""
+    reach = joints[-2].length or model.thigh_length
+    at = Force("ground", joints[-1].name, ("grf_x", "grf_z"))
+    forces, whole, left = [], 0.0, 0.0
+    for view, x, act in zip(views, own, acts, strict=True):
+        motion, there = view.one.motion, act & view.seen.all(axis=0)
+        sway = STILL if motion.base is None else BaseMotion(*motion.base[there].T)
+        ways = [np.tile(way, (int(there.sum()), 1)) for way in np.eye(2)]
+        unit = np.stack([pushed_torques(joints, motion.q[there], at, reach, way, sway) for way in ways], axis=2)
+        tau, turn = x[:, there].T[:, :, None], unit.swapaxes(1, 2)
+        found = np.linalg.solve(turn @ unit + 1e-9 * np.eye(2), turn @ tau)
+        whole, left = whole + float(np.sum(tau**2)), left + float(np.sum((tau - unit @ found) ** 2))
+        forces.append(found[:, :, 0])
+    force = np.concatenate(forces)
+    up = float(np.mean(force[:, 1] > 0.0))
+    if up < 0.9 or left > 0.1 * whole:
+        return ""
+    return (
+        f"one force on the link after the {joints[-1].name} would do it, upwards in {100 * up:.0f} % of that time and "
+        f"about {np.median(force[:, 1]):.2g} N there, if it acts {reach:.2g} m along: so the ground pushes a foot"
+    )

@@ -1,0 +1,113 @@
+"""What acts from outside in part of the time is suspected, and nothing else accused; a stop or a load is not it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.compare import compare
+from diagnosis.discover import discover
+from diagnosis.evidence import intermittent as module
+from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.intermittent import intermittent
+from measurement.auditing import in_part
+from measurement.auditing.convention import check_conventions
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.model import Model
+from tests.walking import on_the_ground, walked
+
+MODEL = Model.standard()
+
+
+def fitted(recordings):
+    prepared = prepare(MODEL, recordings[:-1], recordings[-1:])
+    return fitted_model(identify(MODEL, prepared.train, optimisers=()), prepared)
+
+
+@pytest.fixture(scope="module")
+def walks():
+    return [on_the_ground(seed) for seed in range(3)]
+
+
+def with_torque(change):
+    """Return what is found in three walks in the air with a torque (N, 2) made by change(recording, rng)."""
+    out = []
+    for seed in range(3):
+        one = walked(seed)[0]
+        out.append(replace(one, tau=one.tau + change(one, np.random.default_rng(seed))))
+    return fitted(out)
+
+
+def test_a_foot_on_the_ground_is_suspected_with_phase_and_size(walks):
+    found = intermittent(fitted(walks))
+    stance = np.mean([walked(seed)[2].mean() for seed in range(3)])
+    assert abs(found.share - stance) < 0.12
+    assert 0.6 < found.seconds < 1.1 and 1.1 < found.period < 1.6
+    pushed = np.concatenate([walked(seed)[1][walked(seed)[2]] for seed in range(3)])
+    assert np.allclose(found.torque, np.sqrt(np.mean(pushed**2, axis=0)), rtol=0.2)
+    assert np.all(found.quiet < 0.7)
+    assert "passes" in found.phase and "upwards" in found.force
+
+
+def test_no_channel_is_accused_and_no_effect_named(walks):
+    answer = discover(MODEL, walks[:2], walks[2:])
+    assert answer.verdict == "unexplained" and not answer.accepted
+    assert "outside the model" in answer.sentence and "ground" in answer.sentence
+    assert "grf_z" in answer.next_experiment and "contact" in answer.next_experiment
+    said = [one for one in compare(MODEL, walks[:2], walks[2:]).audit if one.severity == "warning"]
+    assert "outside" in {one.check for one in said}
+    assert not {"convention", "sign", "scale", "channels", "units"} & {one.check for one in said}
+
+
+def test_in_the_air_nothing_is_suspected():
+    assert intermittent(with_torque(lambda one, rng: np.zeros(one.tau.shape))) is None
+
+
+@pytest.mark.shows("in_part.PART")
+def test_contact_is_no_convention(walks, monkeypatch):
+    assert check_conventions(walks) == ()
+    monkeypatch.setattr(in_part, "PART", 0.95)
+    assert check_conventions(walks)
+
+
+@pytest.mark.shows("intermittent.PART")
+def test_a_third_of_the_time_is_enough(walks, monkeypatch):
+    base = fitted(walks)
+    assert intermittent(base) is not None
+    monkeypatch.setattr(module, "PART", 0.8)
+    assert intermittent(base) is None
+
+
+@pytest.mark.shows("intermittent.BEYOND")
+def test_an_end_stop_is_no_contact(monkeypatch):
+    base = with_torque(lambda one, rng: np.column_stack([400.0 * np.maximum(one.q[:, 0] - 0.4, 0.0), 0.0 * one.t]))
+    assert intermittent(base) is None
+    monkeypatch.setattr(module, "BEYOND", 0.0)
+    monkeypatch.setattr(module, "CLEAR", 1.0)
+    assert intermittent(base) is not None
+
+
+@pytest.mark.shows("intermittent.CLEAR")
+def test_what_is_now_small_now_large_has_no_quiet_part(monkeypatch):
+    def hand(one, rng):
+        slow = np.sin(np.outer(one.t, rng.uniform(1.0, 6.0, 5)) + rng.uniform(0.0, 6.0, 5)).sum(axis=1)
+        return np.column_stack([slow**3, 0.5 * slow**3])
+
+    base = with_torque(hand)
+    assert intermittent(base) is None
+    monkeypatch.setattr(module, "CLEAR", 1.0)
+    assert intermittent(base) is not None
+
+
+@pytest.mark.shows("intermittent.TIMES")
+def test_a_load_that_hangs_there_once_is_no_contact(monkeypatch):
+    def load(one, rng):
+        first = rng.uniform(6.0, 8.0)
+        hangs = (one.t > first) & (one.t < first + 7.0)
+        return np.where(hangs, 40.0 * (1.0 + np.sin(3.0 * one.t)), 0.0)[:, None] * np.array([1.0, 0.5])
+
+    base = with_torque(load)
+    assert intermittent(base) is None
+    monkeypatch.setattr(module, "TIMES", 1.0)
+    assert intermittent(base) is not None
