@@ -72,15 +72,15 @@ def windows_of(columns: Float, tau: Float, q: Float, dq: Float, seen: NDArray[np
         rows = x[..., : count * length].reshape(*x.shape[:-1], count, length)
         return np.moveaxis(rows, -2, 0)
 
-    known = cut(seen).astype(float)
+    known = cut(seen.astype(float))
     share = known.mean(axis=(1, 2))
     whole = np.flatnonzero(share >= SEEN)
     weight = np.sqrt(known[whole] / (share[whole, None, None] * known[0].size))
     y = (cut(np.moveaxis(columns, 2, 0))[whole] * weight[:, None]).reshape(whole.size, columns.shape[2], -1)
     t = (cut(tau)[whole] * weight).reshape(whole.size, -1)
     slope, power = (y @ t[:, :, None])[:, :, 0], np.sum(t**2, axis=1)
-    state = (cut(x.T)[whole].mean(axis=2) for x in (q, dq))
-    return Windows(y @ y.swapaxes(1, 2), slope, power, *state, whole * length)
+    states = [cut(x.T)[whole].mean(axis=2) for x in (q, dq)]
+    return Windows(y @ y.swapaxes(1, 2), slope, power, states[0], states[1], whole * length)
 
 
 def joined(parts: list[Windows]) -> Windows:
