@@ -124,6 +124,11 @@ class Model:
                     remedy="keep one; its numbers could not be distinguished",
                 )
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Know the leg again in another process, where its joints come as a copy."""
+        self.__dict__.update(state)
+        object.__setattr__(self, "joints", joints_of(self.joints))
+
     @classmethod
     def standard(cls, thigh_length: float = 0.40, gravity: float = 9.81) -> Model:
         """Return the eight-parameter leg of the paper."""

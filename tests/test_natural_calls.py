@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import exoid
+from ground.engines.processes import alone
 from workbench.commands.demo import DATA
 
 NAMES = ("t", "q1", "q2", "tau1", "tau2")
@@ -138,6 +139,22 @@ def test_it_says_what_to_do(bench, called):
     with pytest.raises(exoid.ExoidError) as caught:
         call(bench)
     assert remedy in str(caught.value)
+
+
+def _known_there(model):
+    """Ask in another process what a model is taken for there."""
+    return [joint.name for joint in model.chain], model.with_effect("stribeck", model.joint_names[-1]).terms[0].name
+
+
+def test_a_model_is_the_same_machine_in_another_process(bench):
+    engine = alone()
+    try:
+        asked = [engine.executor.submit(_known_there, m) for m in (bench.leg, exoid.Model(joints=["axis"]))]
+        assert [one.result() for one in asked] == [([], "stribeck:knee"), (["axis"], "stribeck:axis")]
+        rotor = engine.executor.submit(bench.leg.with_effect, "rotor_inertia:knee").result()
+        assert rotor.chain == ()
+    finally:
+        engine.close(False)
 
 
 def test_an_error_inside_is_not_taken_for_a_wrong_call():
