@@ -11,6 +11,7 @@ import diagnosis.sureness
 import diagnosis.watching
 import diagnosis.where
 import measurement.auditing
+import measurement.reading.selection
 import measurement.signals
 import optimisation.fitting
 import optimisation.preparation
@@ -21,6 +22,7 @@ from ground.thresholds import Rule, thresholds_in
 def thresholds_of_a_diagnosis(rules: Rules = RULES) -> Iterator[Rule]:
     """Yield those that a recording meets on its way through `discover`."""
     yield from thresholds_in(measurement.auditing, "the audit of a recording")
+    yield from thresholds_in(measurement.reading.selection, "rows that are left out")
     yield from thresholds_in(measurement.signals, "what of a signal counts")
     yield from thresholds_in(optimisation.preparation, "preparation: filter, cut-off, samples that are used")
     yield from thresholds_in(optimisation.fitting, "what is said of a fit")

@@ -13,6 +13,9 @@ from ground.plain import AsJson
 SEVERITIES = ("refused", "warning", "repaired", "info")
 """Worst first. "repaired": mended without guessing and therefore only reported; "refused": cannot be used."""
 
+SELECTION = "selection"
+"""What a finding is called that says which rows are left out by choice."""
+
 
 @dataclass(frozen=True)
 class Finding(AsJson):

@@ -32,7 +32,8 @@ class StatedMapping:
     """What the user says of a file: `columns` {canonical: column}, `units` {name: unit}, `leg` ("" if unsaid).
 
     And of this one recording, never kept: its `convention` ("a,b"), files to `join` to it with the lag in s of their
-    clocks (None: physics says), its `passive` joints, which have no drive, and `payloads`, known masses on it.
+    clocks (None: physics says), its `passive` joints, which have no drive, `payloads`, known masses on it, and which
+    rows `only` are explained ("contact == 0", `measurement.reading.selection`).
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -42,11 +43,12 @@ class StatedMapping:
     join: tuple[tuple[str, float | None], ...] = ()
     passive: tuple[str, ...] = ()
     payloads: tuple[Payload, ...] = ()
+    only: str = ""
 
     @property
     def options(self) -> dict[str, Any]:
         """What `read_recordings` takes of it, as far as it is said."""
-        every = {name: getattr(self, name) for name in ("columns", "units", "leg", "convention", "join")}
+        every = {name: getattr(self, name) for name in ("columns", "units", "leg", "convention", "join", "only")}
         return {name: value for name, value in every.items() if value}
 
     def over(self, other: StatedMapping) -> StatedMapping:

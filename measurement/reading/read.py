@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from ground.errors import RecordingError, refused
 from ground.files import sha256
@@ -26,6 +26,7 @@ from measurement.reading.large import in_stretches
 from measurement.reading.mapping import FILE, StatedMapping, remembered
 from measurement.reading.raw import RawTable
 from measurement.reading.repair import repaired
+from measurement.reading.selection import selected
 from measurement.reading.sources import digest, expand, find_formats, folder_of, opened
 from measurement.reading.split_stamps import join_split
 from measurement.reading.unusable import mask_unusable
@@ -40,6 +41,15 @@ that is worth a look."""
 LEGS = ("left", "right", "ipsi", "contra", "both")
 
 
+class HowRead(TypedDict, total=False):
+    """What may be said of recordings beside their columns and units, as `read_recording` explains it."""
+
+    leg: str | None
+    convention: str | Iterable[str]
+    join: str | Path | Sequence[Joined]
+    only: str
+
+
 def read_recording(
     source: Any,
     columns: Mapping[str, str] | None = None,
@@ -49,6 +59,7 @@ def read_recording(
     name: str = "",
     convention: str | Iterable[str] = (),
     join: str | Path | Sequence[Joined] = (),
+    only: str = "",
     joints: Sequence[Joint] | None = None,
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
@@ -61,11 +72,13 @@ def read_recording(
     `measurement.reading.conventions`). What is not given is taken from `exoid.toml` beside the file, if that knows its
     columns. Rows with a cell that is not a number are masked in `valid`, never dropped. `join` are further files of the
     same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
-    `measurement.reading.join`. `joints` are those of the machine (`model.joints`); None means the leg's, or as many as
-    the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that cannot be used, with the place
-    and the remedy.
+    `measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
+    given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
+    (`measurement.reading.selection`). `joints` are those of the machine (`model.joints`); None means the leg's, or as
+    many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that cannot be used, with
+    the place and the remedy.
     """
-    told = _told(columns, units, leg, convention, join)
+    told = _told(columns, units, leg, convention, join, only)
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
     machine = None if joints is None else tuple(joints)
@@ -82,35 +95,35 @@ def read_recordings(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     *,
-    leg: str | None = None,
-    convention: str | Iterable[str] = (),
-    join: str | Path | Sequence[Joined] = (),
     joints: Sequence[Joint] | None = None,
     most_bytes: int = LARGE,
     progress: Progress | None = None,
+    **more: Unpack[HowRead],
 ) -> tuple[Recording, ...]:
     """Return the recordings in `sources`: one or several files, folders, patterns ("runs/*.csv") and ZIP archives.
 
     `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
-    (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`.
+    (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`, whose
+    `leg`, `convention`, `join` and `only` it takes too.
     """
-    told = _told(columns, units, leg, convention, join)
+    told = _told(columns, units, **more)
     return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
 
 
 def _told(
     columns: Mapping[str, str] | None,
     units: Mapping[str, str] | None,
-    leg: str | None,
-    convention: str | Iterable[str],
-    join: str | Path | Sequence[Joined],
+    leg: str | None = None,
+    convention: str | Iterable[str] = (),
+    join: str | Path | Sequence[Joined] = (),
+    only: str = "",
 ) -> StatedMapping:
     called = convention if isinstance(convention, str) else ",".join(convention)
     files = [join] if isinstance(join, (str, Path)) else join
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
     others = tuple((str(file), lag) for file, lag in pairs)
-    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others)
+    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, only=only)
 
 
 def read_as_told(
@@ -231,7 +244,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     where = origin.path or name
     assigned = assign(table, told, where=where, joints=joints)
     recording = repaired(table, assigned, name=name, source=origin, joints=joints)
-    recording = read_as(mask_unusable(recording), told.convention)
+    recording = selected(read_as(mask_unusable(recording), told.convention), table, told.only)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)
     return recording

@@ -33,8 +33,8 @@ from symbolic.motion import Float
 from symbolic.waves import FEW, Waves, are_even
 
 ORDER = 2 * POLES
-MOST_APART = 0.9
-"""Share of samples left out of an estimate of noise beyond which none are."""
+MOST_APART, ENOUGH_APART = 0.9, 200
+"""Share of samples left out of an estimate of noise beyond which none are, unless so many samples are left."""
 SHORTEST = 2.0
 """Shortest recording in s that leaves something to fit after the edges of the filter are cut."""
 MISSING = 0.25
@@ -318,10 +318,15 @@ def quiet_noise(x: Float, rate: float, cutoff: float, apart: np.ndarray | None =
     samples (`averaged`), or as it was measured.
     """
     fast = x - low_pass(x, 0.25 * rate, rate)
-    left = np.ones(x.shape, dtype=bool) if apart is None else ~(apart & (np.mean(apart, axis=0) < MOST_APART))
+    left = np.ones(x.shape, dtype=bool) if apart is None else ~(apart & leaves_enough(apart))
     told = [channel[keep] for channel, keep in zip(fast.T, left.T, strict=True)]
     scale = np.array([np.median(np.abs(channel - np.median(channel))) for channel in told]) / 0.6745
     return np.asarray(scale * np.sqrt(cutoff / (0.25 * rate) / _left_by_averaging(factor)))
+
+
+def leaves_enough(apart: np.ndarray) -> NDArray[np.bool_]:
+    """Return for which signals (J,) the samples that are not `apart` (N, J) are enough to tell the noise by."""
+    return np.asarray((np.mean(apart, axis=0) < MOST_APART) | (np.sum(~apart, axis=0) >= ENOUGH_APART))
 
 
 @lru_cache(maxsize=32)

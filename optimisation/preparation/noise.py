@@ -7,14 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.signals.conditioning import derivatives, low_pass, quiet_noise
+from measurement.signals.conditioning import derivatives, leaves_enough, low_pass, quiet_noise
 from measurement.signals.masks import widen
+from optimisation.linear.loss import Bool
 from optimisation.preparation.filtering import PreparedRecording
 from symbolic.model import Model
 from symbolic.motion import Float
 
-BESIDE = 6
-"""Samples on either side of hidden ones in which the bend of a bridge is no noise."""
+BESIDE, NEAR = 6, 2
+"""Samples on either side of hidden ones in which the bend of a bridge is no noise, and in which most of it is."""
 DRAWS, ENOUGH = 8, 24_000
 """Draws of white noise that are filtered, and samples from which on there are fewer."""
 
@@ -34,8 +35,16 @@ def torque_noise(prepared: Sequence[PreparedRecording]) -> Float:
 def _own_noise(one: PreparedRecording) -> Float:
     left = one.wide_tau if one.pushed is None else one.wide_tau - one.pushed  # what jumps in both is no noise
     bridged = one.bridged(np.array(left.T, order="C")).T
-    apart = np.column_stack([widen(column, BESIDE) for column in one.hidden.T])
+    apart = _apart(one.hidden)
     return quiet_noise(bridged, one.rate, 1.0, apart, max(1, round(one.full_rate / one.rate)))
+
+
+def _apart(hidden: Bool) -> Bool:
+    """Return the samples (N, J) that do not tell the noise: hidden ones and as many beside them as leave enough others,
+    for where most of a recording is hidden every bridge is near.
+    """
+    margins = [np.column_stack([widen(column, beside) for column in hidden.T]) for beside in (BESIDE, NEAR)]
+    return np.asarray(np.where(leaves_enough(margins[0]), *margins))
 
 
 def noise_floor(prepared: Sequence[PreparedRecording]) -> Float:

@@ -95,7 +95,8 @@ def told_recordings(
     idle = passive_joints(args.passive, every, joints)
     told = {
         path: StatedMapping(
-            *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ()))
+            *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())),
+            args.only,
         )
         for path in every
     }

@@ -127,6 +127,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         help="the joint had no drive (in that recording), so its torque is zero for certain: knee, or run6.csv=knee",
     )  # fmt: skip
     group.add_argument(
+        "--only", metavar="CONDITION", default="",
+        help='of which rows the torques are explained, by a column of the file or of exoid: "contact == 0", '
+        '"phase > 0.6 and t < 20"; unless it is given, stance is left out where a column says when the foot is on the '
+        "ground and none what the ground does",
+    )  # fmt: skip
+    group.add_argument(
         "--cutoff",
         metavar="HZ",
         type=positive_number,

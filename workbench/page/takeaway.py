@@ -163,7 +163,7 @@ def _write(workspace: Workspace, place: SessionFolder) -> None:
         entries.append({
             "file": place.copy(one.path, one.name, digest), "name": one.name, "role": one.role,
             "join": [(place.copy(Path(file), f"joined-{Path(file).name}"), lag) for file, lag in one.told.join],
-            **picked(one.told, "columns units leg passive"),
+            **picked(one.told, "columns units leg passive only"),
             "convention": list(filter(None, one.told.convention.split(","))),
             "payloads": [astuple(load) for load in one.told.payloads],
         })  # fmt: skip
@@ -281,6 +281,7 @@ def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
         tuple((str(file), lag) for file, lag in lags),
         tuple(entry["passive"]),
         tuple(Payload(*one) for one in entry["payloads"]),
+        str(entry.get("only", "")),
     )  # fmt: skip
     role = VERIFY if entry["role"] == VERIFY else FIT
     return {"path": inside(folder, entry["file"]), "name": str(entry["name"]), "role": role, "told": told}
@@ -333,6 +334,8 @@ def _recordings(workspace: Workspace) -> list[str]:
         for option, known in (("--map", said.columns), ("--units", said.units)):
             out += [option, ",".join(f"{name}={value}" for name, value in known.items())] if known else []
         out += ["--leg", said.leg] if said.leg else []
+    only = next((one.told.only for one in workspace.given if one.told.only), "")
+    out += ["--only", only] if only else []
     for one, name in named:
         told = one.told
         out += ["--convention", f"{name}={told.convention}"] if told.convention else []

@@ -171,7 +171,8 @@ class Workspace:
         from measurement.reading.read import open_table
 
         old = self.find(id)
-        said = replace(told, join=old.told.join, passive=old.told.passive, payloads=old.told.payloads)
+        kept = {name: getattr(old.told, name) for name in ("join", "passive", "payloads", "only")}
+        said = replace(told, **kept)
         one = files.read_given(replace(old, told=said), self.remembered, self.joints)
         if one.error is not None:
             raise one.error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ground.thresholds import Threshold
 from measurement.auditing.channels import place
-from measurement.finding import Finding
+from measurement.finding import SELECTION, Finding
 from measurement.recording import Recording
 
 LEAST_ROWS = Threshold(50, "usable rows: a fit of ten parameters to a handful of samples")
@@ -29,7 +29,8 @@ def check(recording: Recording) -> list[Finding]:
         consequence = "wide intervals; small effects cannot be seen"
         found.append(Finding("length", "warning", what, where, recording.duration, GOOD_SECONDS, REMEDY, consequence))
     share = usable / count
-    if share < USABLE:
+    chosen = any(one.check == SELECTION for one in recording.findings)  # which says itself how much it leaves out
+    if share < USABLE and not chosen:
         what = f"{1 - share:.0%} of the rows are masked"
         remedy = "look at the findings above for the reason, and at the logger"
         found.append(Finding("length", "warning", what, where, share, USABLE, remedy, "little data is left"))
