@@ -123,7 +123,7 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
             "[[custom_effects]] (a suggestion is in the report) and test it with `exoid add`",
             error,
         )
-    if error is not None and not (error.random and swing is None):
+    if error is not None:
         return Conclusion(
             "unexplained",
             f"the error {where} is {error.times:.2g} times the noise, and no catalogue entry or smooth curve lowers it",
@@ -152,12 +152,9 @@ def _of_nothing(end: _End, advice: str) -> Conclusion:
         f"no catalogue entry and no smooth curve lowers the error {where} more than its placebos do, and it is "
         f"{_times(end.last):.2g} times the noise floor",
         "The model explains these recordings; nothing is missing that can be distinguished from noise."
-        + ("" if error is None else f" Yet {error.sentence}.")
-        + (f" They could not show much: {short}." if short else "")
-        + (end.nearest if short or error is not None else ""),
+        + (f" They could not show much: {short}.{end.nearest}" if short else ""),
         end.stopped,
-        advice if error is None else error.advice,
-        error,
+        advice,
     )
 
 

@@ -17,10 +17,7 @@ from symbolic.motion import Float
 
 @dataclass(frozen=True)
 class ModelError(AsJson):
-    """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it.
-
-    `random` is one that the sensors do not explain, and that does not come again when the motion does.
-    """
+    """An error beyond the noise: how many `times` the noise it is at `joint`, in words, and what to do about it."""
 
     JSON = "joint times_noise=times repeating sentence"
 
@@ -29,7 +26,6 @@ class ModelError(AsJson):
     sentence: str
     advice: str
     repeating: float | None = None
-    random: bool = False
 
 
 def sensor_noise(prepared: Prepared) -> Float:
@@ -109,12 +105,14 @@ def _random(last: FittedModel, again: Repeats, j: int, times: float) -> ModelErr
     joint, unit = last.model.joint_names[j], last.model.joints[j].unit("tau")
     text = (
         f"the {joint} keeps {last.evaluation_rms[j]:.3g} {unit}, {times:.2g} times what sensor noise explains, "
-        f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion"
+        f"but only {100 * again.share[j]:.0f} % of it comes again {again.what}: it is no function of the motion. "
+        "Something acts that is not in the recordings: a person, the ground, or what changes from time to time"
     )
-    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]), random=True)
+    return ModelError(joint, float(times), text, _CHANGES, float(again.share[j]))
 
 
 _CHANGES = (
-    "look for what changes between repetitions: temperature, strapping, a loose mount, the torque sensor; no model of "
-    "the motion can explain it"
+    "measure what touches the machine (cuffs with force sensors, columns f1, f2; a force plate, grf_x, grf_z), or look "
+    "for what changes between repetitions: temperature, strapping, a loose mount, the torque sensor; no model of the "
+    "motion can explain it"
 )

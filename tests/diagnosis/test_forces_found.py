@@ -91,3 +91,8 @@ def test_practice_recordings_with_forces_leave_the_noise(name):
     runs = [read_recording(path, joints=model.joints) for path in sorted((SHARED / name).glob("run_*.csv"))]
     found = compare(model, runs[:3], runs[3:])
     assert np.all(found.verify_rms <= 1.15 * found.noise_floor)
+
+
+def test_a_person_who_is_not_measured_is_no_noise(worn):
+    answer = discover(LEG, [replace(one, forces={}) for one in worn])
+    assert answer.verdict != "adequate"
