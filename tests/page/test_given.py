@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import json
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
+from diagnosis import Session
+from ground.errors import RecordingError
 from measurement.reading.columns import canonical_columns
+from measurement.reading.mapping import StatedMapping
+from symbolic import Model
 from symbolic.joints import LEG, Joint
 from workbench.commands.demo import DATA
-from workbench.page.given import Given, mapping_preview
+from workbench.page.given import Given, mapping_preview, read_as_others, read_given
+from workbench.page.numbers import column_of
 
 SLIDE = (Joint("cart", kind="prismatic"), Joint("pole"))
 
@@ -19,3 +28,45 @@ def test_every_column_that_may_be_there_is_asked_for_in_its_unit(joints, units):
     si = {one["name"]: one["si"] for one in shown["wanted"]}
     assert [si["q1"], si["tau1"]] == units and si["q2"] == "rad"
     assert shown["guess"]["q1"]["column"] == "q1" and len(shown["columns"][0]["first"]) > 2
+
+
+def both_legs(path, more=""):
+    """Write a recording with the columns of two legs, in degrees, and one that nobody needs."""
+    quantities = ("Angle [deg]", "Torque [Nm]")
+    names = ["Time [s]", *(f"{s}_{j}_{q}" for s in "LR" for j in ("Hip", "Knee") for q in quantities)]
+    rows = [line.split(",")[:5] for line in (DATA / "train_1.csv").read_text("utf-8").splitlines()[1:400]]
+    degrees = [[float(x) * (57.29578 if 1 <= k <= 2 else 1.0) for k, x in enumerate(row)] for row in rows]
+    lines = [[t, q1, m1, q2, m2, q1, -m1, q2, -m2, k % 7] for k, (t, q1, q2, m1, m2) in enumerate(degrees)]
+    text = [",".join([*names, f"EMG{more}"]), *(",".join(map(str, line)) for line in lines)]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
+    return path
+
+
+def test_of_two_legs_one_is_pressed_and_everything_the_reader_knows_is_filled_in(tmp_path):
+    shown = mapping_preview(Given(1, "run.csv", both_legs(tmp_path / "run.csv")), LEG)
+    assert shown["sides"] == ["left", "right"]
+    assert shown["guess"]["q1"] == {"column": "L_Hip_Angle", "unit": "deg"}
+    assert shown["guesses"]["right"]["tau2"] == {"column": "R_Knee_Torque", "unit": "Nm"}
+
+
+def test_an_answer_is_carried_over_to_files_with_another_header(tmp_path):
+    other = read_given(Given(2, "b.csv", both_legs(tmp_path / "b.csv", " raw")), tmp_path / "maps")
+    assert other.error is not None and "more than one leg" in str(other.error)
+    read = read_as_others(other, [StatedMapping(columns={"q1": "elsewhere"}), StatedMapping(leg="left")])
+    assert read.error is None and read.told.leg == "left" and [one.name for one in read.recordings] == ["b"]
+    both = read_as_others(other, [StatedMapping(leg="both")])
+    assert [one.name for one in both.recordings] == ["b (left)", "b (right)"]
+    assert read_as_others(other, [StatedMapping(columns={"q1": "EMG raw"})]) is other
+
+
+def test_any_column_of_a_file_can_be_drawn_on_the_time_of_the_plots(tmp_path):
+    given = read_as_others(Given(1, "a.csv", both_legs(tmp_path / "a.csv")), [StatedMapping(leg="left")])
+    session = Session(Model.standard(), given.recordings)
+    workspace = SimpleNamespace(given=[given])
+    content = column_of(workspace, session, 0, "EMG")
+    size = int.from_bytes(content[:4], "little")
+    head, values = json.loads(content[4 : 4 + size]), np.frombuffer(content[4 + size :], "<f4")
+    assert head["column"] == "EMG" and values.size == head["count"] == len(session.prepared.all[0].t)
+    assert np.nanmin(values) == 0.0 and np.nanmax(values) == 6.0
+    with pytest.raises(RecordingError, match="no column"):
+        column_of(workspace, session, 0, "nothing")

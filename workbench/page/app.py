@@ -73,6 +73,14 @@ ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
         numbers.error_of(workspace, workspace.opened(), _number(request, "recording"))
     ),
     "preview": _preview,
+    "answer": lambda workspace, request: _bytes(
+        numbers.answer_of(workspace, workspace.opened(), _number(request, "recording"))
+    ),
+    "column": lambda workspace, request: _bytes(
+        numbers.column_of(
+            workspace, workspace.opened(), _number(request, "recording"), request.query_params.get("column", "")
+        )
+    ),
     "columns": lambda workspace, request: JSONResponse(
         mapping_preview(workspace.find(_number(request, "file")), workspace.model.joints)
     ),
@@ -126,8 +134,15 @@ def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
         takeaway.reopen(workspace, folder_in(told))
 
 
+def _auto(workspace: Workspace, told: dict[str, Any]) -> None:
+    with workspace.change:
+        workspace.judging.switch(bool(told["on"]))
+    workspace.touch()
+
+
 ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
     "add": lambda workspace, told: workspace.add(str(told["effect"])),
+    "auto": _auto,
     "brush": _brush,
     "cancel": lambda workspace, told: workspace.cancel(),
     "close": lambda workspace, told: workspace.remove_file(int(told["file"])),

@@ -69,27 +69,61 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
         recordings = read_as_told(given.path, given.told, joints)
     except ExoidError as error:
         return replace(given, recordings=(), error=error.about(given.name, given.path), read=True)
+    return replace(given, recordings=_named(given, recordings), error=None, read=True)
+
+
+def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Sequence[Joint] | None = None) -> Given:
+    """Return a file that cannot be read as it is, read as was told of another one; as it is where that does not help.
+
+    Of an answer counts what this file has: its leg and convention, and the columns and units of those that are there.
+    """
+    from measurement.reading.read import open_table, read_as_told
+
+    try:
+        names = set(open_table(given.path).names)
+    except ExoidError:
+        return given
+    for said in answers:
+        columns = {name: column for name, column in said.columns.items() if column in names}
+        units = {name: unit for name, unit in said.units.items() if not columns or name in columns}
+        told = replace(given.told, columns=columns, units=units, leg=said.leg, convention=said.convention)
+        try:
+            recordings = read_as_told(given.path, told, joints)
+        except ExoidError:
+            continue
+        return replace(given, told=told, recordings=_named(given, recordings), error=None, read=True)
+    return given
+
+
+def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, ...]:
+    """Return the recordings of a file; a single one is called as the file is."""
     stem = Path(given.name).stem or given.name
     if len(recordings) == 1:
-        recordings = (replace(recordings[0], name=stem),)
-    return replace(given, recordings=recordings, error=None, read=True)
+        return (replace(recordings[0], name=stem),)
+    sides = [one.name.rpartition(" (")[2] for one in recordings]
+    return tuple(replace(one, name=f"{stem} ({side}") for one, side in zip(recordings, sides, strict=True))
 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, numbered, required
+    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, numbered, required
     from measurement.reading.conventions import conventions_of_machine
     from measurement.reading.names import kind_of
     from measurement.reading.read import open_table
 
     table = open_table(given.path)
     told = given.told
-    try:
-        found = assign(table, told, where=given.name, joints=joints, partial=True)
-        guess = {name: {"column": one.column.name, "unit": one.unit} for name, one in found.items()}
-    except ExoidError:
-        guess = {}
     names = numbered(table.names)
+    called = {id(column): name for name, column in zip(names, table.columns, strict=True)}
+    sides = legs(table, joints)
+    guesses = {}
+    for side in dict.fromkeys((told.leg if told.leg in sides else "", *sides)):
+        try:
+            found = assign(table, replace(told, leg=side), where=given.name, joints=joints, partial=True)
+        except ExoidError:
+            continue
+        guesses[side] = {n: {"column": called[id(one.column)], "unit": one.unit} for n, one in found.items()}
+    guess = next(iter(guesses.values()), {})
     return {
         "id": given.id,
         "name": given.name,
@@ -99,6 +133,8 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             for name in canonical_columns(joints)
         ],
         "guess": guess,
+        "sides": list(sides),
+        "guesses": guesses,
         "told": {"columns": dict(told.columns), "units": dict(told.units), "leg": told.leg},
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],

@@ -79,6 +79,42 @@ def preview_of(workspace: Workspace, session: Session, name: str, index: int) ->
     return packed({"recording": index, "effect": name, "rms": trial.evaluation_rms.tolist()}, arrays)
 
 
+def answer_of(workspace: Workspace, session: Session, index: int) -> bytes:
+    """Return the error (J, K) N·m that the model has which Discover found by itself."""
+    _recording(session, index)
+    after = workspace.judging.after(session)
+    if after is None:
+        raise RecordingError("nothing is judged yet", remedy="wait a moment")
+    error = after.residuals[index]
+    return packed({"recording": index, "rms": after.evaluation_rms.tolist()}, {"error": error})
+
+
+def column_of(workspace: Workspace, session: Session, index: int, name: str) -> bytes:
+    """Return any column of the file of a recording (1, K), as it stands there, at the instants of the plots."""
+    import numpy as np
+
+    from measurement.reading.columns import numbered
+    from measurement.reading.read import open_table
+
+    one = _recording(session, index)
+    recording = (*session.recordings, *session.verify)[index]
+    file = next(f for f in workspace.given if any(r.source == recording.source for r in f.recordings))
+    table = open_table(file.path)
+    names = numbered(table.names)
+    if name not in names:
+        raise RecordingError(f"there is no column {name[:40]!r}", where=file.name, remedy="choose another one")
+    place = np.searchsorted(table.row, recording.row)
+    inside = place < table.row.size
+    inside[inside] = table.row[place[inside]] == recording.row[inside]
+    values = table.columns[names.index(name)].values[place[inside]]
+    t, good = recording.t[inside], np.isfinite(values)
+    if good.sum() < 2:
+        raise RecordingError(f"the column {name[:40]!r} has no numbers", where=file.name, remedy="choose another one")
+    drawn = np.interp(one.t, t[good], values[good], left=np.nan, right=np.nan)
+    unit = table.columns[names.index(name)].unit
+    return packed({"recording": index, "column": name, "unit": unit, **_clock(one)}, {"values": drawn[None, :]})
+
+
 def explained(
     workspace: Workspace,
     session: Session,

@@ -328,8 +328,8 @@ def _recordings(workspace: Workspace) -> list[str]:
     """Return the recordings, and the options that say how they are read, as a command takes them."""
     named = [(one, _shown(workspace, one.path, one.name)) for one in workspace.given]
     out = [name for one, name in named if one.role == FIT]
-    verify = [name for one, name in named if one.role == VERIFY]
-    out += ["--verify", *verify] if verify else []
+    if verify := [name for one, name in named if one.role == VERIFY]:
+        out += ["--verify", *verify]
     for said in [one.told for one in workspace.given if one.told][:1]:
         for option, known in (("--map", said.columns), ("--units", said.units)):
             out += [option, ",".join(f"{name}={value}" for name, value in known.items())] if known else []

@@ -21,11 +21,14 @@ from workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
     from diagnosis.evidence.score import Score
+    from diagnosis.results import Diagnosis
     from diagnosis.session.ranking import Ranking
     from diagnosis.session.session import Session
+    from measurement.recording import Recording
     from symbolic.effect import Effect
     from workbench.page.workspace import Names, Workspace
 
+NOTHING_HELD_OUT = "Nothing is held out: hold a recording back to see whether it holds on unseen motion."
 SURE = 1.96
 """Standard deviations of the interval of a p-value from a number of placebos."""
 
@@ -51,6 +54,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
         "search": _search(workspace),
+        "auto": {"on": workspace.judging.on, "running": workspace.judging.running},
         "watch": None if workspace.playing is None else workspace.playing.to_json(),
     }
     if session is not None:
@@ -100,6 +104,8 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     prepared = session.prepared
     error = _error(workspace, session, names)
     base = session.fitted()
+    judged = None if names else workspace.judging.answer(session)
+    after = None if judged is None or not judged.accepted else judged.steps[-1].evaluation_rms
     lengths, above = _lengths(session.model), parents(session.model.joints)
     shown = prepared.verify or prepared.train
     signal = pooled_rms([one.torque for one in shown], shown)
@@ -112,6 +118,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
                 "parent": above[j],
                 "error": None if error is None else error[j],
                 "first": base.evaluation_rms[j],
+                "after": None if after is None else after[j],
                 "noise": prepared.noise_floor[j],
                 "signal": signal[j],
             }
@@ -119,8 +126,14 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         ],
         "judged": "unseen" if prepared.verify else "fitted",
         "recordings": [
-            {"name": printable(one.name), "role": VERIFY if k >= len(prepared.train) else "fit"}
-            for k, one in enumerate(prepared.all)
+            {
+                "name": printable(one.name),
+                "role": VERIFY if k >= len(prepared.train) else "fit",
+                "file": _file_of(workspace, recording),
+            }
+            for k, (one, recording) in enumerate(
+                zip(prepared.all, (*session.recordings, *session.verify), strict=True)
+            )
         ],
         "filter": prepared.choice.reason,
         "audit": [printable(str(f)) for f in prepared.findings if f.severity != "info"],
@@ -131,9 +144,16 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "history": _history(workspace, session),
         "verdict": _verdict(workspace, session),
         "ranking": None if ranking is None else {
-            **picked(ranking, "weighed finished"), "suspects": [_suspect(ranking, score) for score in ranking.scores],
+            **picked(ranking, "weighed finished"),
+            "suspects": [_as_judged(_suspect(ranking, score), judged) for score in ranking.scores],
         },
     }
+
+
+def _file_of(workspace: Workspace, recording: Recording) -> int | None:
+    """Return the number of the file in which a recording stands."""
+    held = (one.id for one in workspace.given if any(r.source == recording.source for r in one.recordings))
+    return next(held, None)
 
 
 def _lengths(model: Any) -> list[float]:
@@ -199,12 +219,19 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     """Return the verdict of a search where it is about the present effects; else what can be said without one."""
     names = workspace.names
     found = workspace.verdict
+    judged = workspace.judging.answer(session) if found is None and not names else None
+    if judged is not None:
+        found = judged.to_json()
     if found is not None:
+        held_out = "" if session.prepared.verify else f" {NOTHING_HELD_OUT}"
         return {
+            "proposed": judged is not None,
+            "steps": [{"label": s["model"], "rms": s["verify_rms"] or s["train_rms"]} for s in found["steps"]],
+            "accepted": [{"name": term(one), "title": _called(workspace, one)} for one in found["accepted"]],
             "kind": found["verdict"],
             "headline": found.get("headline", ""),
             "sureness": found.get("sureness", ""),
-            "sentence": _further(found),
+            "sentence": _further(found) + held_out,
             "why": found["rule"],
             "next": found["next_experiment"],
             "stability": [
@@ -226,7 +253,7 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     missed = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion"
     text = f"Not judged yet: the torque of the {joint.name} misses {missed}, {times[worst]:.2g} times its noise."
     if not session.prepared.verify:
-        text += " Nothing is held out: hold a recording back to see whether it holds on unseen motion."
+        text += f" {NOTHING_HELD_OUT}"
     return {"kind": "open", "sentence": text, "judged": False,
             "next": "Discover searches the whole catalogue and judges it."}  # fmt: skip
 
@@ -258,6 +285,16 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
         "draws": draws,
         "splits": None if agreement is None or agreement.share is None else [agreement.accepted, agreement.of],
     }
+
+
+def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, Any]:
+    """Return a suspect with the share and the word that the answer has for it, where there is one."""
+    if judged is None:
+        return suspect
+    said = {one.name: one for one in judged.suspects}.get(suspect["name"])
+    return {**suspect, "sureness": ""} if said is None else {
+        **suspect, "share": said.explained_share, "sureness": said.sureness
+    }  # fmt: skip
 
 
 def _numbers(score: Score) -> list[dict[str, Any]]:

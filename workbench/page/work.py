@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
-from workbench.page.given import FIT, VERIFY, Given, internal, read_given
+from workbench.page.given import FIT, VERIFY, Given, internal, read_as_others, read_given
 from workbench.page.workspace import TOLD_EVERY, Names, Workspace
 
 if TYPE_CHECKING:
@@ -69,6 +69,8 @@ def _next(space: Workspace) -> Callable[[], object] | None:
             return lambda names=names: _fit(space, session, names)  # type: ignore[misc]
     if space.names in space.failed:
         return None
+    if space.judging.wanted(session, space.names):
+        return lambda: space.judging.start(session)
     ranking = session.ranking(space.names)
     if not ranking.finished:
         space.busy = "ranking suspects" if ranking.weighed < 1.0 else "asking placebos"
@@ -79,6 +81,8 @@ def _next(space: Workspace) -> Callable[[], object] | None:
 def _read(space: Workspace, one: Given) -> None:
     mapped = space.mapped
     found = read_given(one, space.remembered, space.joints)
+    if found.error is not None:
+        found = read_as_others(found, space.answers, space.joints)
     with space.lock:
         if found.error is not None and space.mapped != mapped:
             return  # somebody has said meanwhile which column is what: it is read again

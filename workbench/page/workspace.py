@@ -6,7 +6,6 @@ workspace; `version` says when to look again.
 
 from __future__ import annotations
 
-import difflib
 import shutil
 import threading
 import time
@@ -21,7 +20,9 @@ from ground.lock import private_folder
 from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
 from workbench.page.given import FIT, VERIFY, Given
+from workbench.page.judging import Judging
 from workbench.page.keeping import Keeping
+from workbench.page.message import numbers_meant
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
@@ -78,6 +79,9 @@ class Workspace:
         self.change = threading.Condition(self.lock)
         self._closed = False
         self.keeping = Keeping(self.change, lambda: self._closed, self.touch)
+        self.judging = Judging(self.touch)
+        self.answers: list[StatedMapping] = []
+        """What was told of columns on this page, the latest first: files to come may be alike."""
 
     # -- life ---------------------------------------------------------------------------------------------------
 
@@ -88,6 +92,7 @@ class Workspace:
         self.keeping.release()
         if self.search is not None and self.search.running:
             self.search.cancel()
+        self.judging.stop()
         if self.playing is not None:
             self.playing.cancel()
         shutil.rmtree(self.place, ignore_errors=True)
@@ -179,6 +184,7 @@ class Workspace:
         files.remember_mapping(self.remembered, open_table(one.path), told)
         with self.change:
             self.mapped += 1
+            self.answers.insert(0, told)
             self.given[self.given.index(self.find(id))] = one
             self._begin_anew()
             # Files like it that wait for the same answer are read again.
@@ -200,6 +206,7 @@ class Workspace:
         """The recordings are others: what was concluded from them does not hold any more."""
         self.stale = True
         self.verdicts, self.diagnoses = {}, {}
+        self.judging.stop()
         if self.playing is not None:
             self.playing.cancel()
         self.playing = None
@@ -246,7 +253,7 @@ class Workspace:
         from ground.toml_reader import Table
         from symbolic.custom_effect import read_custom_effect
 
-        entry = _numbers_meant(entry)
+        entry = numbers_meant(entry)
         effect = read_custom_effect(Table(entry, (), "", ""), self.model.joints)
         with self.change:
             used = [layer.name for layer in self.history.now.layers if layer.name.partition(":")[0] == effect.id]
@@ -315,11 +322,14 @@ class Workspace:
             session, names = self.opened(), self.names
             if self.search is not None and self.search.running:
                 return
-            session.prepared  # noqa: B018 - what is prepared need not be prepared again over there
             self.search_message = ""
-            self.search = BackgroundSearch(
-                session, names, lambda found, error: self._found(session, names, found, error)
-            )
+            known = self.judging.answer(session) if not names else None
+            if known is not None:  # it was judged already
+                self._found(session, names, known, "")
+                return
+            running = None if names else self.judging.taken_by(session, lambda s, *end: self._found(s, names, *end))
+            session.prepared  # noqa: B018 - what is prepared need not be prepared again over there
+            self.search = running or BackgroundSearch(session, names, lambda *end: self._found(session, names, *end))
         self.touch()
         threading.Thread(target=self._follow, args=(self.search,), daemon=True).start()
 
@@ -368,22 +378,6 @@ class Workspace:
                 model = frozenset((*names, *accepted))
                 self.diagnoses[model], self.verdicts[model] = found, found.to_json()
         self.touch(changed=True)
-
-
-def _numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
-    """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
-    language (dthta) is no number: it is left out, and refused where it stands.
-    """
-    from symbolic.language.words import OWN
-
-    out = dict(entry)
-    for kind in ("coefficients", "shape"):
-        out[kind] = {
-            name: {"unit": "1", **said}
-            for name, said in dict(entry.get(kind, {})).items()
-            if said or not difflib.get_close_matches(name, OWN, cutoff=0.75)
-        }
-    return out
 
 
 def _role(role: str) -> str:

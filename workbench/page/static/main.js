@@ -7,10 +7,12 @@ import { offerMapping } from "./panels/mapping.js";
 import { drawRecordings } from "./panels/recordings.js";
 import { catchDrops, drawStart } from "./panels/start.js";
 import { doing, problem, say } from "./panels/status.js";
-import { drawSuspects } from "./panels/suspects.js";
+import { drawSuspects, point } from "./panels/suspects.js";
 import { drawTakeaway } from "./panels/takeaway.js";
 import { drawVerdict, drawWaiting } from "./panels/verdict.js";
 import { drawWatch } from "./panels/watch.js";
+import { listenToKeys } from "./keys.js";
+import { layOut, linkToState, remembered } from "./layout.js";
 import { followSelection } from "./selection.js";
 import { forget, look, on, refresh, view } from "./store.js";
 
@@ -43,7 +45,8 @@ function drawAll() {
   }
   drawRecordings();
   offerMapping(state.files);
-  for (const id of ["compare", "watch", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
+  for (const id of ["fold-side", "show-keys"]) $(id).hidden = false;
+  for (const id of ["compare", "history", "against", "notes", "stance", "watch", "layers", "suspects", "takeaway"]) $(id).hidden = !state.ready;
   if (!state.ready) {
     drawWaiting();
     return;
@@ -78,13 +81,6 @@ async function update() {
   refreshing = false;
 }
 
-function keys(event) {
-  const typing = event.target.matches("input:not([type=checkbox]), textarea, select");
-  if (typing || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-  event.preventDefault();
-  doing(tell(event.shiftKey ? "redo" : "undo"));
-}
-
 on("state", draw);
 on("recording", () => doing(loadCompare()));
 on("recording", () => view.state.ready && drawWatch());
@@ -95,6 +91,9 @@ for (const what of ["explained", "pointed", "preview"]) on(what, () => view.stat
 on("state", () => view.pointed && !view.state.ranking?.suspects.some((one) => one.name === view.pointed) && look({ pointed: null, preview: null }));
 followSelection();
 catchDrops();
-document.addEventListener("keydown", keys);
+listenToKeys();
+layOut();
+linkToState(point);
+if (remembered("auto") === false) doing(tell("auto", { on: false }));
 follow(update, () => say("connection lost; exoid open may have ended"));
 update();

@@ -1,5 +1,6 @@
 // Measured and modelled torque and their difference: over time, against everything else, and the leg at the cursor.
 
+import { ask, numbers } from "../api.js";
 import { button, fill, h, refill, set } from "../dom.js";
 import { number } from "../format.js";
 import { Scatter } from "../plot/scatter.js";
@@ -7,11 +8,13 @@ import { TimePlot, showRange, zoom } from "../plot/timeplot.js";
 import { clear, inWords, selected, variable, variables } from "../selection.js";
 import { error as errorOf, look, motion as motionOf, view } from "../store.js";
 import { drawPosture } from "./posture.js";
+import { doing } from "./status.js";
 
 let plots = [];
 let data = null;
 let built = "";
-let layers = { measured: true, model: true, band: true };
+let layers = { measured: true, model: true, after: true, band: true };
+let answer = null; // the error with what Discover found by itself, of one recording
 let colouring = "direction";
 const axisOf = new Map();
 const clouds = new Map();
@@ -44,12 +47,80 @@ export async function loadCompare() {
   if (recording !== view.recording) return;
   data = { recording, motion, error };
   redraw();
+  await loadAnswer(recording);
   await Promise.all(state.recordings.map(async (_, k) => {
     const [m, e] = await Promise.all([motionOf(k), errorOf(k, state.key)]);
     clouds.set(k, { recording: k, motion: m, error: e });
   }));
   for (const k of clouds.keys()) if (k >= state.recordings.length) clouds.delete(k);
   redraw();
+}
+
+async function loadAnswer(recording) {
+  const { verdict } = view.state;
+  const wanted = verdict.proposed && verdict.accepted.length > 0;
+  if (!wanted) answer = null;
+  else if (!answer || answer.head.recording !== recording || answer.key !== verdict.headline) {
+    try {
+      answer = { ...(await numbers("/api/answer", { recording })), key: verdict.headline };
+    } catch {
+      answer = null;
+    }
+    redraw();
+  }
+}
+
+// The plots over time as large as the screen.
+function fullScreen() {
+  const place = document.getElementById("compare");
+  return button("full screen", () => (document.fullscreenElement ? document.exitFullscreen() : place.requestFullscreen()), { title: "plots as large as the screen (m)", id: "full-screen" });
+}
+
+// Any column of the file, drawn below the torques on the same time.
+function further() {
+  const choose = h("select", { id: "further-column", "data-testid": "further-column", "aria-label": "also draw a column of the file" }, h("option", { value: "" }, "also draw …"));
+  const offer = async () => {
+    const { file } = view.state.recordings[view.recording] || {};
+    if (!file || choose.dataset.file === String(file)) return;
+    choose.dataset.file = String(file);
+    const table = await doing(ask("/api/columns", { file }));
+    if (table) fill(choose, h("option", { value: "" }, "also draw …"), table.columns.map((one) => h("option", { value: one.name }, one.name)));
+  };
+  choose.addEventListener("focus", offer);
+  choose.addEventListener("pointerenter", offer);
+  choose.addEventListener("change", () => {
+    if (choose.value) doing(drawColumn(choose.value));
+    choose.value = "";
+  });
+  return choose;
+}
+
+async function drawColumn(name) {
+  const asked = { recording: -1, values: null, unit: "" };
+  const load = async () => {
+    if (asked.recording === view.recording) return;
+    asked.recording = view.recording;
+    const found = await numbers("/api/column", { recording: asked.recording, column: name });
+    Object.assign(asked, { values: found.arrays.values[0], unit: found.head.unit, head: found.head });
+    plot.draw();
+  };
+  const canvas = h("canvas", { class: "plot short", role: "img", "data-testid": `column-${name}`, "aria-label": `Column ${name} of the file over time` });
+  const plot = new TimePlot(canvas, () => {
+    if (!data) return null;
+    load().catch(() => (asked.values = null));
+    if (!asked.values || asked.recording !== data.recording) return null;
+    const { t0, dt, count } = data.motion.head;
+    return { t0, dt, count, recording: data.recording, joint: null, series: [{ values: asked.values, colour: "ink" }], label: name, unit: asked.unit || "as in the file" };
+  }, { axis: true });
+  const block = h("div", { class: "joint-block" }, h("div", { class: "row" }, h("h3", {}, name), button("✕", () => {
+    plots = plots.filter((one) => one !== plot);
+    block.remove();
+  }, { "aria-label": `no longer draw ${name}` })), canvas);
+  document.getElementById("further").append(block);
+  await load();
+  plots.push(plot);
+  plot.draw();
+  block.scrollIntoView({ block: "nearest" });
 }
 
 export function redraw(fresh = true) {
@@ -66,8 +137,11 @@ function build() {
   plots = [];
   clouds.clear();
   data = null;
-  fill(document.getElementById("compare"), h("div", { class: "compare-head" }, h("div", {}, head(recordings), h("div", { class: "readout", id: "readout" })), posturePanel()),
-    joints.map((joint, j) => timePanels(joint, j)),
+  document.body.style.setProperty("--joints", String(joints.length));
+  fill(document.getElementById("compare"), head(recordings),
+    joints.map((joint, j) => timePanels(joint, j)), h("div", { id: "further" }),
+  );
+  fill(document.getElementById("against"),
     h("div", { class: "row wrap scatter-head" }, h("h3", {}, "Error against"), colours()),
     h("div", { class: "scatters" }, joints.map((joint, j) => scatterPanel(joint, j))),
   );
@@ -89,20 +163,20 @@ function head(recordings) {
     document.body.classList.toggle("moving", view.moving);
   });
   return [
-    h("h2", { id: "compare-title" }, "Model against measurement"),
-    h("div", { class: "row wrap" },
-      h("label", { for: "which" }, "recording ", choose),
+    h("h2", { id: "compare-title", class: "hidden" }, "Model against measurement"),
+    h("div", { class: "row wrap compare-tools" },
+      h("label", { for: "which", "aria-label": "recording" }, choose),
       button("−", by(1.5), { "aria-label": "zoom out" }), button("+", by(1 / 1.5), { "aria-label": "zoom in" }),
       button("◀", move(-0.5), { "aria-label": "earlier" }), button("▶", move(0.5), { "aria-label": "later" }),
       button("all", () => look({ range: null }), { title: "the whole recording (double click)" }), mode,
-      ...Object.keys(layers).map((name) => toggle(name)),
+      ...Object.keys(layers).map((name) => toggle(name)), further(), fullScreen(),
     ),
-    h("div", { class: "row selection", id: "selection", "aria-live": "polite" }),
+    h("div", { class: "row wrap under-tools" }, h("div", { class: "readout", id: "readout" }), h("div", { class: "row selection", id: "selection", "aria-live": "polite" })),
   ];
 }
 
 function toggle(name) {
-  const words = { measured: "measured", model: "model", band: "placebos" };
+  const words = { measured: "measured", model: "model", after: "after", band: "placebos" };
   const box = h("input", { type: "checkbox", checked: layers[name], onchange: (event) => {
     layers = { ...layers, [name]: event.target.checked };
     redraw();
@@ -114,7 +188,7 @@ function timePanels(joint, j) {
   const words = `${joint.name} over time. Arrows move the cursor, with Shift they select; plus and minus zoom, 0 shows everything, Escape clears the selection.`;
   const torque = h("canvas", { class: "plot", role: "img", "data-testid": `plot-torque-${joint.name}`, "aria-label": `Measured and modelled torque of the ${words}` });
   const error = h("canvas", { class: "plot short", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
-  plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: true }));
+  plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: j === view.state.joints.length - 1 }));
   return h("div", { class: `joint-block joint-${j}` }, h("h3", {}, joint.name), torque, error);
 }
 
@@ -131,12 +205,15 @@ function content(joint, j, series, label) {
   return { t0, dt, count, recording, joint: j, series, label, unit: joint.unit, chosen: selected(view.selection, recording, j, motion, error) };
 }
 
+const found = () => answer !== null && data !== null && answer.head.recording === data.recording;
+
 function torqueContent(joint, j) {
   if (!data) return null;
   const { motion, error } = data;
   const series = [];
   if (layers.measured) series.push({ values: motion.arrays.torque[j], colour: "measured", width: 2.4 });
   if (layers.model) series.push({ values: modelled(motion, error, j), colour: "model", width: 1.3 });
+  if (layers.after && found()) series.push({ values: modelled(motion, answer, j), colour: "good", width: 1.3 });
   return content(joint, j, series, "torque");
 }
 
@@ -145,12 +222,13 @@ function errorContent(joint, j) {
   const { motion, error, recording } = data;
   const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint" }];
   const { preview } = view;
+  if (!preview && layers.after && found()) series.push({ values: masked(answer.arrays.error[j], motion, j), colour: "good", width: 1.6 });
   if (preview && preview.head.recording === recording) {
     const { arrays } = preview;
     if (layers.band) series.unshift({ values: masked(arrays.high[j], motion, j), band: masked(arrays.low[j], motion, j), colour: "faint", scales: false });
     series.push({ values: masked(arrays.error[j], motion, j), colour: "ink", width: 1.8 });
   }
-  return { ...content(joint, j, series, preview ? "error now, and with it" : "error"), zero: true };
+  return { ...content(joint, j, series, preview ? "error now, and with it" : found() ? "error before and after" : "error"), zero: true };
 }
 
 function colours() {
@@ -204,10 +282,6 @@ function scatterContent(joint, j, entries) {
   };
 }
 
-function posturePanel() {
-  return h("figure", { class: "posture" }, h("div", { id: "posture" }), h("figcaption", {}, "posture at the cursor"));
-}
-
 function readout() {
   const place = document.getElementById("readout");
   if (!place || !data) return;
@@ -222,6 +296,6 @@ function readout() {
 export function drawSelection() {
   const place = document.getElementById("selection");
   if (!place) return;
-  refill(place, !view.selection ? h("span", { class: "faint" }, "Drag over a plot to select a bad stretch or a cloud of points, and see where it lies everywhere.")
+  refill(place, !view.selection ? h("span", { class: "faint" }, "drag over a plot to select a stretch")
     : [h("span", { "data-testid": "selection" }, `selected: ${inWords(view.selection)}`), button("clear", clear, { "data-testid": "clear-selection" })]);
 }

@@ -6,9 +6,16 @@ import { number } from "../format.js";
 import { doing } from "./status.js";
 
 const ROWS = 5;
+const SIDES = { left: "Left", right: "Right", ipsi: "Same side", contra: "Other side", both: "Both" };
 const offered = new Set();
 
 let waiting = null;
+
+// A remedy of the command line, as it is done on the page.
+export function inPage(remedy) {
+  return remedy.replace(/--leg (left|right|ipsi|contra)( or --leg \w+)*( \(two recordings\))?/, "press the leg that is meant")
+    .replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--verify/g, "“held out”");
+}
 
 // A file that cannot be read as it is opens the dialog by itself, once; the dialog goes when the file could be read after all.
 export function offerMapping(files) {
@@ -32,13 +39,15 @@ export async function openMapping(id) {
     return;
   }
   const error = h("div", { role: "alert", "data-testid": "map-error" });
-  const showError = (problem) => error.replaceChildren(...(problem ? [h("div", { class: "finding refused" }, h("p", {}, problem.what), problem.remedy && h("p", { class: "remedy" }, problem.remedy || ""))] : []));
-  showError(table.error);
+  const showError = (problem) => error.replaceChildren(...(problem ? [h("div", { class: "finding refused" }, h("p", {}, problem.what), problem.remedy ? h("p", { class: "remedy" }, inPage(problem.remedy)) : "")] : []));
+  const sided = table.sides.length > 1;
+  if (!(sided && !table.told.leg)) showError(table.error);
   const rows = table.wanted.map((wanted) => wantedRow(wanted, table));
   const leg = choice("map-leg", [["", "not said"], ...["left", "right", "both"].map((name) => [name, name])], table.told.leg);
   const convention = choice("map-convention", [["", "exoid's own"], ...table.conventions.map((one) => [one.name, `${one.name}: ${one.what}`])], table.convention);
   const dialog = h("dialog", { class: "form", "data-testid": "map-dialog", "aria-labelledby": "map-title", onclose: () => dialog.remove() },
     h("h2", { id: "map-title" }, "Which column is what? ", h("span", { class: "file-name" }, table.name)),
+    sided && sides(),
     error,
     table.findings.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy))),
     h("div", { class: "scroll", tabindex: "0", "aria-label": "the columns of the file" }, preview(table)),
@@ -49,6 +58,27 @@ export async function openMapping(id) {
     h("p", { class: "faint" }, "Kept for the next file with these columns."),
     h("div", { class: "row" }, button("Use these columns", send, { class: "primary", "data-testid": "map-apply" }), button("Cancel", () => dialog.close())),
   );
+  // The file holds several legs: one click says which, and fills in what belongs to it.
+  function sides() {
+    const both = table.sides.includes("left") && table.sides.includes("right");
+    return h("div", { class: "row wrap sides", role: "group", "aria-label": "which leg" }, h("strong", {}, "Which leg?"),
+      [...table.sides, ...(both ? ["both"] : [])].map((side) => button(SIDES[side], () => takeSide(side), { "data-testid": `side-${side}`, class: "primary" })),
+      h("span", { class: "faint" }, "holds for the other files too"));
+  }
+  async function takeSide(side) {
+    leg.value = side;
+    try {
+      await tell("map", { file: id, columns: {}, units: {}, leg: side, convention: convention.value });
+      dialog.close();
+    } catch (problem) {
+      const guess = table.guesses[side] || {};
+      for (const row of rows) {
+        row.column.value = guess[row.name]?.column || "";
+        if (guess[row.name] && !row.unit.value) row.unit.placeholder = guess[row.name].unit;
+      }
+      showError(problem);
+    }
+  }
   async function send() {
     const columns = Object.fromEntries(rows.filter((row) => row.column.value).map((row) => [row.name, row.column.value]));
     const units = Object.fromEntries(rows.filter((row) => row.column.value && row.unit.value.trim()).map((row) => [row.name, row.unit.value.trim()]));

@@ -4,7 +4,7 @@ import { tell } from "../api.js";
 import { button, h, refill } from "../dom.js";
 import { number, seconds } from "../format.js";
 import { view } from "../store.js";
-import { openMapping } from "./mapping.js";
+import { inPage, openMapping } from "./mapping.js";
 import { picker } from "./start.js";
 import { doing } from "./status.js";
 
@@ -30,12 +30,12 @@ function row(file) {
   role.value = file.role;
   const worst = file.findings.filter((finding) => finding.severity !== "info");
   return h("li", {},
-    h("div", { class: "row" }, h("span", { class: "file-name" }, file.name),
-      button("✕", () => doing(tell("close", { file: file.id })), { "aria-label": `close ${file.name}`, "data-testid": `close-${file.id}` })),
-    h("div", { class: "row wrap" }, h("span", { class: "faint file-size" }, file.rate ? `${seconds(file.seconds)} at ${number(file.rate)} Hz` : ""), role,
-      button("columns …", () => openMapping(file.id), { "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` })),
+    h("div", { class: "row" }, h("span", { class: "file-name", title: file.rate ? `${seconds(file.seconds)} at ${number(file.rate)} Hz` : "" }, file.name), role,
+      button("⋯", () => openMapping(file.id), { class: "icon", title: "which column is what", "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` }),
+      button("✕", () => doing(tell("close", { file: file.id })), { class: "icon", "aria-label": `close ${file.name}`, "data-testid": `close-${file.id}` })),
     !file.read && h("p", { class: "faint" }, "being read …"),
-    file.error && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, file.error.remedy)),
+    file.error && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, inPage(file.error.remedy)),
+      h("div", { class: "row" }, button("Say which column is what …", () => openMapping(file.id)))),
     worst.length > 0 && h("details", {}, h("summary", {}, `${worst.length} note${worst.length === 1 ? "" : "s"} of the audit`),
       worst.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy)))),
   );

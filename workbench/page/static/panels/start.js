@@ -12,8 +12,9 @@ export async function take(files) {
   const list = [...files].filter((file) => !file.name.startsWith(".")).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
   const recordings = list.filter((file) => !file.name.endsWith(".toml"));
   const held = view.state.files.some((one) => one.role === "verify") || recordings.some((file) => HELD_OUT.test(file.name));
+  const first = view.state.files.length === 0; // before the first of these is there
   for (const file of list) {
-    const last = recordings.length > 2 && !held && file === recordings.at(-1) && view.state.files.length === 0;
+    const last = recordings.length > 2 && !held && first && file === recordings.at(-1);
     say(`sending ${file.name}`);
     await upload(file, HELD_OUT.test(file.name) || last ? "verify" : "fit");
   }

@@ -23,8 +23,8 @@ export function drawSuspects() {
   const progress = ranking.finished ? "all placebos asked"
     : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
   refill(place, head,
-    h("p", { class: "faint", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
-      chosen ? "Share of the selected error that each would take away. " : "Share of the error of its own joints that each explains on motion it was not fitted to. ", progress),
+    h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on motion it was not fitted to", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
+      chosen ? "Share of the selected error. " : "Share of the error on unseen motion. ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
     detailPanel(),
   );
@@ -37,7 +37,7 @@ function row(suspect, chosen) {
   const on = () => point(suspect.name);
   const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: `${suspect.explains}\n${evidence(suspect)}` });
   return h("li", {
-    "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.significant ? " sure" : ""}`,
+    "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.sureness === "very sure" ? " sure" : ""}`,
     onpointermove: (event) => moved(event) && on(), onfocusin: on,
   },
     h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),

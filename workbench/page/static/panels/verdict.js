@@ -3,6 +3,7 @@
 import { tell } from "../api.js";
 import { button, h, refill, svg } from "../dom.js";
 import { percent, rms } from "../format.js";
+import { keep } from "../layout.js";
 import { view } from "../store.js";
 import { doing } from "./status.js";
 import { sure } from "./suspects.js";
@@ -29,31 +30,37 @@ export function drawVerdict() {
   const rows = [
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
-      h("p", {}, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind)),
-      h("p", { class: "lead" }, verdict.headline || verdict.sentence),
-      verdict.sureness && sure(verdict.sureness),
-      verdict.headline && h("p", {}, verdict.sentence),
-      verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
-      verdict.why && h("details", {}, h("summary", {}, "why"), h("p", { class: "faint" }, verdict.why),
+      h("p", { class: "lead" }, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind), " ",
+        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, ";") : verdict.sentence, " ", verdict.sureness && sure(verdict.sureness)),
+      h("div", { class: "said" }, verdict.headline && h("p", { class: "faint" }, verdict.sentence),
+      (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
+        verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
+        verdict.why && h("p", { class: "faint" }, verdict.why),
         (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
-        (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`))),
+        (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`)))),
     ),
-    h("div", { class: "tiles" }, joints.map(tile)),
-    staircase(),
     discover(search),
-    state.audit.length > 0 && h("details", { class: "audit" }, h("summary", {}, `${state.audit.length} note${state.audit.length === 1 ? "" : "s"} about the recordings`),
-      h("ul", {}, state.audit.map((text) => h("li", {}, text)))),
+    h("div", { class: "tiles" }, joints.map(tile)),
   ];
   refill(document.getElementById("verdict"), rows);
+  refill(document.getElementById("history"), staircase());
+  refill(document.getElementById("notes"), h("h2", { id: "notes-title" }, "Notes"),
+    state.audit.length === 0 ? h("p", { class: "faint" }, "Nothing to note about the recordings.") : h("ul", { class: "notes" }, state.audit.map((text) => h("li", {}, text))),
+    h("p", { class: "faint" }, `filter: ${state.filter}`));
+}
+
+function automatic(on) {
+  keep({ auto: on });
+  doing(tell("auto", { on }));
 }
 
 function tile(joint, j) {
   const { judged, fitted } = view.state;
-  return h("div", { class: `tile joint-${j}` },
+  return h("div", { class: `tile joint-${j}`, title: `RMS error on ${judged} motion${fitted ? "" : ", foreseen"}, of a torque of ${rms(joint.signal)} ${joint.unit}` },
     h("span", { class: "tile-head" }, joint.name),
     h("span", { class: "tile-number", "data-testid": `error-${joint.name}` }, `${rms(joint.error)} ${joint.unit}`),
-    h("span", { class: "faint" }, `error on ${judged} motion${fitted ? "" : ", foreseen"}, of ${rms(joint.signal)} ${joint.unit}`),
-    h("span", { class: "faint" }, "noise ", h("span", { "data-testid": `noise-${joint.name}` }, `${rms(joint.noise)} ${joint.unit}`)),
+    joint.after !== null && joint.after !== undefined && h("span", { class: "tile-number after", "data-testid": `after-${joint.name}` }, `→ ${rms(joint.after)}`),
+    h("span", { class: "faint" }, `${judged}, noise `, h("span", { "data-testid": `noise-${joint.name}` }, `${rms(joint.noise)} ${joint.unit}`)),
   );
 }
 
@@ -61,18 +68,20 @@ function tile(joint, j) {
 function staircase() {
   const { history, joints, search } = view.state;
   const found = search.running ? search.steps.slice(1).map((step) => ({ ...step, coming: true })) : [];
+  const { verdict } = view.state; // what was found by itself is foreseen as long as nothing was added
+  if (verdict.proposed && history.steps.length === 1 && !search.running) found.push(...verdict.steps.slice(1).map((step) => ({ ...step, rms: [...step.rms], coming: true })));
   const steps = [...history.steps, ...found];
   const most = Math.max(...steps.flatMap((step) => step.rms || []), ...joints.map((joint) => joint.noise), 1e-9);
   return h("div", { class: "staircase-block" },
     h("div", { class: "row" },
-      h("h3", {}, "The error falling"),
+      h("h3", { id: "history-title" }, "The error falling"),
+      h("span", { class: "faint keys" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}`]), h("span", { class: "noise-key" }), " noise"),
       button("↶ undo", () => doing(tell("undo")), { "data-testid": "undo", disabled: !history.undo, title: "undo (Ctrl+Z)" }),
       button("↷ redo", () => doing(tell("redo")), { "data-testid": "redo", disabled: !history.redo, title: "redo (Ctrl+Shift+Z)" }),
     ),
     h("ol", { class: "staircase scroll", "data-testid": "staircase", tabindex: "0", "aria-label": "steps of the model" },
       steps.map((step, place) => h("li", {}, stepButton(step, place, most, history.at))),
     ),
-    h("p", { class: "faint" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}`]), h("span", { class: "noise-key" }), " noise floor"),
   );
 }
 
@@ -90,7 +99,7 @@ function stepButton(step, place, most, at) {
 
 function bars(step, most) {
   const { joints } = view.state;
-  const width = 18, gap = 6, height = 84;
+  const width = 18, gap = 6, height = 56;
   const picture = svg("svg", { viewBox: `0 0 ${joints.length * (width + gap)} ${height}`, class: "bars", "aria-hidden": "true" });
   joints.forEach((joint, j) => {
     const x = j * (width + gap) + gap / 2, size = step.rms ? (step.rms[j] / most) * (height - 4) : 0;
@@ -102,10 +111,14 @@ function bars(step, most) {
 }
 
 function discover(search) {
+  const { auto, verdict } = view.state;
   if (!search.running) {
-    return h("div", { class: "row discover" },
-      button("Discover", () => doing(tell("discover")), { "data-testid": "discover", class: "primary" }),
-      h("span", { class: "faint" }, search.message || "searches the whole catalogue, adds what is missing, and judges it"),
+    const words = verdict.proposed && verdict.accepted.length ? "Add what was found" : "Discover";
+    return h("div", { class: "row wrap discover" },
+      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
+      auto.running && h("span", { class: "faint", "data-testid": "judging" }, h("progress", { "aria-label": "judging" }), " judging …"),
+      search.message && h("span", { class: "faint" }, search.message),
+      h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " by itself"),
     );
   }
   const bar = h("progress", { max: "1", value: search.fraction, "data-testid": "progress", "aria-label": "progress of the search" });

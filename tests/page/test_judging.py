@@ -1,0 +1,62 @@
+"""The search that starts by itself: it judges what is given, changes nothing until asked, and can be switched off."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from workbench.commands.demo import DATA
+from workbench.page.views import state
+from workbench.page.work import start_work
+from workbench.page.workspace import Workspace
+
+PATIENCE = 180.0
+"""Seconds until something counts as stuck."""
+MISSING = "load_friction:knee"
+
+
+def wait_for(workspace, true):
+    began = time.monotonic()
+    while not true(shown := state(workspace)):
+        assert time.monotonic() - began < PATIENCE, shown
+        workspace.wait(workspace.version, 0.5)
+    return shown
+
+
+@pytest.fixture
+def space(tmp_path):
+    workspace = Workspace(tmp_path / "mappings")
+    for name, role in (("train_1", "fit"), ("train_2", "fit"), ("verify", "verify")):
+        workspace.add_file(DATA / f"{name}.csv", f"{name}.csv", role)
+    yield workspace
+    workspace.close()
+
+
+def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space):
+    start_work(space)
+    first = wait_for(space, lambda shown: shown["ready"] and shown["fitted"])
+    assert first["verdict"]["kind"] == "open" and not first["verdict"]["judged"]  # nothing is judged before that
+    shown = wait_for(space, lambda shown: shown["ready"] and shown["verdict"]["judged"])
+    verdict = shown["verdict"]
+    assert verdict["kind"] == "missing" and verdict["proposed"] and verdict["sureness"] in shown["sureness"]
+    assert [one["name"] for one in verdict["accepted"]] == [MISSING] and shown["layers"] == []
+    assert shown["joints"][1]["after"] < 0.5 * shown["joints"][1]["error"]
+    told = {one.name: one.explained_share for one in space.judging.answer(space.session).suspects}
+    ranked = wait_for(space, lambda shown: shown["ranking"] and MISSING in str(shown["ranking"]))["ranking"]["suspects"]
+    assert {one["name"]: one["share"] for one in ranked}[MISSING] == told[MISSING]  # one share
+
+    space.discover()  # it is known: no second search
+    assert space.names == (MISSING,) and space.search is None
+    taken = state(space)["verdict"]
+    assert taken["kind"] == "missing" and not taken["proposed"]
+
+    space.use_as(space.given[1].id, "verify")
+    assert space.judging.answer(space.session) is None  # other recordings: it does not hold any more
+
+
+def test_it_can_be_switched_off(space):
+    space.judging.switch(False)
+    start_work(space)
+    shown = wait_for(space, lambda shown: shown["ready"] and shown["ranking"] and shown["ranking"]["finished"])
+    assert shown["auto"] == {"on": False, "running": False} and shown["verdict"]["kind"] == "open"
