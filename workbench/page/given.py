@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -149,6 +150,22 @@ def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None
 
     folder.mkdir(parents=True, exist_ok=True)
     keep(folder, table.names, told, replacing=True)
+
+
+def numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
+    language (dthta) is no number: it is left out, and refused where it stands.
+    """
+    from symbolic.language.words import OWN
+
+    out = dict(entry)
+    for kind in ("coefficients", "shape"):
+        out[kind] = {
+            name: {"unit": "1", **said}
+            for name, said in dict(entry.get(kind, {})).items()
+            if said or not difflib.get_close_matches(name, OWN, cutoff=0.75)
+        }
+    return out
 
 
 def error_json(error: ExoidError) -> dict[str, str]:

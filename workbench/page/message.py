@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 from collections.abc import Callable
@@ -73,22 +72,6 @@ def folder_in(told: dict[str, Any]) -> Path:
         raise RecordingError("this names no folder", remedy="write the path of one")
     with refused(RecordingError, "the folder cannot be found ({})", name[:200], "write its path", (RuntimeError,)):
         return Path(name).expanduser()
-
-
-def numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
-    """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
-    language (dthta) is no number: it is left out, and refused where it stands.
-    """
-    from symbolic.language.words import OWN
-
-    out = dict(entry)
-    for kind in ("coefficients", "shape"):
-        out[kind] = {
-            name: {"unit": "1", **said}
-            for name, said in dict(entry.get(kind, {})).items()
-            if said or not difflib.get_close_matches(name, OWN, cutoff=0.75)
-        }
-    return out
 
 
 def _finite(text: str) -> float:

@@ -19,10 +19,9 @@ from ground.errors import EffectError, ExoidError, RecordingError
 from ground.lock import private_folder
 from measurement.signals.methods import BUTTERWORTH
 from workbench.page import given as files
-from workbench.page.given import FIT, VERIFY, Given
+from workbench.page.given import FIT, VERIFY, Given, numbers_meant
 from workbench.page.judging import Judging
 from workbench.page.keeping import Keeping
-from workbench.page.message import numbers_meant
 
 if TYPE_CHECKING:
     from diagnosis.results import Diagnosis

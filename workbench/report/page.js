@@ -27,11 +27,15 @@ for (const table of document.querySelectorAll("table.sortable")) {
     });
   });
 }
-// A section that is folded opens where a link points at it, and all of them open on paper.
-const unfold = (sections) => sections.forEach((section) => section?.querySelectorAll("details").forEach((d) => { d.open = true; }));
+// A section that is folded opens where a link points at it, and all of them open on paper, but for an appendix that is shut.
+const unfold = (sections) => sections.forEach((section) => {
+  const around = section?.closest("details.appendix");
+  if (around) around.open = true;
+  section?.querySelectorAll("details").forEach((d) => { d.open = true; });
+});
 const follow = () => unfold([document.getElementById(decodeURIComponent(location.hash.slice(1)))]);
 addEventListener("hashchange", follow);
-addEventListener("beforeprint", () => unfold([document.body]));
+addEventListener("beforeprint", () => unfold([...document.querySelectorAll("main > section, .appendix[open]")]));
 for (const link of document.querySelectorAll("nav a")) link.addEventListener("click", () => setTimeout(follow));
 follow();
 // Click on a figure shows it large; Escape or another click closes it.

@@ -29,6 +29,7 @@ class PageSection:
     title: str
     html: str
     open: bool
+    appendix: bool
 
 
 def find_sections() -> tuple[ModuleType, ...]:
@@ -55,11 +56,13 @@ def _page(material: Material, drawn: Mapping[Picture, tuple[str, str]]) -> str:
         html = templates.get_template(f"sections/{name}.html").render(context)
         # The answer and, without a diagnosis, what it rests on; one screen that is not lost among proofs and settings.
         shown = len(blocks) < (1 if material.diagnosis is not None else 2)
-        blocks.append(PageSection(name, section.TITLE, Markup(html), shown))  # escaped by its own template
+        appendix = getattr(section, "APPENDIX", False) and bool(blocks) and material.diagnosis is not None
+        blocks.append(PageSection(name, section.TITLE, Markup(html), shown, appendix))  # escaped by its own template
     # The two files below are ours and contain no text from outside.
     style = Markup((FOLDER / "page.css").read_text("utf-8"))
     script = Markup((FOLDER / "page.js").read_text("utf-8"))
     page = templates.get_template("page.html")
+    blocks.sort(key=lambda block: block.appendix)
     return page.render(material=material, blocks=blocks, style=style, script=script)
 
 

@@ -9,6 +9,7 @@ from workbench.report.material import Material
 
 TITLE = "Recordings and their audit"
 ORDER = 80
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:

@@ -9,6 +9,7 @@ from workbench.report.material import Material
 
 TITLE = "Which numbers can I trust?"
 ORDER = 62
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:

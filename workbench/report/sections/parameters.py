@@ -9,6 +9,7 @@ from workbench.report.material import Material
 
 TITLE = "Parameters"
 ORDER = 60
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:

@@ -9,6 +9,7 @@ from workbench.report.material import Material
 
 TITLE = "Figures"
 ORDER = 50
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:

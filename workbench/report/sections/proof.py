@@ -9,6 +9,7 @@ from workbench.report.material import Material
 
 TITLE = "Proof of the optimum"
 ORDER = 70
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:

@@ -11,6 +11,7 @@ from workbench.report.material import Material
 
 TITLE = "Thresholds of the diagnosis"
 ORDER = 85
+APPENDIX = True
 
 
 def context(material: Material) -> Mapping[str, Any] | None:
