@@ -114,6 +114,14 @@ def test_the_answer_is_open_and_the_rest_is_folded():
     assert text.count('<details class="folded">') == text.count("<section ") - 1
 
 
+def test_numbers_and_thresholds_stand_in_an_appendix_that_is_printed_where_it_is_open():
+    text = render_report(material())
+    start = text.index('<details class="appendix"')
+    first = [text.index(f'<section id="{name}"') for name in ("verdict", "falling", "suspects", "repeat")]
+    assert max(first) < start < text.index('<section id="parameters"')
+    assert ".appendix:not([open])" in text.split("@media print")[1]
+
+
 def test_an_almost_empty_page_renders():
     assert "only this" in render_report(Material(title="t", answer="only this"))
 

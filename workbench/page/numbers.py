@@ -79,7 +79,7 @@ def preview_of(workspace: Workspace, session: Session, name: str, index: int) ->
     return packed({"recording": index, "effect": name, "rms": trial.evaluation_rms.tolist()}, arrays)
 
 
-def answer_of(workspace: Workspace, session: Session, index: int) -> bytes:
+def judged_error_of(workspace: Workspace, session: Session, index: int) -> bytes:
     """Return the error (J, K) N·m that the model has which Discover found by itself."""
     _recording(session, index)
     after = workspace.judging.after(session)

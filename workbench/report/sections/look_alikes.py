@@ -11,6 +11,7 @@ from workbench.report.sections.verdict import term
 
 TITLE = "Look-alikes"
 ORDER = 45
+APPENDIX = True
 MOST = 5
 
 
