@@ -95,12 +95,10 @@ class Model:
 
     def __post_init__(self) -> None:
         given = self.terms
-        object.__setattr__(self, "joints", joints_of(self.joints))
+        self._take_joints()
         object.__setattr__(self, "terms", ())
         if self.chain:
             check_joints(self.chain)
-        elif self.moving_base:
-            raise EffectError("the leg's base stands still", where="base", remedy="give the `joints`")
         for what, value in (("thigh_length", self.thigh_length), ("gravity", self.gravity)):
             if not (math.isfinite(value) and (value > 0.0 or (self.chain and value == 0.0))):
                 raise EffectError(f"{what} is {value!r}", where="geometry", remedy="give a positive number (m, m/s²)")
@@ -127,7 +125,14 @@ class Model:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Know the leg again in another process, where its joints come as a copy."""
         self.__dict__.update(state)
-        object.__setattr__(self, "joints", joints_of(self.joints))
+        self._take_joints()
+
+    def _take_joints(self) -> None:
+        """Know the leg by its joints; on a base that moves it is another machine, of the same joints."""
+        joints = joints_of(self.joints)
+        if joints is LEG and self.moving_base:
+            joints = (replace(LEG[0], length=self.thigh_length), *LEG[1:])
+        object.__setattr__(self, "joints", joints)
 
     @classmethod
     def standard(cls, thigh_length: float = 0.40, gravity: float = 9.81) -> Model:
@@ -190,7 +195,7 @@ class Model:
     @property
     def chain(self) -> tuple[Joint, ...]:
         """The joints of a machine that is not the leg; empty for the leg."""
-        return () if self.joints == LEG else self.joints
+        return () if self.joints is LEG else self.joints
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -75,3 +76,11 @@ def test_what_takes_the_base_to_stand_still_says_so():
     for act in (lambda: Watcher(PACK), lambda: design(PACK)):
         with pytest.raises(EffectError, match="that of this model is measured"):
             act()
+
+
+def test_a_leg_of_the_usual_length_may_hang_from_a_measured_base():
+    model = Model("leg", limits={}, joints=(Joint("hip", length=0.4), Joint("knee")), moving_base=True)
+    again = copy.copy(model)  # as in another process
+    for one in (model, again, replace(model, name="other")):
+        assert one.moving_base and one.chain and one.chain[0].length == 0.4
+    assert Model(moving_base=True, thigh_length=0.37).chain[0].length == 0.37
