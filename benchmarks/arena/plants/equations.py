@@ -90,6 +90,7 @@ EFFECTS: dict[str, tuple[float, Torque]] = {
     "stribeck": (4.0, lambda a: np.exp(-((a.v / (0.08 + 0.12 * a.drawn[0])) ** 2)) * np.sign(a.v)),
     "load_friction": (0.35, lambda a: np.abs(a.load) * np.sign(a.v)),
     "viscous_quadratic": (3.0, lambda a: a.v * np.abs(a.v)),
+    "viscous_power": (3.0, lambda a: np.sign(a.v) * np.abs(a.v) ** (0.3 + 0.4 * a.drawn[0])),
     "viscous_asymmetry": (2.0, lambda a: np.abs(a.v)),
     "torque_ripple": (1.5, lambda a: np.sin(round(10 + 25 * a.drawn[0]) * a.q + 6.0 * a.drawn[1])),
     "hardening_spring": (12.0, lambda a: a.q**3),
@@ -106,11 +107,11 @@ OUTSIDE: dict[str, tuple[float, Torque]] = {
 """The same of what the catalogue does not have."""
 KINDS = {
     "1j@0.02,100": "nothing viscous_quadratic:axis stribeck:axis torque_ripple:axis load_friction:axis",
-    "1j@0.1,500": "nothing stribeck:axis end_stop:axis position_friction:axis",
+    "1j@0.1,500": "nothing stribeck:axis end_stop:axis position_friction:axis viscous_power:axis",
     "1j@0.5,200": "nothing viscous_asymmetry:axis load_friction:axis angle_bump:axis speed_bump:axis",
     "2j@0.02,200": "nothing load_friction:knee stribeck:hip rotor_inertia:knee viscous_quadratic:hip+end_stop:knee",
     "2j@0.1,100": "nothing torque_ripple:knee friction_drift:hip end_stop:hip stribeck:hip+load_friction:knee",
-    "2j@0.5,500": "nothing viscous_quadratic:knee load_friction:hip hardening_spring:knee angle_bump:knee",
+    "2j@0.5,500": "nothing viscous_quadratic:knee load_friction:hip viscous_power:knee angle_bump:knee",
     "3j@0.05,100": "nothing stribeck:ankle load_friction:hip rotor_inertia:ankle viscous_asymmetry:knee",
     "3j@0.3,100": "nothing end_stop:ankle torque_ripple:hip load_friction:knee+viscous_quadratic:ankle speed_bump:hip",
 }
