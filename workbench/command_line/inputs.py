@@ -96,7 +96,7 @@ def told_recordings(
     told = {
         path: StatedMapping(
             *of_all, ",".join(kept[path]), tuple(others[path]), tuple(idle[path]), tuple(loads.get(path, ())),
-            args.only,
+            args.condition,
         )
         for path in every
     }

@@ -75,8 +75,10 @@ def add_question(parser: argparse.ArgumentParser, *, required: bool = True) -> N
     add_model(parser)
 
 
-def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True) -> None:
-    """Add REC..., --verify and what is needed to read them."""
+def add_recordings(
+    parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True, rows: bool = True
+) -> None:
+    """Add REC..., --verify and what is needed to read them; `rows` unless --only means something else there."""
     count = "+" if required else "*"
     parser.add_argument(
         "recordings", metavar="REC", nargs=count,
@@ -87,7 +89,7 @@ def add_recordings(parser: argparse.ArgumentParser, *, verify: bool = True, requ
             "--verify", metavar="REC", nargs="+", action="extend", default=[],
             help="recordings kept unseen, to check what was found",
         )  # fmt: skip
-    add_reading(parser)
+    add_reading(parser, rows)
 
 
 def add_columns(group: argparse._ArgumentGroup) -> None:
@@ -103,8 +105,10 @@ def add_columns(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
 
 
-def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff."""
+def add_reading(parser: argparse.ArgumentParser, rows: bool = True) -> None:
+    """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff; --only where `rows` may be
+    chosen.
+    """
     group = parser.add_argument_group("reading the recordings")
     add_columns(group)
     group.add_argument(
@@ -126,12 +130,14 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         "--passive", metavar="[FILE=]JOINT", action="append", default=[],
         help="the joint had no drive (in that recording), so its torque is zero for certain: knee, or run6.csv=knee",
     )  # fmt: skip
-    group.add_argument(
-        "--only", metavar="CONDITION", default="",
-        help='of which rows the torques are explained, by a column of the file or of exoid: "contact == 0", '
-        '"phase > 0.6 and t < 20"; unless it is given, stance is left out where a column says when the foot is on the '
-        "ground and none what the ground does",
-    )  # fmt: skip
+    parser.set_defaults(condition="")
+    if rows:
+        group.add_argument(
+            "--only", dest="condition", metavar="CONDITION", default="",
+            help='of which rows the torques are explained, by a column of the file or of exoid: "contact == 0", '
+            '"phase > 0.6 and t < 20"; unless it is given, stance is left out where a column says when the foot is on '
+            "the ground and none what the ground does",
+        )  # fmt: skip
     group.add_argument(
         "--cutoff",
         metavar="HZ",

@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     from optimisation.contest.settings import ContestSettings
 
-    add_recordings(parser, verify=False, required=False)
+    add_recordings(parser, verify=False, required=False, rows=False)
     add_model(parser)
     group = parser.add_argument_group("the comparison")
     add_settings(group, ContestSettings, "problem", "criterion", "seeds", "individuals", "generations", "whitened")
