@@ -61,7 +61,8 @@ def design(
     asked = DesignSettings.chosen(settings, changes)
     model = Model.standard() if model is None else model
     require_still_base(model, "the design of a motion")
-    model = model.unpushed  # a motion is designed for a machine that nothing pushes
+    free = _said_of_forces(model)
+    model = model.unpushed
     search = search_of(model, asked, say)
     found = search.run()
     references: list[DesignedMotion] = []
@@ -70,7 +71,7 @@ def design(
         references = search.reference(asked.starts)
     best = least_of([*found, *references], lambda one: one.value, within=CONVERGED)
     say(0.95, "evaluating the motion")
-    cautions = _cautions(model, asked)
+    cautions = (*free, *_cautions(model, asked))
     room, at = bounds(model.motion_limits, asked.use), nominal(model, asked.numbers)
     task = _Task(model, asked.criterion, room, search.aim, at, asked.offsets, asked.rest, asked.seed)
     return _evaluated(task, best, (*found, *references), cautions, time.perf_counter() - began)
@@ -139,6 +140,12 @@ def shrunk(room: Float, share: float) -> Float:
     """Return limits (J, 4) drawn in about the middle of each range to `share`: what values on the grid may use."""
     middle, half = 0.5 * (room[:, 0] + room[:, 1]), 0.5 * (room[:, 1] - room[:, 0]) * share
     return np.column_stack([middle - half, middle + half, room[:, 2:] * share])
+
+
+def _said_of_forces(model: Model) -> tuple[str, ...]:
+    """Return that a motion is designed for a machine that nothing pushes, where the forces of `model` are measured."""
+    pushed = " and ".join(force.name for force in model.forces)
+    return (f"nothing is taken to push the machine meanwhile: the plan has no {pushed}",) if pushed else ()
 
 
 def _cautions(model: Model, asked: DesignSettings) -> tuple[str, ...]:

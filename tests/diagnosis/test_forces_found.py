@@ -96,3 +96,17 @@ def test_practice_recordings_with_forces_leave_the_noise(name):
 def test_a_person_who_is_not_measured_is_no_noise(worn):
     answer = discover(LEG, [replace(one, forces={}) for one in worn])
     assert answer.verdict != "adequate"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHARED.is_dir(), reason="EXOID_SHARED_DATA does not name the shared recordings")
+@pytest.mark.parametrize(
+    ("name", "verdict", "accepted"),
+    [("walk_unmeasured", "unexplained", []), ("walk_switch", "missing", ["load_friction:knee"])],
+)
+def test_practice_walks_without_the_force_of_the_ground(name, verdict, accepted):
+    model = read_model(SHARED / name / "model.toml")
+    runs = [read_recording(path, joints=model.joints) for path in sorted((SHARED / name).glob("run_*.csv"))]
+    assert not [one for run in runs for one in run.findings if one.severity == "warning" and one.check == "convention"]
+    found = discover(model, runs[:3], runs[3:])
+    assert (found.verdict, [one.name for one in found.accepted]) == (verdict, accepted)

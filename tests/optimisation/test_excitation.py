@@ -12,6 +12,7 @@ from optimisation.excitation import design as excitation
 from optimisation.excitation.criteria import Noise, condition, softened
 from optimisation.excitation.design import DesignError, design, evaluate, evaluate_paper
 from optimisation.excitation.space import motion_space
+from symbolic.force import Force
 from symbolic.model import TABLE_1, Limits, Model
 
 
@@ -120,6 +121,14 @@ def test_models_with_effects_and_identified_numbers():
     assert [p.name for p in one.precision][-1] == "stribeck:knee.v_s" and one.informative
     past = design(Model.standard().with_effect("backlash:hip"), generations=3, individuals=5)
     assert any("operators with a past" in text for text in past.cautions)
+
+
+def test_a_plan_has_no_forces_and_says_so():
+    worn = Model.standard().with_forces(Force("shank cuff", "knee", ("f2",)))
+    told = design(worn, generations=3, individuals=5)
+    assert any("nothing is taken to push" in text and "shank cuff" in text for text in told.cautions)
+    bare = design(Model.standard(), generations=3, individuals=5)
+    assert told.value == bare.value and not any("push" in text for text in bare.cautions)
 
 
 def test_numbers_no_motion_determines_are_said():
