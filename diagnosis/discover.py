@@ -86,9 +86,13 @@ def answer_of(
     if done.answer is not None:
         return as_given(done.answer)
     extensions = state.extensions
-    if done.context.prepared is not prepared:
+    on_all = done.context.prepared is prepared
+    found_last = extensions[-1].fitted if on_all else fitted_model(extensions[-1].fitted.fit, prepared)
+    judged = found_last.judged_anew() if len(extensions) > 1 else prepared
+    if not (on_all and judged is prepared):
         whole(0.95, "fitting what was found to the whole of the recordings")
-        extensions = _on_all_of(prepared, extensions)
+        extensions = _on_all_of(judged, extensions)
+        done = replace(done, prepared=judged, base=extensions[0].fitted)
     last = extensions[-1].fitted
     doubt = doubts_after(done.base, last, rules)
     if doubt is not None:
@@ -167,7 +171,7 @@ def _part(tick: Progress, low: float, high: float) -> Progress:
 
 
 def _on_all_of(prepared: Prepared, extensions: Sequence[Extension]) -> tuple[Extension, ...]:
-    """Return the models refitted to recordings of which the search had seen only stretches."""
+    """Return the models refitted to recordings of which the search had seen only stretches, or other spikes."""
     out = []
     for extension in extensions:
         model = extension.fitted.model

@@ -181,8 +181,9 @@ def add(
     extended = model.with_effect(effect, joint)
     code = compiled(extended)
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
-    before = identify(model, prepared.train, optimisers=())
-    after = identify(extended, prepared.train, optimisers=())
+    found = identify(extended, prepared.train, optimisers=())
+    prepared = fitted_model(found, prepared).judged_anew()
+    before, after = (identify(one, prepared.train, optimisers=()) for one in (model, extended))
     waterfall = _waterfall([before, after], prepared)
     term = extended.terms[-1]
     prefix = f"{term.name}."

@@ -20,6 +20,7 @@ from ground.frames import pandas
 from ground.html import bullets, lines, table
 from measurement.finding import Finding
 from measurement.plots import angles_and_torques
+from measurement.signals.spikes import spikes
 from symbolic.joints import LEG, UNNAMED, Joint, names
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float, read_only
@@ -145,6 +146,11 @@ class Recording:
         """Median sampling rate in Hz (0 for fewer than two samples)."""
         return 1.0 / float(np.median(np.diff(self.t))) if len(self) > 1 else 0.0
 
+    @cached_property
+    def spikes(self) -> NDArray[np.bool_]:
+        """Samples (N, J) at which the torque has spikes, told from its neighbours alone."""
+        return spikes(self.tau, self.rate, ~self.torque_valid)
+
     @property
     def complete(self) -> NDArray[np.bool_]:
         """Rows (N,) of which every angle and every torque is valid."""
@@ -157,7 +163,10 @@ class Recording:
 
     def with_findings(self, findings: tuple[Finding, ...]) -> Recording:
         """Return the same recording carrying `findings` instead of its own."""
-        return replace(self, findings=findings)
+        other = replace(self, findings=findings)
+        if "spikes" in vars(self):
+            vars(other)["spikes"] = self.spikes  # found once: its torques are the same
+        return other
 
     def with_payload(self, mass: float, along: float, link: str = "shank") -> Recording:
         """Return the same recording, made with a known `mass` kg on the leg, `along` m below the knee (or the hip, for

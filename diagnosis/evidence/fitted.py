@@ -18,7 +18,7 @@ from optimisation.fitting.local_shape import shapes_for
 from optimisation.fitting.shapes import slope_by_shape
 from optimisation.linear.loss import huber, huber_terms
 from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
+from optimisation.preparation.prepare import Prepared, judged_anew
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -135,6 +135,11 @@ class FittedModel:
         """Return any prepared recording as the evidence sees it, at the numbers of this model."""
         residual = one.torque - _filtered_torque(self.model, one, self.linear, self.shape)
         return _block(self.model, one, self.linear, self.shape, residual, 1)
+
+    def judged_anew(self) -> Prepared:
+        """Return the recordings with spikes of the torques judged anew beside this model."""
+        pairs = zip(self.prepared.all, self.shapes, strict=True)
+        return judged_anew(self.prepared, [self.model.torque(one.motion, self.linear, at) for one, at in pairs])
 
     def on(self, prepared: Prepared) -> FittedModel:
         """Return the same model with the same numbers on other versions of the recordings."""

@@ -90,4 +90,5 @@ def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> Pre
         wide_tau=one.wide_tau[first:last],
         stuck=one.stuck[first:last],
         hidden=one.hidden[first:last],
+        read=None,
     )

@@ -6,7 +6,7 @@ axis 0. The angle noise decides everything: its second derivative grows with the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -27,7 +27,7 @@ from measurement.signals.butterworth import (
 from measurement.signals.compiled import POLES
 from measurement.signals.holes import BRIEF, LOST, WIDE, interpolated
 from measurement.signals.masks import straight
-from measurement.signals.spikes import spikes
+from measurement.signals.spikes import spikes, spikes_beside
 from symbolic.mechanics.payload import Payload
 from symbolic.motion import Float
 from symbolic.waves import FEW, Waves, are_even
@@ -61,6 +61,8 @@ class UniformSignals:
     payloads: tuple[Payload, ...] = ()
     base: Float | None = None
     force: Float | None = None
+    as_read: Recording | None = None
+    """The recording whose torques these are, sample by sample; None where they were resampled."""
     _slower: dict[int, Float] = field(default_factory=dict, init=False, repr=False)
     _beside: dict[int, NDArray[np.bool_]] = field(default_factory=dict, init=False, repr=False)
 
@@ -70,7 +72,10 @@ class UniformSignals:
         base, force = (None if x is None else x[part] for x in (self.base, self.force))
         t, q, tau = self.t[part], self.q[part], self.tau[part]
         gap, torque_gap = self.gap[part], self.torque_gap[part]
-        return replace(self, t=t, q=q, tau=tau, gap=gap, torque_gap=torque_gap, base=base, force=force)
+        cut = replace(self, t=t, q=q, tau=tau, gap=gap, torque_gap=torque_gap, base=base, force=force, as_read=None)
+        if "spikes" in vars(self):
+            vars(cut)["spikes"] = self.spikes[part]
+        return cut
 
     def slower_torque(self, factor: int) -> Float:
         """Return the torque (N / factor, J) at a rate lower by `factor`, without spikes; as it is for 1."""
@@ -113,16 +118,16 @@ class UniformSignals:
     @cached_property
     def spikes(self) -> NDArray[np.bool_]:
         """Samples (N, J) at which the torque has spikes of a few milliseconds, which decimation would smear."""
-        return spikes(self.tau, self.rate, self.torque_gap)
+        return spikes(self.tau, self.rate, self.torque_gap) if self.as_read is None else self.as_read.spikes
 
-    def slower_spikes(self, factor: int, known: Float, lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return which of the slower torques (N / factor, J) are spikes among their neighbours, or among those of what
-        the torque `known` of a model leaves; those `lost` do not count. Asked once: all cut-offs see the same samples.
+    def slower_spikes(
+        self, factor: int, known: Callable[[], Float], missing: NDArray[np.bool_]
+    ) -> NDArray[np.bool_]:
+        """Return which of the slower torques (N / factor, J) are spikes beside what `known` gives, the torque of a
+        model; those `missing` do not count. Asked once: all cut-offs see the same samples.
         """
         if factor not in self._beside:
-            tau, rate = self.slower_torque(factor), self.rate / factor
-            found = (self.spikes if factor == 1 else spikes(tau, rate, lost)) | spikes(tau - known, rate, lost)
-            self._beside[factor] = found & (self.reach > 0.0)  # what is constant has none, whatever a model says
+            self._beside[factor] = spikes_beside(self.slower_torque(factor), known(), self.rate / factor, missing)
         return self._beside[factor]
 
     @cached_property
@@ -174,7 +179,8 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         pushed, unpushed = even(force, np.broadcast_to(rows, force.shape), LOST * step)
         torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
     missing = torque_gap & ~passive
-    return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, passive, recording.payloads, base, pushed)
+    as_read = recording if grid.size == len(recording) and np.array_equal(tau, recording.tau) else None
+    return UniformSignals(grid, q, tau, gap, missing, 1.0 / step, passive, recording.payloads, base, pushed, as_read)
 
 
 def low_pass(x: Float, cutoff: float, rate: float) -> Float:

@@ -3,12 +3,14 @@
 Every sample is predicted by a linear combination of its neighbours on both sides, the one that predicts this torque
 best (an autoregressive model, as clicks are found in recordings of sound: Godsill, Rayner, Digital Audio Restoration,
 Springer 1998). A sample far off is a spike where parabolas through what is before it and through what is behind it miss
-it in the same direction too; where a force jumps, its own side of the jump predicts it. No model of the machine takes
-part, so that nothing that a model lacks can be taken for spikes.
+it in the same direction too; where a force jumps, its own side of the jump predicts it. What is judged so is a torque,
+or what a model leaves of one: what the model lacks has neighbours like itself, and is taken for spikes only where it
+is as brief as these.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,8 +25,13 @@ SPIKE = Threshold(
     "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
 )
 ALONE = Threshold(
-    0.5,
+    0.4,
     "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
+)
+CROWD = Threshold(
+    5,
+    "spikes among a sample and its neighbours from which it is one: a sensor chatters, and what lies between its "
+    "peaks would be fitted",
 )
 SIDE, PARABOLA = 5, 8
 """Samples on either side that predict together, and alone."""
@@ -34,9 +41,9 @@ ROUNDS = 3
 """Times that a torque is judged, anew without what was found."""
 STEPS, BISQUARE = 3, 4.7
 """Steps of the robust fit of a prediction, and deviations beyond which samples have no part in it (Tukey)."""
-AMONG, CROWD = 3, 3
-"""A sample with so many spikes among as many samples on either side is one: a sensor chatters."""
-MANY = 4_000
+AMONG = 8
+"""Samples on either side among which spikes crowd."""
+MANY = 1_000
 """Samples that it takes, at most."""
 NEARBY = 100
 """Samples whose usual miss is taken together: a torque may be rough for a while."""
@@ -57,6 +64,13 @@ def spikes(x: Float, rate: float, unknown: Mask | None = None) -> Mask:
     return out
 
 
+def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask) -> Mask:
+    """Return the spikes (N, J) of torques `tau`, judged by what the torque `known` of a model leaves of them; what is
+    constant has none, whatever a model says.
+    """
+    return spikes(tau - known, rate, missing) & (np.ptp(tau, axis=0) > 0.0)
+
+
 def without_spikes(x: Float, rate: float) -> Float:
     """Return `x` (N, J) with straight lines across its spikes."""
     return np.column_stack([straight(channel, bad) for channel, bad in zip(x.T, spikes(x, rate).T, strict=True)])
@@ -68,7 +82,8 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
     """
     bad = np.zeros(x.size, dtype=bool)
     least = LEAST * float(np.ptp(x[~lost]))
-    predictions = [_Prediction(guard) for guard in guards]
+    clean = straight(x, lost)
+    predictions = [_Prediction(guard, clean, lost, least) for guard in guards]
     for _ in range(ROUNDS):
         hidden = bad | lost
         clean = straight(x, hidden)
@@ -76,66 +91,69 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
         if np.array_equal(found, bad):
             break
         bad = found
-    crowd = np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5
-    return bad | (crowd & ~lost)
+    return bad | ((np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5) & ~lost)
 
 
 class _Prediction:
-    """How a torque's samples follow from their neighbours, `guard` of which on either side have no part in it."""
+    """How the samples of a torque follow from their neighbours, `guard` of which on either side have no part in it: by
+    the weights that predict the `clean` ones (N,) best, fitted robustly to those not hidden.
+    """
 
-    def __init__(self, guard: int) -> None:
+    def __init__(self, guard: int, clean: Float, hidden: Mask, least: float) -> None:
         self.reach = PARABOLA + guard
         beside = np.arange(guard + 1, guard + 1 + SIDE)
-        self.offsets = np.concatenate([-beside[::-1], beside])
-        self.weights = _parabola(self.offsets)
-        self.steps = STEPS
+        offsets = np.concatenate([-beside[::-1], beside])
         self.one_sided = np.zeros(2 * self.reach + 1)
-        self.one_sided[:PARABOLA] = _parabola(np.arange(PARABOLA) - float(self.reach))
+        self.one_sided[:PARABOLA] = _parabola(tuple(np.arange(PARABOLA) - self.reach))
+        self.taken = np.zeros(2 * self.reach + 1)
+        self.taken[self.reach + offsets] = _fitted(offsets, clean, hidden, least)
 
     def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
         """Return which samples of `x` (N,) are far off what the `clean` ones around them predict, from either side."""
         ends = 2.0 * clean[0] - clean[self.reach : 0 : -1], 2.0 * clean[-1] - clean[-2 : -self.reach - 2 : -1]
         padded = np.concatenate([ends[0], clean, ends[1]])
-        missed = x - self._predicted(padded, clean, hidden, least)
-        at = np.flatnonzero(np.abs(missed) > SPIKE * _usual(np.abs(missed), hidden, least))
+        missed = x - np.convolve(padded, self.taken[::-1], mode="valid")
+        size = np.abs(missed)
+        at = np.flatnonzero(size > SPIKE * _usual(size, hidden, least))
         rows = padded[at[:, None] + np.arange(2 * self.reach + 1)]
         sign = np.sign(missed[at])
         sides = [sign * (x[at] - rows @ taken) for taken in (self.one_sided, self.one_sided[::-1])]
         out = np.zeros(x.size, dtype=bool)
-        out[at] = np.minimum(*sides) > ALONE * np.abs(missed[at])
+        out[at] = np.minimum(*sides) > ALONE * size[at]
         return out
 
-    def _predicted(self, padded: Float, clean: Float, hidden: Mask, least: float) -> Float:
-        """Return what is predicted of every sample (N,), by weights that are fitted robustly to those not hidden."""
-        thin = max(1, -(-clean.size // MANY))
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * self.reach + 1)[::thin]
-        rows, target, counts = windows[:, self.reach + self.offsets], clean[::thin], ~hidden[::thin]
-        for _ in range(self.steps):
-            missed = target - rows @ self.weights
-            scale = max(_median(np.abs(missed[counts])) / 0.6745, least)
-            share = np.maximum(1.0 - (missed / (BISQUARE * scale)) ** 2, 0.0) * counts
-            weighted = rows * (share * share)[:, None]
-            gram = weighted.T @ rows
-            gram[np.diag_indices(len(gram))] += 1e-13 * np.trace(gram) + 1e-300
-            self.weights = np.linalg.solve(gram, weighted.T @ target)
-        self.steps = 1
-        taken = np.zeros(2 * self.reach + 1)
-        taken[self.reach + self.offsets] = self.weights
-        return np.convolve(padded, taken[::-1], mode="valid")
+
+def _fitted(offsets: NDArray[Any], clean: Float, hidden: Mask, least: float) -> Float:
+    """Return the weights (M,) of the neighbours at `offsets` that predict the `clean` samples (N,) best."""
+    thin, edge = max(1, -(-clean.size // MANY)), int(offsets[-1])
+    windows = np.lib.stride_tricks.sliding_window_view(clean, 2 * edge + 1)[::thin]
+    inside = slice(edge, clean.size - edge, thin)
+    rows, target, counts = windows[:, edge + offsets], clean[inside], ~hidden[inside]
+    weights = _parabola(tuple(offsets))
+    for _ in range(STEPS):
+        missed = target - rows @ weights
+        scale = max(_median(np.abs(missed[counts])) / 0.6745, least)
+        share = np.maximum(1.0 - (missed / (BISQUARE * scale)) ** 2, 0.0) * counts
+        weighted = rows * (share * share)[:, None]
+        gram = weighted.T @ rows
+        gram[np.diag_indices(len(gram))] += 1e-13 * np.trace(gram) + 1e-300
+        weights = np.linalg.solve(gram, weighted.T @ target)
+    return np.asarray(weights)
 
 
-def _parabola(at: NDArray[Any]) -> Float:
+@lru_cache(maxsize=32)
+def _parabola(at: tuple[int, ...]) -> Float:
     """Return the weights (M,) of samples at the places `at` that give the value at 0 of a parabola through them."""
-    return np.asarray(np.linalg.pinv(np.asarray(at, dtype=float)[:, None] ** np.arange(3))[0])
+    return np.asarray(np.linalg.pinv(np.array(at, dtype=float)[:, None] ** np.arange(3))[0])
 
 
 def _usual(missed: Float, hidden: Mask, least: float) -> Float:
     """Return the standard deviation (N,) that sizes `missed` (N,) have around each sample, at least that of all."""
     known = missed if not hidden.any() else straight(missed, hidden)
-    whole = max(_median(missed[~hidden]), 0.6745 * least)
     count = -(-known.size // NEARBY)
     blocks = np.resize(known, count * NEARBY).reshape(count, NEARBY)
     middle = np.partition(blocks, NEARBY // 2, axis=1)[:, NEARBY // 2]
+    whole = max(_median(middle), 0.6745 * least)
     return np.asarray(np.repeat(np.maximum(middle, whole), NEARBY)[: known.size] / 0.6745)
 
 

@@ -165,10 +165,14 @@ class _Trials:
             return [prepare_one(base, name, e, tried[k], beta, COMMON_BAND, derivative) for name, e in inputs]
 
         @cache
+        def sensors() -> Float:
+            size = np.max([one.wide_tau.std(axis=0) for one in prepared(0)], axis=0)
+            return np.asarray(np.maximum(noise_floor(prepared(0)), RESOLVED * size) ** 2)
+
+        @cache
         def carried(k: int) -> float:
             angles = mean_square(torque_of_noise(base, beta, prepared(k)), prepared(k))
-            size = np.max([one.wide_tau.std(axis=0) for one in prepared(k)], axis=0)
-            sensor = np.maximum(noise_floor(prepared(k)), RESOLVED * size) ** 2
+            sensor = sensors() * (tried[k] / tried[0])
             # A joint without a drive has no torque sensor: there it is relative to the noise of the others.
             return float(np.max(angles / np.where(sensor > 0.0, sensor, sensor.max()))) if sensor.any() else 0.0
 

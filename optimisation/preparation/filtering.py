@@ -37,6 +37,7 @@ from measurement.signals.conditioning import (
 from measurement.signals.derivatives import METHODS
 from measurement.signals.masks import straight, widen
 from measurement.signals.methods import BUTTERWORTH
+from measurement.signals.spikes import spikes_beside
 from optimisation.linear.loss import Bool
 from symbolic.columns import forces_torque
 from symbolic.joints import Joint
@@ -73,6 +74,19 @@ EDGE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
+class TorqueRead:
+    """The torques of a recording before spikes are hidden: `tau` (N, J) at the working samples, which of them are
+    `missing` (N, J), what may be `fitted` (J, K) of the kept ones, and the spikes `brief` (M, J) that were taken out of
+    faster samples before these were averaged.
+    """
+
+    tau: Float
+    missing: Bool
+    fitted: Bool
+    brief: Bool
+
+
+@dataclass(frozen=True, eq=False)
 class PreparedRecording:
     """A recording ready to be fitted: `motion` at N working samples, `torque` and `used` (J, K) at the K kept ones.
 
@@ -104,6 +118,40 @@ class PreparedRecording:
     reach: Float
     pushed: Float | None = field(default=None, kw_only=True)
     """What measured forces ask of the drives (N, J) at about the right numbers; None where nobody knows."""
+    read: TorqueRead | None = field(default=None, kw_only=True)
+    """The torques before spikes were hidden; None where there never were any."""
+
+    def beside(self, known: Float) -> PreparedRecording:
+        """Return the recording with its spikes judged anew, beside the torque `known` (N, J) of a model."""
+        if self.read is None:
+            return self
+        return self.without(spikes_beside(self.read.tau, known, self.rate, self.read.missing))
+
+    @property
+    def lost(self) -> Bool:
+        """Working samples (N, J) that are hidden whether or not they are spikes."""
+        return self.stuck if self.read is None else self.stuck | self.read.missing
+
+    @property
+    def spikes(self) -> Bool:
+        """Working samples (N, J) that are hidden as spikes."""
+        return np.asarray(self.hidden & ~self.lost)
+
+    def without(self, bad: Bool) -> PreparedRecording:
+        """Return the recording with the samples `bad` (N, J), spikes, hidden beside those that do not count anyhow."""
+        assert self.read is not None
+        tau, missing = self.read.tau, self.read.missing
+        wide = np.column_stack([straight(x, off) for x, off in zip(tau.T, (bad | missing).T, strict=True)])
+        outliers = (bad & ~self.lost).mean(axis=0)
+        if self.read.brief.size:
+            outliers += self.read.brief.mean(axis=0)
+        new = replace(self, hidden=self.lost | bad, wide_tau=wide, outliers=outliers)
+        rows = np.concatenate([new.bridged(np.array(tau.T, order="C")), new.hidden.T])
+        smooth = low_pass_at(rows, self.cutoff, self.rate, self.kept)
+        torque, bridged = smooth[: tau.shape[1]], smooth[tau.shape[1] :]
+        done = replace(new, torque=np.ascontiguousarray(torque), used=self.read.fitted & (bridged < USED))
+        vars(done)["_bridges"] = new._bridges  # the same samples are hidden
+        return done
 
     def noisier(self, rng: np.random.Generator) -> PreparedRecording:
         """Return the recording as it would be if its encoders had added their noise once more (SIMEX, Cook, Stefanski
@@ -111,13 +159,13 @@ class PreparedRecording:
         """
         deviation = np.sqrt(0.5 * self.rate * self.angle_noise)
         white = rng.standard_normal(self.motion.q.shape) * deviation
-        dq, ddq = derivatives(low_pass(white, self.band, self.rate), self.rate)
+        added = low_pass(white, self.band, self.rate)
+        dq, ddq = derivatives(added, self.rate)
         dq, ddq = np.where(self.standing, 0.0, dq), np.where(self.standing, 0.0, ddq)
         old = self.motion
-        q = old.q + low_pass(white, self.band, self.rate)
         width = sign_width(2.0 * self.angle_noise, self.band, self.reach)
         sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
-        motion = replace(old, q=q, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign)
+        motion = replace(old, q=old.q + added, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign)
         return replace(self, motion=motion)
 
     def smooth(self, x: Float) -> Float:
@@ -202,40 +250,38 @@ def prepare_one(
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying, even.slower_force(factor))
     gap = widen(even.gap[::factor][: len(q)], int(np.ceil(0.5 * rate / inner)))
     missing = gap[:, None] | even.slower_gap(factor) | turned
-    lost = missing | stuck
-    known = None if beta is None else base.torque(motion, beta)
-    bad = _spikes(even, factor) if known is None else even.slower_spikes(factor, known, lost)
-    hidden = lost | bad
-    wide = np.column_stack([straight(x, off) for x, off in zip(tau.T, (bad | missing).T, strict=True)])
     edge = int(np.ceil(EDGE * rate))
     kept = np.arange(edge, len(q) - edge, max(1, int(rate // (6.0 * cutoff))))
-    loaded = held & _bears_load(wide, rate, cutoff, factor) if held.any() else held
-    rows = np.concatenate([tau.T, hidden.T])
-    for row, column in zip(rows, hidden.T, strict=False):
-        bridging(column, rate).across(row)
-    smooth = low_pass_at(rows, cutoff, rate, kept)
-    measured = smooth[len(hidden.T) :] < USED
-    use = measured & ~stuck[kept].T & ~(standing & ~loaded)[:, None]
-    return PreparedRecording(
+    loaded = np.array(held)
+    if held.any():
+        quiet = even.despiked if factor == 1 else tau
+        whole = np.column_stack([straight(x, off) for x, off in zip(quiet.T, missing.T, strict=True)])
+        loaded &= _bears_load(whole, rate, cutoff, factor)
+    brief = even.spikes[: 0 if factor == 1 else None]
+    one = PreparedRecording(
         name=name,
         motion=motion,
-        torque=np.ascontiguousarray(smooth[: len(hidden.T)]),
-        used=use,
+        torque=np.empty((0, 0)),
+        used=np.empty((0, 0), dtype=bool),
         kept=kept,
         cutoff=cutoff,
         rate=rate,
-        outliers=(bad & ~lost).mean(axis=0),
-        wide_tau=wide,
+        outliers=np.zeros(tau.shape[1]),
+        wide_tau=tau,
         angle_noise=noise,
         band=min(inner, 0.4 * rate),
         stuck=stuck,
-        hidden=hidden,
+        hidden=stuck,
         standing=standing,
         driven=~(even.passive | _reads_nothing(even, cutoff)),
         full_rate=even.rate,
         reach=reach_of,
         pushed=None if beta is None or not base.forces else forces_torque(base, motion, beta),
+        read=TorqueRead(tau, missing, ~stuck[kept].T & ~(standing & ~loaded)[:, None], brief),
     )
+    if beta is None:
+        return one.without(_spikes(even, factor))
+    return one.without(even.slower_spikes(factor, lambda: base.torque(motion, beta), missing))
 
 
 def _turning(dq: Float) -> Bool:

@@ -17,7 +17,7 @@ from symbolic.motion import Float
 BESIDE, NEAR = 6, 2
 """Samples on either side of hidden ones in which the bend of a bridge is no noise, and in which most of it is."""
 DRAWS, ENOUGH = 8, 24_000
-"""Draws of white noise that are filtered, and samples from which on there are fewer."""
+"""Draws of white noise that are filtered, and samples of all recordings and draws from which on there are fewer."""
 
 
 def torque_noise(prepared: Sequence[PreparedRecording]) -> Float:
@@ -52,9 +52,9 @@ def noise_floor(prepared: Sequence[PreparedRecording]) -> Float:
     and filtered as they are.
     """
     square, count = 0.0, 0.0
+    draws = max(1, min(DRAWS, ENOUGH // sum(len(one.motion) for one in prepared)))
     for index, one in enumerate(prepared):
         joints, samples = one.hidden.shape[1], len(one.motion)
-        draws = max(1, min(DRAWS, ENOUGH // samples))
         white = np.random.default_rng(index).standard_normal((draws, joints, samples))
         smooth = one.smooth_rows(white, range(joints), 1)
         square = square + np.mean(np.sum(np.where(one.used, smooth, 0.0) ** 2, axis=2), axis=0) * one.rate / 2.0

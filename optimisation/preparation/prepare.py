@@ -9,7 +9,7 @@ bridged before filtering, once, before anything is diagnosed, so that every mode
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,8 @@ SWAYS = Threshold(0.02, "rad by which a base taken to stand still may turn: its 
 LEAST_CYCLES = Threshold(2.0, "cycles of the cut-off in the shortest recording: the filter leaves a line")
 NOTED = Threshold(0.005, "share of a torque hidden as spikes from which it is said: a spike or two are no finding")
 MANY = Threshold(0.02, "share from which it is a warning with the place: a bad sensor is passed over")
+SPIKES = "torque_outliers"
+"""What the finding on them is called."""
 UNDRIVEN = Threshold(
     0.5,
     "part of the largest torque that a joint said to be passive may show: a driven joint fitted as free",
@@ -145,6 +147,18 @@ def prepare(
     )
 
 
+def judged_anew(prepared: Prepared, torques: Sequence[Float]) -> Prepared:
+    """Return the recordings with spikes judged anew, beside the torque (N, J) that a model has on each; as they are
+    where the same samples are spikes.
+    """
+    done = [one.beside(known) for one, known in zip(prepared.all, torques, strict=True)]
+    if all(np.array_equal(one.hidden, old.hidden) for one, old in zip(done, prepared.all, strict=True)):
+        return prepared
+    count, kept = len(prepared.train), [one for one in prepared.findings if one.check != SPIKES]
+    findings = (*kept, *_outlier_findings(done, names(prepared.joints)))
+    return replace(prepared, train=tuple(done[:count]), verify=tuple(done[count:]), findings=findings)
+
+
 def _check_cutoff(cutoff: float | None, even: Sequence[UniformSignals]) -> None:
     """Refuse a cut-off that is too fast for the slowest recording, or too slow for the shortest."""
     if cutoff is None:
@@ -227,4 +241,4 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
     what = f"spikes of the torque were hidden before filtering ({told} of the samples)"
     remedy = "look at the torque sensor and its cable" + ("" if many else " if this is unexpected")
     severity, limit = ("warning", MANY) if many else ("repaired", NOTED)
-    return (Finding("torque_outliers", severity, what, worst, float(most.max()), limit, remedy),)
+    return (Finding(SPIKES, severity, what, worst, float(most.max()), limit, remedy),)

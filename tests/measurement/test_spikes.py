@@ -63,6 +63,17 @@ def test_dry_friction_that_reverses_is_no_spike(jump):
     assert spikes(tau + back[:, None], 100.0).mean() < 0.005
 
 
+@pytest.mark.shows("spikes.CROWD")
+def test_chatter_is_hidden_whole():
+    rng = np.random.default_rng(5)
+    tau = swing(100.0, 0.05, seed=5)
+    burst = np.zeros(tau.shape, bool)
+    for start in range(150, 2000, 300):
+        burst[start : start + 15] = True
+    found = spikes(tau + np.where(burst, 6.0 * rng.choice([-1.0, 1.0], tau.shape) * rng.random(tau.shape), 0.0), 100.0)
+    assert found[burst].mean() > 0.9 and found[~burst].mean() < 0.02
+
+
 def test_what_is_unknown_or_constant_has_no_spikes():
     tau = swing(100.0, 0.02, seed=4)
     unknown = np.zeros(tau.shape, bool)

@@ -195,6 +195,7 @@ def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monke
         "compiled": SimpleNamespace(backend="vm"), "identify": SimpleNamespace(estimates=[]), "_fall": fall,
         "_waterfall": SimpleNamespace(steps=[]), "_admissible": "", "sentence_of": "It", "biased_parameters": (),
         "prepare": SimpleNamespace(train=[]),
+        "fitted_model": SimpleNamespace(judged_anew=lambda: SimpleNamespace(train=[])),
     }  # fmt: skip
     for name, answer in said.items():
         monkeypatch.setattr(extend, name, lambda *given, answer=answer, **more: answer)

@@ -9,7 +9,6 @@ from measurement.auditing.channels import channels, place
 from measurement.finding import Finding
 from measurement.reading.angles import running_median, sampled
 from measurement.recording import Recording
-from measurement.signals.spikes import spikes
 from symbolic.motion import Float
 
 NOTED = Threshold(0.005, "share of such torques that is noted: a spike or two are no finding")
@@ -30,7 +29,7 @@ def check(recording: Recording) -> list[Finding]:
     for j, channel in enumerate(channels(recording, "tau")):
         if channel.values.size < 50:
             continue
-        far = spikes(recording.tau[:, [j]], recording.rate, ~recording.torque_valid[:, [j]])[channel.at, 0]
+        far = recording.spikes[channel.at, j]
         share = float(far.mean())
         if share < NOTED:
             continue
