@@ -196,10 +196,11 @@ def test_an_effect_added_by_hand_helps_where_the_error_falls(fall, helped, monke
         "_waterfall": SimpleNamespace(steps=[]), "_admissible": "", "sentence_of": "It", "biased_parameters": (),
         "prepare": SimpleNamespace(train=[]),
         "fitted_model": SimpleNamespace(judged_anew=lambda: SimpleNamespace(train=[])),
+        "model_of": None, "machine_of": None, "question_of": (model, [], []),
     }  # fmt: skip
     for name, answer in said.items():
         monkeypatch.setattr(extend, name, lambda *given, answer=answer, **more: answer)
-    found = extend.add(model, "stribeck", "hip", [])
+    found = extend.add(model, "stribeck:hip", [])
     assert found.helped is helped
     assert ("does not lower" in found.sentence) is not helped
 
