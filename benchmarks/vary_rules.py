@@ -1,7 +1,7 @@
 """Which thresholds of the diagnosis decide: each one halved and doubled, and which answers change by it.
 
     python benchmarks/vary_rules.py                                        every threshold, a night
-    python benchmarks/vary_rules.py --only small_gain clear --kinds small none --cases 4
+    python benchmarks/vary_rules.py --only nearest clear --kinds small none --cases 4
     python benchmarks/vary_rules.py --tests tests/measurement/test_audit.py   which of these tests fail, for every one
 
 The legs are those of the blind trials (`exoid campaign`), so the truth is known: a line says for how many legs the

@@ -56,22 +56,6 @@ class Rules:
         "part of what some recordings gain that others may lose, where splits cannot tell: one that helps one file",
     )
     false_discovery_rate: float = _rule(ACCEPTANCE, 0.05, "entries named by chance, over the catalogue at every step")
-    small_gain: float = _rule(
-        ACCEPTANCE,
-        0.15,
-        "share below which a term is only possible beside a curve at its joint that explains more: it absorbs what "
-        "nobody knows",
-    )
-    farther: float = _rule(
-        ACCEPTANCE, 2.0, "factor on this share for every ten times that the error is farther above: hardly a beginning"
-    )
-    far_above: float = _rule(ACCEPTANCE, 3.0, "times the noise floor from which an error is far above it")
-    outweighed: float = _rule(
-        ACCEPTANCE,
-        1 / 3,
-        "part of what is more than noise that all terms must explain, far above it, where a curve explains more: the "
-        "nearest thing is named for what nobody knows",
-    )
     nearest: float = _rule(
         ACCEPTANCE, 0.05, "share from which an entry that was not accepted is named as the nearest: chance"
     )

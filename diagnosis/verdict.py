@@ -195,7 +195,7 @@ def _on_fitted_motion_only(last: FittedModel, possible: Sequence[Possible], rule
     floor = np.maximum(sensor_noise(last.prepared), 1e-6)
     times = last.train_rms / floor
     j = index_of_greatest(times)
-    told = max((one.explained_share for one in possible), default=0.0) >= rules.small_gain
+    told = max((one.explained_share for one in possible), default=0.0) >= rules.nearest
     unseen = last.evaluation_rms[j] > rules.near_noise * floor[j]
     if not last.verified or not told or unseen or times[j] <= rules.near_noise:
         return ""

@@ -22,10 +22,6 @@ BESIDE = 0.05
 """Seconds beside samples that are left out, since a joint may stick there, in which slow friction still shows."""
 DELAY = "time_delay"
 """The entry that has torque come at another moment."""
-ELASTICITY = "joint_elasticity"
-"""The entry of a drive that gives way which follows the torque alone."""
-GIVING = ("motor_elasticity", "series_backlash")
-"""Entries of a drive that gives way which put the link where its load lets it be."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +45,8 @@ def doubt(before: Extension, after: Extension, floor: Float, rules: Rules) -> Ob
         or on_bound(after.fitted, name, rules)
         or undetermined(after.fitted, name)
         or made_by_the_filter(before, after, rules)
-        or small_while_far(before, after, floor, rules)
         or beside_standstill(before, after, rules)
         or held_command(after)
-        or gives_way_already(after)
     )
     early = "" if reason else torque_before_motion(before, after, floor, rules)
     return Objection(reason or early, early=bool(early)) if reason or early else None
@@ -156,29 +150,6 @@ def made_by_the_filter(before: Extension, after: Extension, rules: Rules) -> str
     )
 
 
-def small_while_far(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:
-    """Return that a term which follows the model's own torque gains little while an error stays far above the noise
-    `floor` (J,): elastic, late or scaled torque takes up part of nearly anything that nobody knows.
-    """
-    score = after.added
-    if score is None or not is_transform(score.candidate.term):
-        return ""
-    refitted = before.unseen_gain(after, rules) if before.fitted.verified else 0.0
-    share = max(score.share, score.unseen or 0.0, refitted)
-    # At any joint: what is missing at one bends the inertias of all, and a small term elsewhere may bend them back.
-    ratio = after.fitted.evaluation_rms / np.maximum(floor, 1e-12)
-    times = float(ratio.max()) / rules.far_above
-    # What model error makes of a term differs between recordings: one that repeats over many is there at any distance.
-    farther = 1.0 if score.repeats(rules) else rules.farther ** np.log10(times)
-    if times < 1.0 or share >= rules.small_gain * farther:
-        return ""
-    joint = after.fitted.model.joint_names[index_of_greatest(ratio)]
-    return (
-        f"explains {100 * share:.1f} % while the {joint} error stays {ratio.max():.0f} times the noise: "
-        "something larger is missing, and small terms may only take up part of it"
-    )
-
-
 def beside_standstill(before: Extension, after: Extension, rules: Rules) -> str:
     """Return that a term which follows the model's own torque gains next to nothing but where its joint has just stood
     still, or is about to.
@@ -217,18 +188,6 @@ def held_command(after: Extension) -> str:
         f"the torque would come {early:.2g} s before its motion, within half a sample: so does a command that is "
         "logged when it is given and holds until the next one"
     )
-
-
-def gives_way_already(after: Extension) -> str:
-    """Return that the drive of the term's joint gives way in the model already: it would do so twice.
-
-    The entries of `GIVING` are of first order, and what they leave follows the load as well.
-    """
-    if after.added is None or after.added.candidate.term.effect.id != ELASTICITY:
-        return ""
-    joint = after.added.candidate.term.joint
-    other = next((t.name for t in after.fitted.model.terms if t.effect.id in GIVING and t.joint == joint), None)
-    return "" if other is None else f"the drive gives way by {other} already, and what that entry leaves looks alike"
 
 
 def torque_before_motion(before: Extension, after: Extension, floor: Float, rules: Rules) -> str:

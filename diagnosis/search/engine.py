@@ -2,8 +2,8 @@
 
 A move takes a state and returns another one: `forward` adds terms, `prune` drops superfluous ones, `exchange` compares
 each with its rivals, `drop_unsteady` drops terms that only some splits of the recordings support, `take_back` takes
-back proxies. At the end `outweighed` drops what explains little beside something that nobody knows. A new move is a
-file with one function, and a place here.
+back proxies. What is left beside what was accepted takes nothing of it back: it is a sentence of its own. A new move is
+a file with one function, and a place here.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from diagnosis.search.context import SearchContext
 from diagnosis.search.drop_unsteady import drop_unsteady
 from diagnosis.search.exchange import exchange
 from diagnosis.search.forward import forward
-from diagnosis.search.outweighed import outweighed
 from diagnosis.search.prune import prune
 from diagnosis.search.state import Extension, State
 from diagnosis.search.take_back import left_over, take_back
@@ -48,16 +47,8 @@ def run_search(context: SearchContext, start: Extension) -> Found:
         gain = context.unseen_gain(state.last, others.last)
         plainer = many and others.numbers <= state.numbers and gain > -rules.least_share
         if plainer or (near and others.left is None and gain > rules.least_share):
-            return Found(_doubted(context, others), first)
-    return Found(_doubted(context, state), first)
-
-
-def _doubted(context: SearchContext, state: State) -> State:
-    """Return the state without the terms that a curve outweighs, and what is left then."""
-    shorter = outweighed(context, state)
-    if shorter.names == state.names:
-        return state
-    return replace(shorter, left=left_over(context, shorter.last))
+            return Found(others, first)
+    return Found(state, first)
 
 
 def search_without_proxies(context: SearchContext, state: State) -> State:

@@ -1,6 +1,4 @@
 """Take back: accepted terms that a curve without physics clearly beats were only the nearest thing in the catalogue.
-
-So are those whose parameters, refitted beside the others, are certainly outside what physics allows.
 """
 
 from __future__ import annotations
@@ -23,7 +21,7 @@ from diagnosis.search.state import Extension, State
 def take_back(context: SearchContext, state: State) -> State:
     """Return the state with what is left, and without the proxies among its terms; these are banned."""
     left = left_over(context, state.last)
-    taken = proxies(context, state, left) | impossible(state.last)
+    taken = proxies(context, state, left)
     if not taken:
         return replace(state, left=left)
     shorter = replace(state, banned=state.banned | taken, left=left)
@@ -88,18 +86,4 @@ def _superseded(
         best = [c.node(int(n)) for c, n in zip(columns, score.nodes, strict=True)]
         if score.share >= context.rules.least_share and winner.supersedes(best):
             out.add(candidate.name)
-    return out
-
-
-def impossible(extension: Extension) -> set[str]:
-    """Return the terms whose coefficients, refitted beside the others, are certainly outside what physics allows."""
-    known = {e.name: e for e in extension.fitted.fit.estimates}
-    out = set()
-    for entry in extension.fitted.model.parameters:
-        if entry.term is None or entry.name not in known:
-            continue
-        one = known[entry.name]
-        low, high = (entry.min is not None and one.high < entry.min), (entry.max is not None and one.low > entry.max)
-        if low or high:
-            out.add(entry.term)
     return out

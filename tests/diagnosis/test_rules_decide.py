@@ -22,17 +22,14 @@ from diagnosis.search.doubt import (
     DELAY,
     Objection,
     beside_standstill,
-    gives_way_already,
     held_command,
     on_bound,
-    small_while_far,
     torque_before_motion,
 )
 from diagnosis.search.possible import possible_of
 from diagnosis.verdict import _deciding, _nearest, conclude
 from symbolic.catalogue import catalogue
 from symbolic.effect import Coefficient, Shape
-from symbolic.model import Model
 from symbolic.term import Term
 
 
@@ -71,32 +68,6 @@ def test_a_split_in_which_a_term_hardly_shows_cannot_tell(shown, told):
     assert counted([(1.0, 1.0, 1.0)] * 3 + [(-1.0, 1.0, shown)]) == (3, told)
 
 
-@pytest.mark.shows("small_gain", "far_above", "farther")
-@pytest.mark.parametrize(
-    ("share", "times", "repeats", "doubted"),
-    [
-        (0.1, 2.5, False, False),
-        (0.1, 3.5, False, True),
-        (0.2, 3.5, False, False),
-        (0.3, 25.0, False, False),
-        (0.3, 40.0, False, True),
-        (0.2, 40.0, True, False),
-        (0.1, 40.0, True, True),
-    ],
-)
-def test_the_farther_from_the_noise_the_more_an_elastic_torque_must_explain(share, times, repeats, doubted):
-    """Where it follows the model's own torque, and unless it repeats over many recordings."""
-    fitted = SimpleNamespace(
-        verified=False, evaluation_rms=np.array([times, 1.0]), model=SimpleNamespace(joint_names=("hip", "knee"))
-    )
-    before, after = SimpleNamespace(fitted=fitted), SimpleNamespace(fitted=fitted)
-    elastic = SimpleNamespace(term=Term(catalogue()["joint_elasticity"], "hip"))
-    after.added = SimpleNamespace(share=share, unseen=None, repeats=lambda rules: repeats, candidate=elastic)
-    assert bool(small_while_far(before, after, np.ones(2), RULES)) is doubted
-    elastic.term = Term(catalogue()["stribeck"], "hip")
-    assert small_while_far(before, after, np.ones(2), RULES) == ""
-
-
 @pytest.mark.shows("leading")
 @pytest.mark.parametrize(
     ("delay", "left", "doubted"), [(-0.02, 2.0, False), (-0.02, 2.6, True), (0.02, 2.6, False), (-0.02, 0.8, False)]
@@ -128,20 +99,6 @@ def test_a_command_that_holds_for_a_sample_is_no_early_torque(delay, doubted):
     )
     added = SimpleNamespace(candidate=SimpleNamespace(term=term), name=term.name)
     assert bool(held_command(SimpleNamespace(fitted=fitted, added=added))) is doubted
-
-
-@pytest.mark.parametrize(
-    ("there", "doubted"),
-    [("motor_elasticity:hip", True), ("series_backlash:hip", True), ("motor_elasticity:knee", False)],
-)
-def test_a_drive_gives_way_once(there, doubted):
-    model = Model.standard().with_effect(there)
-    term = Term(catalogue()["joint_elasticity"], "hip")
-    added = SimpleNamespace(candidate=SimpleNamespace(term=term))
-    reason = gives_way_already(SimpleNamespace(fitted=SimpleNamespace(model=model), added=added))
-    assert (there in reason) is doubted and bool(reason) is doubted
-    added.candidate.term = Term(catalogue()["stribeck"], "hip")
-    assert gives_way_already(SimpleNamespace(fitted=SimpleNamespace(model=model), added=added)) == ""
 
 
 @pytest.mark.shows("beyond_standstill")
@@ -201,7 +158,7 @@ def test_a_model_is_not_adequate_where_what_is_missing_shows_in_fitted_recording
     assert found.verdict == "unexplained"
     assert "the knee keeps" in found.sentence and "(run_0, run_1, run_2)" in found.sentence
     assert "Torque offset at the knee, 48 %" in found.sentence and "hold out a recording" in found.next_experiment
-    little = replace(offset, explained_share=0.1)
+    little = replace(offset, explained_share=0.04)
     assert conclude((), None, near, near, True, 4, possible=(little,)).verdict == "adequate"
     assert conclude((), None, near, near, True, 4).verdict == "adequate"
 
