@@ -61,6 +61,8 @@ def search_without_proxies(context: SearchContext, state: State) -> State:
         if shorter.names == state.names:
             return shorter
         state = shorter
+    while (shorter := drop_unsteady(context, state)).names != state.names:  # nothing unsteady stays, however it ends
+        state = shorter
     return replace(state, left=left_over(context, state.last))
 
 
