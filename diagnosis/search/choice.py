@@ -96,6 +96,8 @@ def refitted(
 
     plainer = [p for p in tried if _bends(score, p[0]) and no_more(score, p[0])]
     score, found = min(plainer, key=lambda p: _plainness(p[0]), default=(score, found))
+    # Of what no motion here distinguishes the plainest is told, whichever the last digits of a refit prefer.
+    score, found = min([(score, found), *(p for p in tried if _same(p[0], score))], key=lambda p: _plainness(p[0]))
     if not (outlives_noise(context, extension, evidence, score) and outlives_offsets(extension, evidence, score)):
         return None
     wanted = {*behind_best, *alike} - elsewhere
