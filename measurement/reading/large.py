@@ -8,7 +8,7 @@ of its own; what the audit says is added up. Of every twelfth of the file the pi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -104,8 +104,8 @@ def _liveliest(recording: Recording) -> Recording:
 def _between(one: Recording, start: float, stop: float) -> Recording:
     """Return the rows from `start` to `stop` s, as copies: a view would keep the whole piece in memory."""
     first, last = np.searchsorted(one.t, [start, stop])
-    arrays = {name: value for name, value in vars(one).items() if isinstance(value, np.ndarray)}
-    cut: dict[str, Any] = {name: value[first:last].copy() for name, value in arrays.items()}
+    own = {field.name: getattr(one, field.name) for field in fields(one)}
+    cut: dict[str, Any] = {name: x[first:last].copy() for name, x in own.items() if isinstance(x, np.ndarray)}
     return replace(one, **cut)
 
 

@@ -110,7 +110,7 @@ def test_a_leg_that_hardly_moves_is_said_or_refused(size, said):
 @pytest.mark.shows("outliers.NOTED", "outliers.HEAVY")
 @pytest.mark.parametrize(
     ("every", "size", "said"),
-    [(100, 2.0, ""), (100, 30.0, "info"), (300, 30.0, ""), (10, 30.0, "info"), (6, 30.0, "warning")],
+    [(33, 2.0, ""), (33, 8.0, "info"), (100, 8.0, ""), (10, 30.0, "info"), (6, 30.0, "warning")],
 )
 def test_torques_far_off_their_neighbours_are_counted(every, size, said):
     tau = np.random.default_rng(0).uniform(-1.0, 1.0, (1500, 2))

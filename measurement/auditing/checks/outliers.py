@@ -11,7 +11,7 @@ from measurement.reading.angles import running_median, sampled
 from measurement.recording import Recording
 from symbolic.motion import Float
 
-NOTED = Threshold(0.005, "share of such torques that is noted: a spike or two are no finding")
+NOTED = Threshold(0.02, "share of such torques that is noted: a few that reversing friction makes are no finding")
 HEAVY = Threshold(0.12, "share that is warned of: as many that are not found pull even the Huber loss")
 CARRIED = Threshold(
     0.35, "part of the slow torque in such samples: chatter that moves a machine is taken for a sensor's"
