@@ -12,6 +12,7 @@ any machine      `Joint`, `Payload`; its equations and code: `mechanics`, `equat
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
                  `simulate`, `simulate_runs`, `draw_hidden`
 numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`
+the paper        `reproduce_paper`, `paper_items`: its figures, tables and equations, made again
 what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; all of one preparation: `Session`;
                  a fit with its errors: `fitted_model`
 figures          `figure_style`, `new_figure`, `label`

@@ -17,6 +17,7 @@ import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -121,10 +122,41 @@ def figure_style() -> Iterator[None]:
 
 def new_figure(width: float = 7.0, height: float = 4.0) -> Figure:
     """Return an empty figure of `width` × `height` inches that leaves room for its labels."""
-    from matplotlib.figure import Figure
-
     with figure_style():
-        return Figure(figsize=(width, height), layout="constrained")
+        return _figure_type()(figsize=(width, height), layout="constrained")
+
+
+@cache
+def _figure_type() -> type[Figure]:
+    """Return the type of our figures, which write powers on logarithmic axes as text: nothing in them is parsed."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatterMathtext
+
+    class PlainPowers(LogFormatterMathtext):
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return plain_power(super().__call__(x, pos))
+
+    class PlainFigure(Figure):
+        def draw(self, renderer: Any) -> None:
+            for axis in (axis for axes in self.axes for axis in (axes.xaxis, axes.yaxis)):
+                for given in (axis.get_major_formatter(), axis.get_minor_formatter()):
+                    if isinstance(given, LogFormatterMathtext):
+                        given.__class__ = PlainPowers
+            super().draw(renderer)
+
+    return PlainFigure
+
+
+def plain_power(text: str) -> str:
+    """Return a power in matplotlib's markup as text: 10⁻⁸ for "$\\mathdefault{10^{-8}}$"."""
+    inner = re.fullmatch(r"\$\\mathdefault\{(.*)\}\$", text)
+    if inner is None:
+        return text
+    raised = re.sub(r"\^\{(.*?)\}", lambda power: power[1].translate(RAISED), inner[1])
+    return raised.replace(r"\times", "·")
+
+
+RAISED = str.maketrans("0123456789-−.", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻·")
 
 
 def label(quantity: str, unit: str = "") -> str:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from optimisation.fitting.fit import Fit as Fit
     from optimisation.fitting.identify import Search as Search
     from optimisation.fitting.identify import identify as identify
+    from optimisation.paper.reproduce import paper_items as paper_items
+    from optimisation.paper.reproduce import reproduce_paper as reproduce_paper
     from optimisation.preparation.prepare import prepare as prepare
 
 __all__ = lend(__name__)

@@ -37,11 +37,7 @@ def _text(found: Equations) -> str:
     if not model.chain:
         lines.append(f"a_th = {model.thigh_length:g} m, g = {model.gravity:g} m/s²")
     for name, matrix in found.matrices.items():
-        lines += ["", f"{name} ({matrix.rows} x {matrix.cols}), every other entry is 0" if 0 in matrix else name]
-        for i in range(matrix.rows):
-            for j in range(matrix.cols):
-                place = f"{name}[{i + 1}]" if matrix.cols == 1 else f"{name}[{i + 1},{j + 1}]"
-                lines += [f"  {place} = {matrix[i, j]}"] if matrix[i, j] != 0 else []
+        lines += ["", *matrix_lines(name, matrix)]
     lines += ["", "Φ, one for each column of Y"]
     lines += [f"  {k + 1:>2}  {_meaning(found, k)}" for k in range(len(model.parameters))]
     if model.shapes:
@@ -54,6 +50,16 @@ def _text(found: Equations) -> str:
         more = "" if parameter is None else f", {parameter}"
         lines += ["", f"{symbol} = {operator}({argument}{more}), which depends on the past"]
     return "\n".join(lines) + "\n"
+
+
+def matrix_lines(name: str, matrix: Matrix) -> list[str]:
+    """Return every entry of a matrix that is not zero on a line of its own, below its name."""
+    lines = [f"{name} ({matrix.rows} x {matrix.cols}), every other entry is 0" if 0 in matrix else name]
+    for i in range(matrix.rows):
+        for j in range(matrix.cols):
+            place = f"{name}[{i + 1}]" if matrix.cols == 1 else f"{name}[{i + 1},{j + 1}]"
+            lines += [f"  {place} = {matrix[i, j]}"] if matrix[i, j] != 0 else []
+    return lines
 
 
 def _meaning(found: Equations, k: int) -> str:

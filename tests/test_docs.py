@@ -151,16 +151,6 @@ def test_the_page_on_the_paper_says_what_the_check_says():
     assert "(1, 3)" in page and ("(1, 3)" in printed or "(1,3)" in printed)
 
 
-def test_the_page_on_the_paper_was_written_by_its_script(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    script = runpy.run_path(str(ROOT / "benchmarks" / "paper.py"))
-    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
-    assert script["limits"]() in page and script["periods"]() in page, "run python benchmarks/paper.py"
-    template = (ROOT / "benchmarks" / "paper_page.md").read_text(encoding="utf-8")
-    for words in re.split(r"\{\w+\}", template):
-        assert words in page, "run python benchmarks/paper.py"
-
-
 @pytest.mark.slow
 def test_commands_of_the_page_on_real_recordings_run(shared_data, tmp_path, monkeypatch, capsys):
     folder = shared_data / "two_link_rig_c0"

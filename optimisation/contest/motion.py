@@ -40,9 +40,18 @@ STARTS = 3
 
 @dataclass(frozen=True)
 class MotionEntrant(Search):
-    """An optimiser of motions: `penalised` outside the limits, or rescaled; `whitened`: all harmonics weigh alike."""
+    """An optimiser of motions: `penalised` outside the limits, or rescaled; `whitened`: all harmonics weigh alike.
+
+    Coefficients are sought within ±`half` rad, or as wide as is usual for either.
+    """
 
     penalised: bool = False
+    half: float | None = None
+
+    @property
+    def width(self) -> float:
+        """Half of the width of the box, rad."""
+        return self.half or (NARROW if self.penalised else WIDE)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -95,12 +104,11 @@ class MotionContest(ContestSubject):
 
     def setting(self, search: Search, seed: int) -> tuple[Problem, Float]:
         """Return the problem in rad, or in shares of what each harmonic alone may do, and the first motions."""
-        penalised = isinstance(search, MotionEntrant) and search.penalised
-        motions = self._search(penalised)
+        entrant = search if isinstance(search, MotionEntrant) else MotionEntrant(search.optimiser, search.whitened)
+        motions, half = self._search(entrant.penalised), entrant.width
         joints, _, width = motions.space.basis.shape
         alone = np.concatenate([np.diag(one) for one in motions.space.basis])
         scale = np.ones(joints * width) if search.whitened else alone
-        half = NARROW if penalised else WIDE
         edge = np.full(joints * width, half)
         problem = Problem(
             lambda x: motions.value(x / scale), -edge, edge, motions.space.names,
@@ -132,15 +140,17 @@ _SEARCHES: dict[tuple[str, str, bool], MotionSearch] = {}
 
 def motion_contest(
     model: Model | None = None, criterion: str = "condition", seed: int = 0, individuals: int | None = None,
-    generations: int | None = None,
+    generations: int | None = None, starts: int = STARTS,
 ) -> MotionContest:  # fmt: skip
-    """Return the contest of motions for `model` (the standard leg), with references found from `seed`."""
+    """Return the contest of motions for `model` (the standard leg), with references found from `seed`, IPOPT's from
+    so many `starts`.
+    """
     leg = Model.standard() if model is None else model
     size = {"individuals": individuals, "generations": generations}
     given = {name: number for name, number in size.items() if number is not None}
     name = f"motions of {leg.name}"
     contest = MotionContest(name=name, model=leg, criterion=criterion, known={}, **given)
-    found = design(leg, criterion=criterion, starts=STARTS, seed=seed).candidates
+    found = design(leg, criterion=criterion, starts=starts, seed=seed).candidates
     values = sorted(((one.name, one.value) for one in found), key=lambda one: one[1])
     return replace(contest, known=dict(values))
 

@@ -15,6 +15,7 @@ PLUG_INS = {
     "measurement/auditing/checks": {"check"},
     "measurement/reading/formats": {"read", "is_large", "pieces"},
     "symbolic/effects": {"derive"},
+    "optimisation/paper/items": {"answer"},
 }
 """What each file of a folder of plug-ins defines for whoever reads the folder."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import matplotlib as mpl
 
-from ground.figures import figure_style, new_figure, to_svg
+from ground.figures import figure_style, new_figure, plain_power, to_svg
 
 
 def drawn() -> str:
@@ -23,3 +23,15 @@ def test_the_users_matplotlibrc_changes_no_figure():
         mpl.rcParams.update({"savefig.bbox": "tight", "figure.figsize": (20, 1), "lines.marker": "x"})
         assert drawn() == usual
         assert mpl.rcParams["text.usetex"]  # theirs, outside
+
+
+def test_powers_on_a_logarithmic_axis_are_text_and_names_are_not_parsed():
+    with figure_style():
+        figure = new_figure(3.0, 2.0)
+        axes = figure.subplots()
+        axes.semilogy([1, 2], [1e-8, 1e4], label="$x.csv")
+        axes.legend()
+    to_svg(figure)
+    shown = [tick.get_text() for tick in axes.get_yticklabels()]
+    assert "10⁻⁵" in shown and not any("$" in text for text in shown)
+    assert plain_power(r"$\mathdefault{2\times10^{-3}}$") == "2·10⁻³" and plain_power("$x.csv") == "$x.csv"
