@@ -14,6 +14,11 @@ def formats() -> tuple[str, ...]:
     return names_in(export)
 
 
+def usual_formats() -> tuple[str, ...]:
+    """Return those that are written where none is asked for."""
+    return tuple(name for name in formats() if not getattr(exporter(name), "ON_REQUEST", False))
+
+
 def exporter(name: str) -> ModuleType:
     """Import one format."""
     return importlib.import_module(f"{export.__name__}.{name}")

@@ -65,7 +65,7 @@ class Ready:
 
     `torque` is all the drives have to supply, `rigid` without friction and effects, `mass` (J J,) and `coriolis` (J J,)
     are row by row, `gravity` (J,). `forward` takes `tau` (J,) too and is None where an effect has memory. `linear` and
-    `shape` are the numbers, by name.
+    `shape` are the numbers, by name, out of `numbers`.
     """
 
     model: Model
@@ -78,6 +78,7 @@ class Ready:
     gravity: Any
     forward: Any | None
     memories: tuple[ExportedOperator, ...]
+    numbers: Numbers
 
 
 def read_ready(path: str) -> Ready:
@@ -142,6 +143,7 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
         function("gravity_torque", x.G),
         forward,
         memories,
+        numbers,
     )
     _refuse_overflow(made, where)
     return made

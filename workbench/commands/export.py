@@ -1,18 +1,19 @@
-"""`exoid export`: the identified model as C for a controller, a CasADi function, a NumPy module, URDF and MJCF."""
+"""`exoid export`: the identified model as C, FMUs, a CasADi function, a NumPy module, URDF, MJCF."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
+from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
 
-HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF
+HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF, FMU
 
 exoid identify run1.csv run2.csv --write leg_identified.toml
 exoid export leg_identified.toml --out controller --sample-time 0.001
+exoid export leg_identified.toml --as fmu --sample-time 0.001      for Simulink, Dymola, OpenModelica, FMPy
 exoid export leg_identified.toml --updater --sample-time 0.001     and what follows its numbers, in C
 exoid export leg_identified.toml --format mjcf --into robot.urdf   and the numbers in a copy of your own URDF"""
 
@@ -26,8 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     known = formats()
     parser.add_argument("model", metavar="MODEL", help="model file with identified numbers (exoid identify --write)")
     parser.add_argument(
-        "--format", nargs="+", choices=known, metavar="FORMAT", help=f"what to write: {', '.join(known)} (default: all)"
-    )
+        "--format", "--as", nargs="+", choices=known, metavar="FORMAT",
+        help=f"what to write: {', '.join(known)} (default: all that need no compiler)",
+    )  # fmt: skip
     parser.add_argument("--name", default="exoid_leg", help="prefix of files and C functions (default: %(default)s)")
     parser.add_argument(
         "--sample-time", type=float, metavar="S", help="period of the control loop in s; effects with a delay need it"
@@ -49,41 +51,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write every format asked for; 1 when one of several cannot carry this model."""
-    from workbench.exporting import exporter, formats
+    from workbench.exporting import exporter, usual_formats
     from workbench.identified import ExportError, Options, read_ready
 
     options = Options(args.name, args.sample_time, args.sign_width)
     ready = read_ready(args.model)
     written, refused = {}, {}
-    for name in args.format or formats():
+    notes: tuple[str, ...] = ()
+    for name in args.format or usual_formats():
+        form = exporter(name)
         try:
-            written[name] = exporter(name).write(ready, options)
+            written[name] = form.write(ready, options)
+            notes += form.notes(ready, options) if hasattr(form, "notes") else ()
         except ExportError as error:
             if args.format:  # asked for by name: not to be passed over
                 raise
             refused[name] = str(error)
     if args.updater:
         from diagnosis.watching.front import CUTOFF
-        from symbolic.model_file import read_numbers
         from workbench.updater import write_updater
 
-        numbers = read_numbers(args.model)
-        assert numbers is not None  # read_ready has refused a model without
         written["updater"] = write_updater(
-            ready.model, numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
+            ready.model, ready.numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
         )
-    notes: tuple[str, ...] = ()
     own: dict[str, bytes] = {}
     if args.into:
         from workbench.into_urdf import into_urdf
 
-        content, notes = into_urdf(ready, args.into)
+        content, said = into_urdf(ready, args.into)
+        notes += said
         own[f"{Path(args.into).stem}_identified.urdf"] = content
     folder = make_folder(args.out or default_folder(DEFAULT_FOLDER))
     screen = Screen.of(args)
     for name, files in written.items():
-        for file, text in files.items():
-            screen.say(f"  {name:<7} {write_text(Path(folder) / file, text)}")
+        for file, content in files.items():
+            whole = content.encode() if isinstance(content, str) else content
+            screen.say(f"  {name:<7} {write_bytes(Path(folder) / file, whole)}")
     for file, content in own.items():
         screen.say(f"  own     {write_bytes(Path(folder) / file, content)}")
     for note in notes:
