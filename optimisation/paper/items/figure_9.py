@@ -23,8 +23,8 @@ def answer(experiments: Experiments) -> ItemAnswer:
     middle = {name: float(np.median(conditions(found, name))) for name in found.outcomes}
     ahead = {end: _least({name: middle[name + end] for name in ENTRANTS}) for end in (PENALTY, "")}
     first = _least(middle)
-    lines = {written_entrant(name): condition_curve(found, name) for name in found.outcomes if not name.endswith(PENALTY)}
-    lines |= {written_entrant(name): condition_curve(found, name) for name in found.outcomes if name.removesuffix(PENALTY) in ENTRANTS}
+    order = sorted(found.outcomes, key=lambda name: name.endswith(PENALTY))
+    lines = {written_entrant(name): condition_curve(found, name) for name in order}
     marks = {"the published coefficients": experiments.published().condition, "the best motion known": best}
     said = ", ".join(f"{name.upper()} {middle[name + PENALTY]:.1f}" for name in ENTRANTS)
     right = all(name == "nfo" for name in ahead.values())
