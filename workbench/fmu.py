@@ -16,7 +16,6 @@ import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from diagnosis.watching.estimator_c import filled
@@ -236,8 +235,3 @@ def _build_description(model: FmuModel, compiled: Sequence[str]) -> str:
         f'  <BuildConfiguration modelIdentifier="{model.name}">\n    <SourceFileSet language="C99">\n{files}\n'
         "    </SourceFileSet>\n  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
-
-
-def joined(parts: Iterable[Any]) -> str:
-    """Return arguments of a C function, those that are None left out."""
-    return ", ".join(str(part) for part in parts if part is not None)

@@ -15,7 +15,7 @@ from dataclasses import replace
 from ground.errors import ExoidError
 from symbolic.joints import Joint
 from workbench.export import c
-from workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes, joined
+from workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes
 from workbench.identified import ExportError, Options, Ready
 
 HELP = "FMUs (FMI 2.0 and 3.0) of inverse dynamics, forward dynamics and the estimator, sources inside"
@@ -114,7 +114,7 @@ def _estimator(ready: Ready, options: Options) -> FmuModel:
     spreads = [FmuVariable(f"deviation.{one.name[7:]}", OUTPUT, one.unit, "standard deviation") for one in numbers]
     variables = (*_signals("q", INPUT, model.joints), *_signals("tau", INPUT, model.joints), *numbers, *spreads)
     place, count = _places(variables), len(numbers)
-    step = joined(["&m->memory", "m->v[0]", f"m->v + {place('q')}", f"m->v + {place('tau')}"])
+    step = f"&m->memory, m->v[0], m->v + {place('q')}, m->v + {place('tau')}"
     parts = {
         "MEMORY": f"  {name}_updater memory;",
         "SAMPLE": f"  (void){name}_updater_step({step});\n"
