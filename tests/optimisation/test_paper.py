@@ -168,7 +168,7 @@ def test_what_competes_is_judged_by_what_it_found(two, monkeypatch):
     few = short(Experiments(seeds=2), monkeypatch)
     motions, fits = figure_9.answer(few), figure_10.answer(few)
     assert fits.holds in (HOLDS, FAILS) and "proven optimum" in fits.found and len(fits.tables) == 2
-    ends = {name: float(np.median(figure_9.conditions(few.on_motions, name))) for name in few.on_motions.outcomes}
+    ends = {name: float(np.median(figure_9.run_conditions(few.on_motions, name))) for name in few.on_motions.outcomes}
     ahead = min(("nfo", "pso", "ga"), key=lambda name: ends[name])
     assert motions.holds == (HOLDS if ahead == "nfo" else FAILS) or ahead.upper() in motions.why
     assert {row[0] for row in motions.tables[0].rows} == {"NFO", "PSO", "GA", "DE", "CMA-ES"}

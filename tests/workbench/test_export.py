@@ -19,7 +19,7 @@ from symbolic.motion import Motion
 from tests.exported_module import python_module
 from workbench.command import main
 from workbench.export import c, casadi, numpy, urdf
-from workbench.exporting import formats
+from workbench.exporting import usual_formats
 from workbench.identified import ExportError, Options, ready
 
 STEP = 0.005
@@ -215,5 +215,5 @@ def test_the_command_writes_all_formats_and_says_what_is_missing(tmp_path, capsy
     out = tmp_path / "out"
     assert main(["export", str(full), "--out", str(out), "--json", str(tmp_path / "e.json"), "--quiet"]) == 0
     told = json.loads((tmp_path / "e.json").read_text(encoding="utf-8"))
-    assert sorted(told["files"]) == sorted(formats())
+    assert sorted(told["files"]) == sorted(usual_formats())
     assert {f.name for f in out.iterdir()} == {file for files in told["files"].values() for file in files}

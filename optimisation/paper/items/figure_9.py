@@ -20,7 +20,7 @@ def answer(experiments: Experiments) -> ItemAnswer:
     """Let them and two more search from the same first motions, with the infinite penalty and with rescaling."""
     found = experiments.on_motions
     best = found.contest.best
-    middle = {name: float(np.median(conditions(found, name))) for name in found.outcomes}
+    middle = {name: float(np.median(run_conditions(found, name))) for name in found.outcomes}
     ahead = {end: _least({name: middle[name + end] for name in ENTRANTS}) for end in (PENALTY, "")}
     first = _least(middle)
     order = sorted(found.outcomes, key=lambda name: name.endswith(PENALTY))
@@ -47,7 +47,7 @@ def _least(values: Mapping[str, float]) -> str:
     return min(values, key=lambda name: values[name])
 
 
-def conditions(found: Rivals, name: str) -> np.ndarray:
+def run_conditions(found: Rivals, name: str) -> np.ndarray:
     """Return cond(Ȳ) (R,) at the end of each run."""
     return np.asarray(found.contest.best * (1.0 + found.gaps(name)))
 

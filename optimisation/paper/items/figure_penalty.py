@@ -6,7 +6,7 @@ import numpy as np
 
 from optimisation.paper.experiments import Experiments
 from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.items.figure_9 import condition_curve, conditions
+from optimisation.paper.items.figure_9 import condition_curve, run_conditions
 from optimisation.paper.pictures import condition_figure
 
 TITLE = "cond(Ȳ) as fitness, ∞ outside the limits"
@@ -16,7 +16,7 @@ SAYS = "NFO finds the motion with the least condition number when a motion outsi
 def answer(experiments: Experiments) -> ItemAnswer:
     """Search in boxes of several sizes with the penalty, and with every motion rescaled into the limits."""
     found = experiments.boxes
-    ends = {name: conditions(found, name) for name in found.outcomes}
+    ends = {name: run_conditions(found, name) for name in found.outcomes}
     inside = {name: one[np.isfinite(one)] for name, one in ends.items()}
     starved = [name for name, one in inside.items() if not one.size]
     rescaled = float(np.median(ends[list(ends)[-1]]))
