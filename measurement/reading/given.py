@@ -86,7 +86,7 @@ def machine_of(model: Any) -> Model:
     """Return a model, or that of a fit or an answer; ExoidError for anything else."""
     own = model if isinstance(model, Model) else getattr(model, "model", None)
     own = getattr(getattr(model, "fit", None), "model", None) if own is None else own
-    if isinstance(own, Model) or (own is not None and hasattr(model, "estimates")):
+    if isinstance(own, Model):
         return own
     swapped = " (the recordings come second)" if isinstance(model, (Recording, list, tuple)) or is_table(model) else ""
     raise ExoidError(

@@ -168,7 +168,7 @@ def _prepared(model: Model, data: Any) -> tuple[Model, Sequence[PreparedRecordin
     gets the forces that they have measured.
     """
     data = data.train if isinstance(data, Prepared) else data
-    if isinstance(data, (list, tuple)) and all(isinstance(one, PreparedRecording) for one in data):
+    if isinstance(data, (list, tuple)) and all(hasattr(one, "motion") for one in data):
         return model, data
     model, raw, _ = question_of(machine_of(model_of(model)), data)
     model = pushed_model(model, raw)
