@@ -83,7 +83,7 @@ BOTH = {"hip": "c * theta1", "knee": "c * theta2"}
         ({"joints": ()}, "joints are"),
         ({"joints": ("hip", "hip")}, "joints are"),
         ({"joints": ("hip", "both")}, "joints are"),
-        ({"torque": None}, "either a torque text or derive"),
+        ({"torque": None}, "this has no torque"),
         ({"derive": lambda mechanism, symbols: mechanism}, "either a torque text or derive"),
         ({"torque": BOTH}, "one text per joint"),
         ({"joints": ("both",)}, "does not fit its joints"),

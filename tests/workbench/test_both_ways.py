@@ -100,7 +100,7 @@ def test_identify(given):
 def test_add(given):
     model, train, verify = given
     command = by_command("add", "stribeck:knee", *FILES, "--write", "extended.toml")
-    assert same(command, exoid.add(model, "stribeck", "knee", train, verify), "model_file")
+    assert same(command, exoid.add(model, "stribeck:knee", train, verify), "model_file")
 
 
 def test_a_declared_effect_is_suspected_once_wherever_it_is_named(given):
