@@ -42,7 +42,7 @@ SIZE, SHARE = 8.0, 0.01
 """Standard deviations of the noise of a spike, and share of samples that are one."""
 RUNS, SECONDS = 2, 20.0
 RATES, NOISE = (100.0, 500.0, 1000.0), (0.005, 0.02, 0.1, 0.5)
-AXIS = Model("bench", chain=(Joint("axis"),))
+AXIS = Model("bench", joints=(Joint("axis"),))
 RIGID = (0.3, 3.0, 1.2, 0.5)
 """Of the one joint: inertia, weight, Coulomb and viscous friction."""
 EFFECTS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
