@@ -7,6 +7,7 @@ import time
 import pytest
 
 from workbench.commands.demo import DATA
+from workbench.page.saved import reopen, save
 from workbench.page.views import state
 from workbench.page.work import start_work
 from workbench.page.workspace import Workspace
@@ -33,7 +34,7 @@ def space(tmp_path):
     workspace.close()
 
 
-def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space):
+def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space, tmp_path):
     start_work(space)
     first = wait_for(space, lambda shown: shown["ready"] and shown["fitted"])
     assert first["verdict"]["kind"] == "open" and not first["verdict"]["judged"]  # nothing is judged before that
@@ -50,6 +51,13 @@ def test_the_answer_comes_by_itself_and_nothing_is_added_until_asked(space):
     assert space.names == (MISSING,) and space.search is None
     taken = state(space)["verdict"]
     assert taken["kind"] == "missing" and not taken["proposed"]
+
+    again = Workspace(tmp_path / "again")
+    reopen(again, save(space, tmp_path / "kept"))
+    start_work(again)
+    kept = wait_for(again, lambda shown: shown["ready"] and shown["verdict"]["judged"])["verdict"]
+    again.close()
+    assert kept == taken
 
     space.use_as(space.given[1].id, "verify")
     assert space.judging.answer(space.session) is None  # other recordings: it does not hold any more

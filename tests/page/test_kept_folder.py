@@ -22,7 +22,7 @@ from workbench.commands.demo import DATA
 from workbench.page import folder as module
 from workbench.page.folder import SessionFolder
 from workbench.page.given import VERIFY, read_given
-from workbench.page.takeaway import keep_in, reopen, save
+from workbench.page.saved import keep_in, reopen, save
 from workbench.page.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]

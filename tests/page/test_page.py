@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 
 from tests.page.test_story import number, wait_ready
 from workbench.commands.demo import DATA
-from workbench.page.takeaway import is_session
+from workbench.page.saved import is_session
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

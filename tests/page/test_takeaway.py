@@ -15,12 +15,15 @@ from symbolic.mechanics.payload import Payload
 from workbench.command import verb_parser
 from workbench.commands.demo import DATA
 from workbench.page.given import VERIFY
-from workbench.page.takeaway import commands, exported, reopen, save
+from workbench.page.saved import reopen, save
+from workbench.page.takeaway import commands, exported
 from workbench.page.workspace import Workspace
 
 VERDICT = {
     "verdict": "missing", "sentence": "it rubs", "rule": "", "next_experiment": "", "stopped_because": "at last",
-    "accepted": [{"effect": "rub", "joint": "knee", "stability": "accepted in 4 of 4"}], "possible": [],
+    "headline": "Found: rubbing; very sure", "sureness": "very sure", "possible": [],
+    "accepted": [{"effect": "rub", "joint": "knee", "stability": "accepted in 4 of 4", "sentence": "rubbing"}],
+    "steps": [{"model": "base", "train_rms": [1.0, 2.0], "verify_rms": None}],
 }  # fmt: skip
 OWN = {"id": "rub", "joint": "knee", "torque": "c * abs(tau_rigid) * sgn(dtheta)", "coefficients": {"c": {"unit": "1"}}}
 

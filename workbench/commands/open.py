@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff, args.derivative)
     try:
         if args.out:
-            from workbench.page.takeaway import free_for_session, keep_in
+            from workbench.page.saved import free_for_session, keep_in
 
             keep_in(workspace, free_for_session(Path(args.out)))
         _open(workspace, args)
@@ -56,7 +56,7 @@ def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
     from workbench.command_line.inputs import told_recordings
     from workbench.page.given import FIT, VERIFY
-    from workbench.page.takeaway import is_session, reopen
+    from workbench.page.saved import is_session, reopen
 
     if len(args.recordings) == 1 and is_session(args.recordings[0]):
         reopen(workspace, Path(args.recordings[0]))

@@ -16,7 +16,7 @@ from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
 from measurement.reading.limits import MOST_BYTES
-from workbench.page import numbers, takeaway, views
+from workbench.page import numbers, saved, takeaway, views
 from workbench.page.given import FIT, error_json, internal, mapping_preview
 from workbench.page.guard import Guard
 from workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
@@ -129,9 +129,9 @@ def _reopen(workspace: Workspace, told: dict[str, Any]) -> None:
     if workspace.given:
         raise RecordingError("recordings are open already", remedy="close them first, or open the session by itself")
     if "drop" in told:
-        takeaway.reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
+        saved.reopen(workspace, workspace.session_place(int(told["drop"]), "session.json").parent, kept=False)
     else:
-        takeaway.reopen(workspace, folder_in(told))
+        saved.reopen(workspace, folder_in(told))
 
 
 def _auto(workspace: Workspace, told: dict[str, Any]) -> None:
@@ -156,7 +156,7 @@ ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
     "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
     "reopen": _reopen,
     "role": lambda workspace, told: workspace.use_as(int(told["file"]), str(told["role"])),
-    "save": lambda workspace, told: {"folder": str(takeaway.save(workspace, folder_in(told)))},
+    "save": lambda workspace, told: {"folder": str(saved.save(workspace, folder_in(told)))},
     "switch": lambda workspace, told: workspace.change_history(lambda history: history.switch(str(told["effect"]))),
     "undo": lambda workspace, told: workspace.change_history(lambda history: history.undo()),
 }
