@@ -182,9 +182,10 @@ def add(
     code = compiled(extended)
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
     found = identify(extended, prepared.train, optimisers=())
-    prepared = fitted_model(found, prepared).judged_anew()
-    before, after = (identify(one, prepared.train, optimisers=()) for one in (model, extended))
-    waterfall = _waterfall([before, after], prepared)
+    judged = fitted_model(found, prepared).judged_anew()
+    before = identify(model, judged.train, optimisers=())
+    after = found if judged is prepared else identify(extended, judged.train, optimisers=())
+    waterfall = _waterfall([before, after], judged)
     term = extended.terms[-1]
     prefix = f"{term.name}."
     numbers = {e.name.removeprefix(prefix): e for e in after.estimates if e.name.startswith(prefix)}

@@ -18,6 +18,7 @@ from diagnosis.evidence.fitted import FittedModel
 from diagnosis.evidence.model_error import sensor_noise
 from diagnosis.evidence.splines import spline_columns
 from ground.thresholds import Threshold
+from ground.ties import index_of_greatest
 from measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 from optimisation.preparation.filtering import EDGE, PreparedRecording
 from optimisation.preparation.noise import torque_noise
@@ -28,7 +29,6 @@ from symbolic.mechanics.newton_euler import STILL, BaseMotion
 from symbolic.mechanics.pushed import placed_joints, pushed_torques
 from symbolic.motion import Float
 
-PART = Threshold(0.2, "part of the time that must be free of it: swing is a third of a stride")
 CLEAR = Threshold(
     10.0,
     "times the error of the quiet part, RMS, that three quarters of the other windows have: what is sometimes large "
@@ -48,6 +48,8 @@ ADVICE = (
 """What to do about it."""
 WINDOW = 0.1
 """s, of a window."""
+LEAST = 0.1
+"""Part of the windows that it must leave free, and that it must act in."""
 WORTH = 5.0
 """Times the noise that the error is, from which it is asked."""
 QUIET = 5.0
@@ -174,7 +176,7 @@ def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
     """Return the numbers (P,) that explain part of the windows best, and which (M,) they explain; None where these are
     too few, or nearly all.
     """
-    best = trimmed(windows, PART, _solved)
+    best = trimmed(windows, _solved)
     if best is None:
         return None
     x, quiet = best.x, np.zeros(len(windows.power), dtype=bool)
@@ -186,7 +188,7 @@ def _quiet_part(windows: Windows) -> tuple[Float, NDArray[np.bool_]] | None:
         quiet = now
         x = windows.solved(np.flatnonzero(quiet), _solved)
         level = float(np.median(windows.losses(x)[quiet]))
-    return (x, quiet) if PART / 2.0 < quiet.mean() < 1.0 - PART / 2.0 else None
+    return (x, quiet) if LEAST < quiet.mean() < 1.0 - LEAST else None
 
 
 def _spread(view: _View, part: Windows, away: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -278,7 +280,7 @@ def _phase(base: FittedModel, views: list[_View], episodes: list[list[tuple[int,
     lengths = [
         np.abs(np.mean(np.exp(1j * np.arctan2(v / size[1], (x - q.mean(axis=0)) / size[0])), axis=0)) for x, v in states
     ]
-    best = int(np.argmax(lengths[0] * lengths[1]))
+    best = index_of_greatest(lengths[0] * lengths[1])
     if min(lengths[0][best], lengths[1][best]) < PHASE:
         return ""
     joint = base.model.joints[best]

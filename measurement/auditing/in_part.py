@@ -12,13 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ground.thresholds import Threshold
 from measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
 from measurement.auditing.non_negative import non_negative
 from measurement.auditing.rough import Smooth, machine_columns
 from measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 
-PART = Threshold(0.2, "part of the time that is asked for: swing is a third of a stride, less what the filter smears")
 WINDOW = 0.12
 """s, of a window: a swing has several."""
 
@@ -41,7 +39,7 @@ def left_in_part(sets: Sequence[Sequence[Smooth]], reading: ConventionHypothesis
     left, count = 0.0, 0
     for group in sets:
         windows = joined([_windows(motion, reading, scale) for motion in group])
-        best = trimmed(windows, PART, non_negative)
+        best = trimmed(windows, non_negative)
         if best is None:
             continue
         left += float(best.losses[best.chosen].sum())

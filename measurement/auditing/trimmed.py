@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ground.thresholds import Threshold
 from ground.ties import index_of_least, order_of
 from symbolic.motion import Float
 
+PART = Threshold(0.2, "part of the time that must be free of it: swing is a third of a stride, less what filters smear")
 SECTORS = 12
 """Parts of the cycle of every joint, its angle against its velocity, that are starts: contact has its phase."""
 CHANCE, STRETCHES, SIDE = 48, 3, 3
@@ -89,10 +91,9 @@ def joined(parts: list[Windows]) -> Windows:
     return Windows(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
-def trimmed(windows: Windows, share: float, solve: Solver) -> Trimmed | None:
-    """Return the fit of that `share` of the windows which any numbers explain best; None for too few windows."""
-    count = len(windows.power)
-    most = int(share * count)
+def trimmed(windows: Windows, solve: Solver) -> Trimmed | None:
+    """Return the fit of that part of the windows which any numbers explain best; None for too few windows."""
+    most = int(PART * len(windows.power))
     if most < 2 * STRETCHES * SIDE:
         return None
 

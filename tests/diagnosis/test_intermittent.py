@@ -10,7 +10,7 @@ from diagnosis.discover import discover
 from diagnosis.evidence import intermittent as module
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.evidence.intermittent import intermittent
-from measurement.auditing import in_part
+from measurement.auditing import trimmed
 from measurement.auditing.convention import check_conventions
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
@@ -64,18 +64,17 @@ def test_in_the_air_nothing_is_suspected():
     assert intermittent(with_torque(lambda one, rng: np.zeros(one.tau.shape))) is None
 
 
-@pytest.mark.shows("in_part.PART")
+@pytest.mark.shows("trimmed.PART")
 def test_contact_is_no_convention(walks, monkeypatch):
     assert check_conventions(walks) == ()
-    monkeypatch.setattr(in_part, "PART", 0.95)
+    monkeypatch.setattr(trimmed, "PART", 0.95)
     assert check_conventions(walks)
 
 
-@pytest.mark.shows("intermittent.PART")
 def test_a_third_of_the_time_is_enough(walks, monkeypatch):
     base = fitted(walks)
     assert intermittent(base) is not None
-    monkeypatch.setattr(module, "PART", 0.8)
+    monkeypatch.setattr(trimmed, "PART", 0.8)
     assert intermittent(base) is None
 
 
