@@ -14,7 +14,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 
 from ground.delivery import together
 from ground.errors import ExoidError
@@ -58,8 +58,20 @@ the same in a browser, by dropping files and pointing
 No recordings yet?
     exoid simulate --blind --out runs      makes some and seals the truth
 
-exoid --help lists every command, exoid COMMAND --help its options.
+exoid --help lists every command, exoid COMMAND --help its everyday options.
 """
+
+
+GROUPS: Mapping[str, str] = MappingProxyType(
+    {
+        "answer": "what is the model missing?",
+        "measure": "what to record, and what the recordings are",
+        "build": "models, numbers, code",
+        "run": "many at once",
+        "look up": "what there is",
+    }
+)
+"""What the commands are for, each in one group; a command names its own (`GROUP`)."""
 
 
 def find_verbs() -> tuple[str, ...]:
@@ -87,13 +99,16 @@ def verb_parser(verb: str) -> Parser:
 
 def overview() -> str:
     """Return the text of `exoid --help`: one line per command."""
-    lines = ["usage: exoid COMMAND [options]", "", "commands:"]
-    for verb in find_verbs():
-        first = load_verb(verb).HELP.strip().splitlines()[0]
-        lines.append(f"  {verb:<10}  {first}")
+    lines = ["usage: exoid COMMAND [options]"]
+    known = {verb: load_verb(verb) for verb in find_verbs()}
+    for group, about in GROUPS.items():
+        lines += ["", f"{group}: {about}"]
+        mine = (verb for verb, module in known.items() if group == module.GROUP)
+        lines += [f"  {verb:<10}  {known[verb].HELP.strip().splitlines()[0]}" for verb in mine]
     lines += [
         "",
-        "every command: --json FILE|-, --out DIR, --seed N, --quiet; exoid COMMAND --help says more",
+        "every command: --json FILE|-, --out DIR, --seed N, --quiet",
+        "exoid COMMAND --help says more, --help-all everything",
         "exit status: 0 done, 1 ran but the answer is negative, 2 bad input",
         "new here? exoid demo",
     ]
@@ -143,7 +158,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
     verb, rest = arguments[0], arguments[1:]
     if verb in ("-h", "--help", "help"):
         if verb == "help" and rest:
-            verb_parser(rest[0]).print_help()
+            verb_parser(rest[0]).parse(["--help"])
         else:
             sys.stdout.write(overview())
         return DONE

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.command import BAD_INPUT, find_verbs, load_verb, main, verb_parser
+from workbench.command import BAD_INPUT, GROUPS, find_verbs, load_verb, main, verb_parser
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py")
 ROOT = Path(__file__).parents[2]
@@ -49,7 +49,8 @@ def test_alone_it_tells_a_newcomer_what_to_do_first(capsys):
 def test_overview_names_every_verb(capsys):
     assert main(["--help"]) == 0
     text = capsys.readouterr().out
-    assert all(f"  {verb} " in text for verb in find_verbs())
+    assert all(text.count(f"\n  {verb} ") == 1 for verb in find_verbs())
+    assert {load_verb(verb).GROUP for verb in find_verbs()} == set(GROUPS)
 
 
 @pytest.mark.parametrize("verb", find_verbs())
@@ -60,6 +61,19 @@ def test_every_verb_keeps_the_contract(verb, capsys):
     assert {"--json", "--out", "--seed", "--quiet"} <= options
     assert main([verb, "--help"]) == 0
     assert f"exoid {verb}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("verb", find_verbs())
+def test_help_fits_a_screen_and_all_of_it_can_be_asked_for(verb, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    options = [action.option_strings[-1] for action in verb_parser(verb)._actions if action.option_strings]
+    assert main([verb, "--help"]) == 0
+    short = capsys.readouterr().out
+    assert len(short.splitlines()) <= 40
+    assert main([verb, "nowhere.csv", "--help-all"]) == 0
+    whole = capsys.readouterr().out
+    assert all(option in short for option in options if option != "--help")  # at least by name
+    assert all(f"  {option}" in whole or f", {option}" in whole for option in options)
 
 
 @pytest.mark.parametrize(

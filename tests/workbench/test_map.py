@@ -106,3 +106,14 @@ def test_a_hostile_file_is_refused_by_name(run, tmp_path, content):
     with pytest.raises(RecordingError):
         read_recording(run, columns={"q1": "A1", "q2": "A2", "tau1": "M1", "tau2": "M2"})
     assert (tmp_path / FILE).read_text() == content
+
+
+def test_the_columns_of_another_machine_are_those_of_its_model(tmp_path, capsys):
+    recording, model = tmp_path / "run.csv", tmp_path / "bench.toml"
+    recording.write_text("t,Enc,Nm\n" + "".join(f"{k / 100},{k % 9},{k % 7}\n" for k in range(50)), encoding="utf-8")
+    model.write_text('[[joints]]\nname = "axis"\n', encoding="utf-8")
+    told = ["map", str(recording), "--map", "q1=Enc,tau1=Nm", "--quiet"]
+    assert main([*told, "--model", str(model)]) == 0
+    assert (tmp_path / "exoid.toml").is_file()
+    assert main([*told, "--replace"]) == 2  # of the leg, it lacks a knee
+    assert "q2" in capsys.readouterr().err

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.parser import UsageError
+from workbench.command_line.parser import Seldom, UsageError
 
 if TYPE_CHECKING:
     from ground.settings import Setting, VerbSettings
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 def add_common(parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR") -> None:
     """Add --json, --out, --seed and --quiet, which every command has."""
     group = parser.add_argument_group("output")
-    group.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE; - means standard output")
+    group.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE; -: standard output")
     group.add_argument("--out", metavar="DIR", help=out)
-    group.add_argument("--seed", metavar="N", type=whole_number, default=0, help="seed of everything random (0)")
+    seed = "seed of everything random (0)"
+    Seldom(group).add_argument("--seed", metavar="N", type=whole_number, default=0, help=seed)
     group.add_argument("--quiet", action="store_true", help="no progress and no tables, only warnings and errors")
 
 
 def add_settings(
-    group: argparse._ActionsContainer, record: type[VerbSettings], *names: str, **named: dict[str, Any]
+    group: argparse._ActionsContainer | Seldom, record: type[VerbSettings], *names: str, **named: dict[str, Any]
 ) -> None:
     """Add an option for each setting called in `names`, as its record has it; in `named` with other words for it."""
     from ground.settings import default_of, settings_in
@@ -76,9 +77,10 @@ def add_question(parser: argparse.ArgumentParser, *, required: bool = True) -> N
 
 
 def add_recordings(
-    parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True, rows: bool = True
-) -> None:
-    """Add REC..., --verify and what is needed to read them; `rows` unless --only means something else there."""
+    parser: argparse.ArgumentParser, *, verify: bool = True, required: bool = True, rows: bool = True,
+    everyday: bool = True,
+) -> None:  # fmt: skip
+    """Add REC..., --verify and what `add_reading` adds; `rows` unless --only means something else there."""
     count = "+" if required else "*"
     parser.add_argument(
         "recordings", metavar="REC", nargs=count,
@@ -89,10 +91,10 @@ def add_recordings(
             "--verify", metavar="REC", nargs="+", action="extend", default=[],
             help="recordings kept unseen, to check what was found",
         )  # fmt: skip
-    add_reading(parser, rows)
+    add_reading(parser, rows, everyday=everyday)
 
 
-def add_columns(group: argparse._ArgumentGroup) -> None:
+def add_columns(group: argparse._ArgumentGroup | Seldom) -> None:
     """Add --map and --units: what the columns are."""
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
@@ -105,44 +107,42 @@ def add_columns(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
 
 
-def add_reading(parser: argparse.ArgumentParser, rows: bool = True) -> None:
+def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday: bool = True) -> None:
     """Add what is needed to read recordings: --map, --units, --leg, --convention, --cutoff; --only where `rows` may be
-    chosen.
+    chosen. `everyday` where recordings are what the command is about.
     """
     group = parser.add_argument_group("reading the recordings")
-    add_columns(group)
-    group.add_argument(
+    seldom = Seldom(group)
+    usual = group if everyday else seldom
+    add_columns(usual)
+    seldom.add_argument(
         "--join", metavar="FILE[@LAG]", nargs="+", action="extend", default=[],
         help="further files of the same trial with clocks of their own, for example torques beside motion capture; of "
         "several recordings, REC=FILE says to which. They meet at the lag that physics says, or at LAG s",
     )  # fmt: skip
-    group.add_argument(
+    usual.add_argument(
         "--leg", choices=("left", "right", "both", "ipsi", "contra"),
         help="which leg, where a file holds both; both: two recordings of every file",
     )  # fmt: skip
-    group.add_argument(
+    usual.add_argument(
         "--convention", metavar="NAME", action="append", default=[],
-        help="how angles and torques are counted, where not as exoid does: flexion-positive, absolute-shank, "
-        "hip-from-upright, ... (docs/file_formats.md), of other machines knee-negated, absolute-angles, ... "
-        "(docs/machines.md); several as A,B",
+        help="how angles and torques are counted, where not as exoid does: flexion-positive, absolute-shank, ... "
+        "(docs/file_formats.md; of other machines, docs/machines.md); several as A,B",
     )  # fmt: skip
-    group.add_argument(
+    seldom.add_argument(
         "--passive", metavar="[FILE=]JOINT", action="append", default=[],
         help="the joint had no drive (in that recording), so its torque is zero for certain: knee, or run6.csv=knee",
     )  # fmt: skip
     parser.set_defaults(condition="")
     if rows:
-        group.add_argument(
+        seldom.add_argument(
             "--only", dest="condition", metavar="CONDITION", default="",
             help='of which rows the torques are explained, by a column of the file or of exoid: "contact == 0", '
             '"phase > 0.6 and t < 20"; unless it is given, stance is left out where a column says when the foot is on '
             "the ground and none what the ground does",
         )  # fmt: skip
-    group.add_argument(
-        "--cutoff",
-        metavar="HZ",
-        type=positive_number,
-        help="cut-off of the common filter (chosen from the recordings)",
+    seldom.add_argument(
+        "--cutoff", metavar="HZ", type=positive_number, help="cut-off of the common filter (chosen from the recordings)"
     )
 
 
@@ -150,17 +150,18 @@ def add_derivative(parser: argparse.ArgumentParser) -> None:
     """Add --derivative, how velocities and accelerations come from angles, and --payload."""
     from diagnosis.settings import DiscoverySettings
 
-    parser.add_argument(
+    seldom = Seldom(parser)
+    seldom.add_argument(
         "--payload", metavar="FILE=KG@M", action="append", default=[],
         help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
         "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2",
     )  # fmt: skip
-    add_settings(parser, DiscoverySettings, "derivative")
+    add_settings(seldom, DiscoverySettings, "derivative")
 
 
 def add_limit(parser: argparse.ArgumentParser, what: str) -> None:
     """Add --limit: an error in N·m above which the exit status is 1."""
-    parser.add_argument(
+    Seldom(parser).add_argument(
         "--limit", metavar="RMS", type=limits,
         help=f"exit with status 1 when {what} is above RMS N·m (one number, or one per joint: hip,knee)",
     )  # fmt: skip

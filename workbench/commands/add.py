@@ -12,6 +12,7 @@ from workbench.command_line.options import add_common, add_question
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
+GROUP = "answer"
 HELP = """add an effect to the model, refit, and show the error before and after
 
 exoid add stribeck:knee --model leg.toml run1.csv run2.csv --verify run3.csv

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from workbench.campaign.plan import Plan
     from workbench.campaign.run import Campaign
 
+GROUP = "run"
 HELP = """run a command over many recordings or simulated legs: one table, one page
 
 exoid campaign plan.toml --out fleet --dry-run     what would be run

@@ -10,6 +10,7 @@ from workbench.command_line.options import add_common, add_limit, add_question, 
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
+GROUP = "answer"
 HELP = """how large the error of the model is, and where it sits
 
 exoid compare run1.csv run2.csv --verify run3.csv --out report

@@ -10,6 +10,7 @@ from typing import Any
 
 from workbench.command_line.options import add_common
 
+GROUP = "look up"
 HELP = """print the completion script for bash, zsh or fish
 
 bash, in ~/.bashrc:                 source <(exoid completion bash)

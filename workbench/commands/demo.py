@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from optimisation.fitting.fit import Fit
     from symbolic.model import Model
 
+GROUP = "answer"
 HELP = """the whole loop on shipped recordings with a hidden effect, and a report to read"""
 
 DATA = Path(__file__).parent.parent / "demo_data"

@@ -17,10 +17,11 @@ from workbench.command_line.options import (
     limits,
     settings_given,
 )  # fmt: skip
-from workbench.command_line.parser import UsageError
+from workbench.command_line.parser import Seldom, UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen, warn
 
+GROUP = "measure"
 HELP = """design the motion to record next, inside the limits of the leg
 
 exoid design leg.toml --out motion                 the numbers of the model as well as possible
@@ -45,31 +46,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--check", metavar="FILE", help="evaluate this motion, design none (TOML, or paper)")
     motion = parser.add_argument_group("the motion")
-    add_settings(motion, DesignSettings, "criterion", "period", "harmonics")
-    motion.add_argument("--middle", action="store_true", help="centre the motion in the middle of the angle range")
+    add_settings(motion, DesignSettings, "criterion", "period")
+    seldom = Seldom(motion)
+    add_settings(seldom, DesignSettings, "harmonics")
+    seldom.add_argument("--middle", action="store_true", help="centre the motion in the middle of the angle range")
     motion.add_argument("--free", action="store_true", help="let the search choose the centre of the motion")
     # A motion that is only evaluated may use more than the limits allow.
     add_settings(motion, DesignSettings, "rest", use={"metavar": "SHARE", "type": between(1e-3, 10.0)})
-    motion.add_argument(
-        "--rate",
-        metavar="HZ",
-        type=between(0.1, 1e6, "Hz"),
-        default=100.0,
-        help="rate of the sampled table in Hz (100)",
+    seldom.add_argument(
+        "--rate", metavar="HZ", type=between(0.1, 1e6, "Hz"), default=100.0, help="rate of the sampled table (100)"
     )
-    motion.add_argument(
+    seldom.add_argument(
         "--target", metavar="VALUE", type=finite_number, help="exit with status 1 when the criterion is above VALUE"
     )
-    search = parser.add_argument_group("the search")
+    search = Seldom(parser.add_argument_group("the search"))
     add_settings(search, SeparationSettings, generations={"help": "with --separate: generations of NFO (40)"})
     add_settings(search, DesignSettings, "optimiser", "starts", "printed", "box")
-    noise = parser.add_argument_group("what it is evaluated by")
+    noise = Seldom(parser.add_argument_group("what it is evaluated by"))
     noise.add_argument(
         "--noise", metavar="NM", type=limits,
         help="standard deviation of a torque sample in N·m (N where a joint slides), one or hip,knee (0.5: the bench)",
     )  # fmt: skip
     add_settings(noise, DesignSettings, "duration")
-    add_reading(parser)
+    add_reading(parser, everyday=False)
     add_common(parser, out="write motion.toml, motion.csv (sampled), motion.png and the report into DIR")
 
 

@@ -7,6 +7,7 @@ import argparse
 from workbench.command_line.asking import answer_question
 from workbench.command_line.options import add_common, add_question
 
+GROUP = "answer"
 HELP = """which physical effect is missing, how sure that is, and what looks like it
 
 exoid diagnose run1.csv run2.csv --verify run3.csv"""

@@ -6,7 +6,9 @@ import argparse
 
 from workbench.command_line.asking import answer_question
 from workbench.command_line.options import add_common, add_question, add_settings
+from workbench.command_line.parser import Seldom
 
+GROUP = "answer"
 HELP = """add missing effects one after the other until the verdict says stop
 
 exoid discover run1.csv run2.csv --verify run3.csv --out report --write leg_extended.toml"""
@@ -18,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     add_question(parser)
     parser.add_argument("--write", metavar="FILE", help="write the extended model to FILE")
-    add_settings(parser, DiscoverySettings, "splits")
+    add_settings(Seldom(parser), DiscoverySettings, "splits")
     add_common(parser)
 
 

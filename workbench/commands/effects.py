@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 WIDE = 110
 """Columns of a terminal from which on the list shows formulas too."""
 
+GROUP = "look up"
 HELP = """list the physical effects exoid knows, or explain one
 
 exoid effects              the whole catalogue

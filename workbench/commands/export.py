@@ -9,6 +9,7 @@ from workbench.command_line.files import default_folder, make_folder, write_byte
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
 
+GROUP = "build"
 HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF, FMU
 
 exoid identify run1.csv run2.csv --write leg_identified.toml

@@ -13,6 +13,7 @@ from workbench.command_line.parser import UsageError
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
+GROUP = "build"
 HELP = """derive the equations of a model, print them, or generate its C code and compile it
 
 exoid generate leg.toml --out generated

@@ -14,6 +14,7 @@ from workbench.command_line.options import (
     add_settings,
     settings_given,
 )
+from workbench.command_line.parser import Seldom
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from optimisation.fitting.thigh_length import ThighLength
     from workbench.command_line.inputs import Inputs
 
+GROUP = "build"
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
 
 exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_identified.toml"""
@@ -34,8 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     from optimisation.fitting.settings import FitSettings
 
     add_question(parser)
-    add_settings(parser, FitSettings, "physical", shape_search={"metavar": "HOW", "type": str})
-    parser.add_argument(
+    seldom = Seldom(parser)
+    add_settings(seldom, FitSettings, "physical", shape_search={"metavar": "HOW", "type": str})
+    seldom.add_argument(
         "--per-recording", action="store_true",
         help="every parameter from every recording alone: which numbers can be trusted, and what to record",
     )  # fmt: skip

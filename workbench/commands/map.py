@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from workbench.command_line.files import write_json
-from workbench.command_line.options import add_common, add_reading, merged
+from workbench.command_line.options import add_common, add_model, add_reading, merged
 from workbench.terminal.screen import Screen
 
+if TYPE_CHECKING:
+    from symbolic.joints import Joint
+
+GROUP = "measure"
 HELP = """say which column is what, once for all recordings with these columns
 
 exoid map run1.csv --map q1=HipEnc,q2=KneeEnc --units q=deg
@@ -22,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", metavar="FILE", help="a recording; nothing in it is changed")
     add_reading(parser)
+    add_model(parser)
     parser.add_argument(
         "--replace", action="store_true", help="keep this mapping instead of another one for the same columns"
     )
@@ -34,8 +40,10 @@ def run(args: argparse.Namespace) -> int:
     from measurement.reading.read import open_table
     from measurement.reading.sources import folder_of
     from workbench.command_line.files import make_folder
+    from workbench.command_line.inputs import load_model
 
     screen = Screen.of(args)
+    joints = load_model(args.model).joints
     told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"), args.leg or "")
     table = open_table(args.file)
     folder = Path(args.out) if args.out else folder_of(Path(args.file))
@@ -46,8 +54,8 @@ def run(args: argparse.Namespace) -> int:
     asking = sys.stdin.isatty() and not args.quiet and args.json != "-"
     if asking:
         _show(screen, table)
-        told = _asked(table, told, args.file, screen)
-    found = _checked(table, told, args.file)
+        told = _asked(table, told, args.file, screen, joints)
+    found = _checked(table, told, args.file, joints)
     if args.out:
         make_folder(args.out)
     path = remember(folder, table.names, told, replacing=args.replace) if told else None
@@ -67,11 +75,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _checked(table: Any, told: Any, where: str) -> dict[str, Any]:
+def _checked(table: Any, told: Any, where: str, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
     from measurement.reading.columns import assign, legs
 
-    return assign(table, replace(told, leg=next(iter(legs(table)), "")) if told.leg == "both" else told, where=where)
+    one = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
+    return assign(table, one, where=where, joints=joints)
 
 
 def _show(screen: Screen, table: Any) -> None:
@@ -86,7 +95,7 @@ def _show(screen: Screen, table: Any) -> None:
     screen.table("columns", ("", "name", "unit", "range"), rows)
 
 
-def _asked(table: Any, told: Any, where: str, screen: Screen) -> Any:
+def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[Joint]) -> Any:
     """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
     from ground.errors import RecordingError
     from measurement.reading.columns import numbered, required
@@ -94,7 +103,7 @@ def _asked(table: Any, told: Any, where: str, screen: Screen) -> Any:
     names = numbered(table.names)
     for _ in range(50):
         try:
-            _checked(table, told, where)
+            _checked(table, told, where, joints)
             return told
         except RecordingError as error:
             screen.say(error.what, "warn")
@@ -104,7 +113,8 @@ def _asked(table: Any, told: Any, where: str, screen: Screen) -> Any:
                     told = replace(told, leg=answer)
                     continue
                 raise
-            open_names = [name for name in required() if name not in told.columns and f" {name}" in f" {error.what}"]
+            said = f" {error.what}"
+            open_names = [n for n in required(joints) if n not in told.columns and f" {n}" in said]
             wanted = next((n for n in open_names if n in error.what.replace(",", " ").replace(":", " ").split()), None)
             if wanted is None:
                 raise

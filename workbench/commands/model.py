@@ -10,6 +10,7 @@ from workbench.command_line.files import make_folder, write_json
 from workbench.command_line.options import add_common, between
 from workbench.terminal.screen import Screen
 
+GROUP = "build"
 HELP = """write a model file for the planar machine in a URDF
 
 exoid model --from-urdf robot.urdf --joints hip,knee,ankle --write leg.toml"""

@@ -8,6 +8,7 @@ from typing import Any
 
 from workbench.command_line.options import add_common, add_question, between, whole_number
 
+GROUP = "answer"
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
 
 exoid open run1.csv run2.csv --verify run3.csv

@@ -16,6 +16,7 @@ from workbench.terminal.screen import Screen
 if TYPE_CHECKING:
     from optimisation.paper.reproduce import Reproduced
 
+GROUP = "look up"
 HELP = """make the figures, tables and equations of the paper again, and say whether it holds
 
 exoid paper --list                               what there is

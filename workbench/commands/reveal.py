@@ -8,6 +8,7 @@ from workbench.command_line.deliver import deliver_results
 from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen
 
+GROUP = "measure"
 HELP = """open the seal of blind recordings: what was hidden in the leg, and was the diagnosis right
 
 exoid reveal runs/truth.seal

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from optimisation.contest.standings import Rivals
     from workbench.command_line.inputs import Inputs
 
+GROUP = "run"
 HELP = """compare NFO, PSO, GA, DE and CMA-ES with the certified optimum, or the best motion known
 
 exoid rivals --out contest                       the paper's leg on the virtual bench, 51 seeds
@@ -29,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     from optimisation.contest.settings import ContestSettings
 
-    add_recordings(parser, verify=False, required=False, rows=False)
+    add_recordings(parser, verify=False, required=False, rows=False, everyday=False)
     add_model(parser)
     group = parser.add_argument_group("the comparison")
     add_settings(group, ContestSettings, "problem", "criterion", "seeds", "individuals", "generations", "whitened")

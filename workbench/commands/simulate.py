@@ -12,6 +12,7 @@ from workbench.command_line.options import add_common, between, exclusive, posit
 from workbench.terminal.progress import progress
 from workbench.terminal.screen import Screen
 
+GROUP = "measure"
 HELP = """make recordings on the virtual bench, with an effect hidden in the leg; truth.seal keeps what was hidden
 
 exoid simulate --effect stribeck:knee=2.5 --out runs

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from symbolic.model import Model
     from symbolic.motion import Float
 
+GROUP = "measure"
 HELP = """follow a machine while it runs: numbers with intervals, and what changed, named
 
 exoid watch leg.toml run.csv                a recording, or a file that is still being written
