@@ -20,6 +20,11 @@ def link_names(ready: Ready) -> tuple[str, ...]:
     return tuple(f"{name}_link" for name in ready.model.joint_names) if ready.model.chain else ("thigh", "shank")
 
 
+def base_name(links: Sequence[str]) -> str:
+    """Return what the link is called that carries the machine."""
+    return "base_link" if "base" in links else "base"
+
+
 def links_of(ready: Ready, near: Sequence[LinkInertia] | None = None) -> tuple[LinkInertia, ...]:
     """Return links with the identified numbers, nearest to `near`; ExportError where none have them."""
     import numpy as np

@@ -29,11 +29,11 @@ from optimisation.linear.certificate import Certificate, certify
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 from optimisation.optimisers.nfo import NFO
+from optimisation.paper.item import SEEDS
 from optimisation.paper.printed import CUTOFF, DURATION, PAPER_DELTA, RATE
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 
-SEEDS = 5
 UNSEEN = 1_000
 """What is added to a seed for the motion that a fit is judged on."""
 STARTS = 1
@@ -96,7 +96,7 @@ ERRORS: Mapping[str, Callable[[BenchRun, np.random.Generator], Float]] = Mapping
     }
 )
 """Ways in which the torque sensors may be wrong; the paper does not say which were its own."""
-USUAL, SYMMETRIC, ONE_SIDED = ERRORS
+USUAL, _, ONE_SIDED = ERRORS
 
 
 @dataclass(frozen=True, eq=False)

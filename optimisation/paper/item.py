@@ -13,6 +13,8 @@ from ground.plain import AsJson
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SEEDS = 5
+"""Runs of whatever is random, where no other number is asked for."""
 KINDS = ("figure", "table", "equation")
 HOLDS, IN_PART, FAILS, UNKNOWN = "holds", "holds in part", "does not hold", "cannot be known"
 """What may be said of a claim."""

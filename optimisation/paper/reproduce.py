@@ -21,8 +21,8 @@ from ground.plain import AsJson
 from ground.progress import Progress, silent
 from ground.suggest import did_you_mean
 from optimisation.paper import items
-from optimisation.paper.experiments import SEEDS, Experiments
-from optimisation.paper.item import Answered, PaperItem, item_of, item_order
+from optimisation.paper.experiments import Experiments
+from optimisation.paper.item import SEEDS, Answered, PaperItem, item_of, item_order
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -21,6 +21,7 @@ from optimisation.paper.item import FAILS, HOLDS, IN_PART, ItemAnswer, PaperTabl
 from optimisation.paper.items import equation_regressor, figure_2, figure_4, figure_9, figure_10, table_delta
 from optimisation.paper.reproduce import PaperError, paper_items, reproduce_paper
 from workbench.command import main
+from workbench.commands.paper import _plain
 from workbench.paper_page import anchor, heading
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
@@ -87,6 +88,11 @@ def test_a_table_in_markdown_keeps_its_columns():
 @pytest.fixture(scope="module")
 def two():
     return Experiments(seeds=2)
+
+
+def test_a_power_in_a_formula_is_kept_in_the_terminal():
+    assert _plain("`2*dtheta1*dtheta2**2`") == "2*dtheta1*dtheta2**2"
+    assert _plain("**1.01** (`a**b` to **2**)") == "1.01 (a**b to 2)"
 
 
 def test_the_misprint_is_found_and_costs_error_at_the_hip(two):

@@ -1,4 +1,4 @@
-"""`exoid export`: the identified model as C, FMUs, a CasADi function, a NumPy module, URDF, MJCF."""
+"""`exoid export`: the identified model as C, FMUs, a CasADi function, a NumPy module, URDF, MJCF, for ROS 2."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from workbench.command_line.options import add_common
 from workbench.terminal.screen import Screen, warn
 
 GROUP = "build"
-HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF, FMU
+HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF, FMU, ROS 2
 
 exoid identify run1.csv run2.csv --write leg_identified.toml
 exoid export leg_identified.toml --out controller --sample-time 0.001
 exoid export leg_identified.toml --as fmu --sample-time 0.001      for Simulink, Dymola, OpenModelica, FMPy
+exoid export leg_identified.toml --as ros2 --out workspace/src     for controllers of ROS 2, with friction
 exoid export leg_identified.toml --updater --sample-time 0.001     and what follows its numbers, in C
 exoid export leg_identified.toml --format mjcf --into robot.urdf   and the numbers in a copy of your own URDF"""
 
@@ -29,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="model file with identified numbers (exoid identify --write)")
     parser.add_argument(
         "--format", "--as", nargs="+", choices=known, metavar="FORMAT",
-        help=f"what to write: {', '.join(known)} (default: all that need no compiler)",
+        help=f"what to write: {', '.join(known)} (default: all but fmu and ros2)",
     )  # fmt: skip
     parser.add_argument("--name", default="exoid_leg", help="prefix of files and C functions (default: %(default)s)")
     parser.add_argument(

@@ -6,6 +6,7 @@ import argparse
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from optimisation.paper.item import FAILS, HOLDS, KINDS, SEEDS
 from workbench.command_line.deliver import deliver_results
 from workbench.command_line.files import make_folder, write_bytes, write_text
 from workbench.command_line.options import add_common, whole_number
@@ -30,14 +31,14 @@ PAGE = "paper.md"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     group = parser.add_argument_group("what of the paper (all of it)")
-    for kind in ("figure", "table", "equation"):
+    for kind in KINDS:
         group.add_argument(
             f"--{kind}", metavar="N", nargs="+", action="extend", default=[],
             help=f"this {kind}, by its number, or by the word that --list has for it",
         )  # fmt: skip
     group.add_argument("--list", action="store_true", help="say what there is, and what the paper says; make nothing")
     parser.add_argument(
-        "--seeds", metavar="N", type=whole_number, default=5, help="runs of whatever is random (%(default)s)"
+        "--seeds", metavar="N", type=whole_number, default=SEEDS, help="runs of whatever is random (%(default)s)"
     )
     add_common(parser, out="write pictures, a page of all items and a report into DIR")
 
@@ -93,7 +94,7 @@ def _show(screen: Screen, found: Reproduced) -> None:
         screen.say(f"{item.name}: {item.title}", "head")
         screen.say(f"  the paper  {item.says}")
         screen.say(f"  here       {answer.found}")
-        style = {"holds": "good", "does not hold": "bad"}.get(answer.holds, "warn")
+        style = {HOLDS: "good", FAILS: "bad"}.get(answer.holds, "warn")
         screen.say(f"  verdict    {answer.holds}" + (f": {answer.why}" if answer.why else ""), style)
         for line in answer.text.splitlines():
             screen.say(f"    {line}")
@@ -103,8 +104,8 @@ def _show(screen: Screen, found: Reproduced) -> None:
 
 
 def _plain(cell: str) -> str:
-    """Return a cell without the marks of Markdown."""
-    return cell.replace("**", "").replace("`", "")
+    """Return a cell without the marks of Markdown; in a formula two stars are a power."""
+    return "".join(part if k % 2 else part.replace("**", "") for k, part in enumerate(cell.split("`")))
 
 
 def _sentence(found: Reproduced) -> str:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from ground.errors import ExoidError
 from symbolic.joints import Joint
@@ -41,6 +42,7 @@ def notes(ready: Ready, options: Options) -> tuple[str, ...]:
     return tuple(f"no FMU of {kind}: {why}" for kind, why in _models(ready, options)[1].items())
 
 
+@lru_cache(maxsize=1)  # files and notes are asked for one after the other, and the C takes seconds
 def _models(ready: Ready, options: Options) -> tuple[dict[str, FmuModel], dict[str, str]]:
     """Return {kind: model} of the FMUs that there can be, and {kind: why not} of the others."""
     makers: dict[str, Callable[[Ready, Options], FmuModel]] = {"forward": _forward, "estimator": _estimator}

@@ -11,7 +11,7 @@ from math import isfinite
 
 from optimisation.linear.links import LinkInertia, tree_of
 from symbolic.joints import Joint, parents
-from workbench.bodies import friction_of, left_out, link_names, links_of
+from workbench.bodies import base_name, friction_of, left_out, link_names, links_of
 from workbench.identified import Options, Ready
 
 HELP = "URDF of the rigid machine with viscous and Coulomb friction"
@@ -22,7 +22,7 @@ UNLIMITED = 1e3
 def write(ready: Ready, options: Options) -> dict[str, str]:
     """Return {file name: text}; ExportError where no machine of positive masses has the numbers."""
     joints, names = tree_of(ready.model), link_names(ready)
-    base = "base_link" if "base" in names else "base"
+    base = base_name(names)
     parts = [_link(name, one) for name, one in zip(names, links_of(ready), strict=True)]
     for joint, child, parent in zip(joints, names, parents(joints), strict=True):
         above, down = (base, 0.0) if parent is None else (names[parent], float(joints[parent].length or 0.0))
