@@ -13,8 +13,6 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-import numpy as np
-
 from diagnosis.watching.estimator_c import filled
 from ground.text import in_comment
 from workbench.bodies import base_name, link_names
@@ -89,25 +87,33 @@ def _middle(ready: Ready) -> list[float]:
     return [value if math.isfinite(value) else 0.0 for value in found]
 
 
-def _torque(ready: Ready, q: Any, dq: Any, ddq: Any, function: Any = None) -> np.ndarray[Any, Any]:
+def _torque(ready: Ready, q: Any, dq: Any, ddq: Any, function: Any = None) -> Any:
     """Return the torque (J,), or another function of the model, at t = 0 without measured forces."""
+    import numpy as np
+
     outside = [np.zeros(len(ready.model.channels))] if ready.model.channels else []
     return np.asarray((function or ready.torque)(0.0, q, dq, ddq, np.sign(dq), [], *outside).full().ravel())
 
 
-def _inertia(ready: Ready, q: Any) -> np.ndarray[Any, Any]:
+def _inertia(ready: Ready, q: Any) -> Any:
     """Return what an acceleration of each joint costs (J, J), rotors included."""
+    import numpy as np
+
     still = np.zeros(len(ready.model.joints))
     return np.column_stack([_torque(ready, q, still, row) for row in np.eye(len(still))]) - _held(ready, q)[:, None]
 
 
-def _held(ready: Ready, q: Any) -> np.ndarray[Any, Any]:
+def _held(ready: Ready, q: Any) -> Any:
+    import numpy as np
+
     still = np.zeros(len(ready.model.joints))
     return _torque(ready, q, still, still)
 
 
-def _friction(ready: Ready, q: Any, dq: Any, ddq: Any) -> np.ndarray[Any, Any]:
+def _friction(ready: Ready, q: Any, dq: Any, ddq: Any) -> Any:
     """Return what is left of the torque beside inertia, Coriolis and what holds the machine."""
+    import numpy as np
+
     size = len(ready.model.joints)
     matrix = _torque(ready, q, dq, ddq, ready.coriolis).reshape(size, size)
     return np.asarray(_torque(ready, q, dq, ddq) - _held(ready, q) - _inertia(ready, q) @ ddq - matrix @ dq)
@@ -115,6 +121,8 @@ def _friction(ready: Ready, q: Any, dq: Any, ddq: Any) -> np.ndarray[Any, Any]:
 
 def _unequal(ready: Ready) -> bool:
     """Return whether friction in other postures and accelerations is not that of the middle of the range."""
+    import numpy as np
+
     middle, rng = np.array(_middle(ready)), np.random.default_rng(0)
     for _ in range(8):
         dq, ddq, aside = rng.normal(size=(3, len(middle)))
@@ -177,6 +185,8 @@ def _ends(ready: Ready) -> tuple[str, str]:
 
 def _parameters(ready: Ready, package: str) -> str:
     """Return the parameters of the controllers."""
+    import numpy as np
+
     own = np.maximum(np.diag(_inertia(ready, _middle(ready))), 0.0)
     turns = 2.0 * math.pi * FREQUENCY
     stiff, damp = (", ".join(f"{value:.3f}" for value in factor * own) for factor in (turns**2, 2.0 * turns))
