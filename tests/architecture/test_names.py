@@ -11,7 +11,7 @@ from tests.architecture.source import ROOT, SOURCES, tree_of
 PLUG_INS = {
     "workbench/commands": {"add_arguments", "run"},
     "workbench/report/sections": {"context"},
-    "workbench/export": {"write"},
+    "workbench/export": {"write", "notes"},
     "measurement/auditing/checks": {"check"},
     "measurement/reading/formats": {"read", "is_large", "pieces"},
     "symbolic/effects": {"derive"},
