@@ -10,7 +10,7 @@ the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, 
 any machine      `Joint`, `Payload`; its equations and code: `mechanics`, `equations`, `regressor`, `check_equations`,
                  `compiled`
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
-                 `simulate`, `simulate_runs`, `draw_hidden`
+                 `simulate`, `simulate_runs`, `draw_hidden`, `Wearer`, `Walk`
 numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`
 the paper        `reproduce_paper`, `paper_items`: its figures, tables and equations, made again
 what is missing  `compare`, `diagnose`, `discover`, `add`, `watch`, `separate`; all of one preparation: `Session`;

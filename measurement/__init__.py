@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from measurement.bench.simulation import Bench as Bench
     from measurement.bench.simulation import simulate as simulate
     from measurement.bench.simulation import simulate_runs as simulate_runs
+    from measurement.bench.walk import Walk as Walk
+    from measurement.bench.wearer import Wearer as Wearer
     from measurement.finding import Finding as Finding
     from measurement.reading.read import read_recording as read_recording
     from measurement.reading.read import read_recordings as read_recordings

@@ -8,11 +8,13 @@ channel.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ground.errors import ExoidError
+from symbolic.force import VERTICAL, WORLD, Force
 from symbolic.motion import Float
 
 
@@ -23,8 +25,9 @@ class Sensors:
     `encoder_bits` per turn (0: ideal), `encoder_noise` rad, `torque_noise` N·m (standard deviations),
     `outlier_share` of torque samples, with standard deviation `outlier_size` N·m, `burst_rate` bursts per
     second and joint lasting about `burst_length` s with amplitude `burst_size` N·m, `jitter` s (standard
-    deviation of the logged clock), `force_noise` N of the cuff sensors. `decimals` is how many the logger
-    keeps of rad and s (two fewer of N·m and N); None: all.
+    deviation of the logged clock), `force_noise` N of the cuff sensors (N·m of a torque that a person applies),
+    `plate_noise` N of the force plate. `decimals` is how many the logger keeps of rad and s (two fewer of N·m and N);
+    None: all.
     """
 
     encoder_bits: int = 17
@@ -37,6 +40,7 @@ class Sensors:
     burst_size: float = 6.0
     jitter: float = 0.0
     force_noise: float = 0.3
+    plate_noise: float = 1.0
     decimals: int | None = 6
 
     def __post_init__(self) -> None:
@@ -53,7 +57,7 @@ class Sensors:
     @classmethod
     def ideal(cls) -> Sensors:
         """Return instruments without any fault."""
-        return cls(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, None)
+        return cls(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, None)
 
     @property
     def resolution(self) -> float:
@@ -75,6 +79,11 @@ class Sensors:
         spoilt = rng.random(tau.shape) < self.outlier_share
         out = out + scale * np.where(spoilt, self.outlier_size * rng.standard_normal(tau.shape), 0.0)
         return out + scale * self._bursts(tau.shape, rate, rng)
+
+    def of_forces(self, forces: Sequence[Force]) -> Float:
+        """Return the noise (C,) of each channel of `forces`, N or N·m."""
+        plates = [force.frame in (WORLD, VERTICAL) for force in forces for _ in force.columns]
+        return np.where(plates, self.plate_noise, self.force_noise)
 
     def logged(self, values: Float, fewer: int = 0) -> Float:
         """Return `values` as the logger writes them, with `decimals` - `fewer` decimals."""

@@ -29,10 +29,13 @@ from measurement.bench.machine import Machine, standard_machine
 from measurement.bench.seal import HiddenTruth, Truth
 from measurement.bench.sensors import Sensors
 from measurement.bench.sway import ACCELERATION_NOISE, base_motion
-from measurement.bench.wearer import Wearer, pinned, pushes, worn
+from measurement.bench.walk import Gait, Walk
+from measurement.bench.wearer import Wearer, borne, pushed_leg, pushes, recorded, sensed, switch
+from measurement.reading.selection import swings
 from measurement.recording import Recording
 from measurement.trajectories.trajectory import Fourier, random_trajectory
 from symbolic.effect import Effect
+from symbolic.joints import is_leg
 from symbolic.model import Model
 from symbolic.motion import Float, Motion
 
@@ -86,9 +89,15 @@ class Bench:
     step: float = STEP
     lead_in: float = LEAD_IN
     wearer: Wearer | None = None
-    """Someone who pushes at the cuffs; the recording then has their `forces`, as it has those of the model."""
+    """Someone who pushes at the cuffs."""
+    walk: Walk | None = None
+    """Instead of a motion that is drawn, a leg that walks, and the ground under its foot."""
+    measured: tuple[str, ...] | None = None
+    """What recordings have of what pushes: of "cuffs", "plate" and "switch"; None: every force that acts."""
 
     def __post_init__(self) -> None:
+        if self.measured is not None:
+            object.__setattr__(self, "measured", sensed(self.measured))
         if not (self.rate > 0 and self.lead_in >= 0 and 0 < self.step <= STEP):
             raise BenchError(
                 f"rate {self.rate} Hz, step {self.step} s, lead-in {self.lead_in} s",
@@ -126,10 +135,12 @@ def simulate(
 
     `model` (the standard leg's) gives geometry, limits and the terms known already; `excitation` None draws a
     fresh motion from `seed`; `duration` in s and `rate` in Hz override those of `bench`. The same arguments
-    give the same numbers. Raises EffectError for an unknown effect and BenchError when the leg runs away.
+    give the same numbers. As on reading, torques of stance are left out where a foot switch says when that is and no
+    plate what the ground does. Raises EffectError for an unknown effect and BenchError when the leg runs away.
     """
     settings = _settings(bench, duration, rate)
-    return run_bench(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name).recording
+    run = run_bench(model, leg, effects=effects, seed=seed, excitation=excitation, bench=settings, name=name)
+    return swings(run.recording)
 
 
 @understood()
@@ -178,15 +189,14 @@ def run_bench(
         raise EffectError("an effect is hidden by `effects`", remedy='simulate(model, effects="stribeck:knee")')
     leg = bench_machine(model) if leg is None else leg
     bench = Bench() if bench is None else bench
-    if bench.wearer is not None and not model.chain:
-        model = worn(model, bench.wearer)
-    model = pinned(model)
-    _check_fits(model, leg, bench.wearer is not None)
+    _check_fits(model, leg, bench, excitation)
     hidden = hidden_in(effects)
     # Motion, control noise and instrument noise have streams of their own: hiding an effect leaves the noise
     # as it is.
     motion_rng, control_rng, sensor_rng = (np.random.default_rng([seed, index, stream]) for stream in range(3))
-    path = random_trajectory(motion_rng, model.motion_limits) if excitation is None else excitation
+    gait = None if bench.walk is None else bench.walk.drawn(motion_rng)
+    path = gait or excitation or random_trajectory(motion_rng, model.motion_limits)
+    model = pushed_leg(model, bench.wearer, gait)
     base_seed = [seed, index, 3]
     true = true_model(model, leg.base, hidden)
     mechanical, heard = split_channel(true)
@@ -212,16 +222,20 @@ def bench_machine(model: Model) -> Leg | Machine:
     return standard_machine(model) if model.chain else standard_leg()
 
 
-def _check_fits(model: Model, leg: Leg | Machine, wearer: bool) -> None:
-    """Refuse a leg for another machine, and a wearer of anything but a leg."""
+def _check_fits(model: Model, leg: Leg | Machine, bench: Bench, excitation: Fourier | None) -> None:
+    """Refuse a leg for another machine, a wearer of anything but a leg, and a walk along another motion."""
     if len(leg.base) != model.base_count:
         raise BenchError(
             f"{leg.name} has {len(leg.base)} base parameters, the model {model.base_count}",
             where=model.name,
             remedy="leave it out: the bench makes a machine for every model",
         )
-    if wearer and model.chain:
+    if bench.wearer is not None and model.chain and not model.forces:
         raise BenchError("only the leg has cuffs that a wearer pushes at", where=model.name, remedy="leave wearer out")
+    if bench.walk is not None and not is_leg(model.joints):
+        raise BenchError("only a leg of hip and knee walks", where=model.name, remedy="leave the walk out")
+    if bench.walk is not None and excitation is not None:
+        raise BenchError("a leg that walks follows no other motion", remedy="leave the walk or the motion out")
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +259,7 @@ def _drive(
     mechanical: TrueModel,
     true: TrueModel,
     leg: Leg | Machine,
-    path: Fourier,
+    path: Fourier | Gait,
     bench: Bench,
     rng: np.random.Generator,
     feed_forward: FeedForward | None,
@@ -268,7 +282,10 @@ def _drive(
     if mechanical.model.moving_base:
         base = base_motion(np.asarray(t, dtype=float), np.random.default_rng(base_seed))
         outside.append(base)
-    force = pushes(model, bench.wearer or Wearer(), np.asarray(t, dtype=float), rng) if model.forces else None
+    gait = path if isinstance(path, Gait) else None
+    force = pushes(model, bench.wearer, gait, np.asarray(t, dtype=float), rng) if model.forces else None
+    if gait is not None and force is not None:
+        added = added + borne(model, wanted, force)
     outside += [] if force is None else [force]
     given = np.column_stack([t, wanted.q, wanted.dq, noise, added, *outside]).T
     numbers = _numbers(mechanical, leg, bench, dt)
@@ -345,16 +362,19 @@ def _measure(
     t, q = sensors.clock(motion.t, rng), sensors.angle(motion.q, rng, reach)
     tau = sensors.torque(torque, bench.rate, rng, np.array(leg.sensor_scale))
     forces: dict[str, Float] = {}
+    contact: Float | None = None
     if motion.force is not None:
-        noisy = motion.force + sensors.force_noise * rng.standard_normal(motion.force.shape)
-        forces = dict(zip(model.channels, sensors.logged(noisy, fewer=2).T, strict=True))
+        noisy = motion.force + sensors.of_forces(model.forces) * rng.standard_normal(motion.force.shape)
+        channels = zip(model.channels, recorded(model, bench.measured), sensors.logged(noisy, fewer=2).T, strict=True)
+        forces = {name: values for name, there, values in channels if there}
+        contact = switch(model, motion.force) if "switch" in (bench.measured or ()) else None
     logged = sensors.logged(t), sensors.logged(q), sensors.logged(tau, fewer=2)
     base: Float | None = None
     if motion.base is not None:
         leaning = sensors.angle(motion.base[:, :1], rng, np.ones(1))
         carried = motion.base[:, 3:] + ACCELERATION_NOISE * rng.standard_normal((len(t), 2))
         base = sensors.logged(np.column_stack([leaning, carried]))
-    return Recording(name, *logged, forces=forces, joints=model.joints, base=base)
+    return Recording(name, *logged, forces=forces, joints=model.joints, base=base, contact=contact)
 
 
 def _truth(true: TrueModel, leg: Leg | Machine, hidden: tuple[Hidden, ...], seed: int) -> Truth:

@@ -1,4 +1,4 @@
-"""A wearer who is not passive, and the ground under a foot: forces that sensors measure.
+"""A wearer who is not passive, and the ground under a foot: forces that act on the bench, measured or not.
 
 They drive the machine besides the motors: `M θ'' + ... = τ + Jᵀ F` (equation (4) of the paper). At the cuffs of a leg
 they stand at right angles to the segments, positive to the front of a hanging leg.
@@ -7,15 +7,21 @@ they stand at right angles to the segments, positive to the front of a hanging l
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.force import TORQUE, VERTICAL, WORLD, Force
+from ground.errors import ExoidError
+from ground.suggest import did_you_mean
+from measurement.bench.walk import Gait
+from symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from symbolic.mechanics.pushed import placed_joints, pushed_torques
 from symbolic.model import Model
-from symbolic.motion import Float
+from symbolic.motion import Float, Motion
 
 
 @dataclass(frozen=True)
@@ -41,54 +47,108 @@ CUFF = 0.25
 FOOT = 0.43
 """The same of the foot, m below the last joint."""
 GROUND = (8.0, 60.0)
-"""N forwards and upwards at most in stance, STANCE of a stride of about STRIDE s."""
+"""N forwards and upwards at most in stance, STANCE of a stride of about STRIDE s, where no leg walks."""
 STANCE, STRIDE = 0.6, 1.2
 PERSON = 3.0
 """N·m at most that a person applies about a joint."""
 
 
-def pinned(model: Model) -> Model:
-    """Return `model` with every force at a place and of a gain, which is what a machine has."""
+SENSED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"cuffs": (NORMAL, TORQUE), "plate": (WORLD, VERTICAL), "switch": ()}
+)
+"""What a recording can have of what acts, and the frames of the forces that it then has; a foot switch has none."""
+TOUCH = 5.0
+"""N of load at which a foot switch closes."""
+
+
+def sensed(names: Sequence[str]) -> tuple[str, ...]:
+    """Return `names` of SENSED; ExoidError for another."""
+    for name in names:
+        if name not in SENSED:
+            remedy = did_you_mean(name, SENSED) or f"use {', '.join(SENSED)}, or none of them"
+            raise ExoidError(f"the bench has no sensor called {name!r}", remedy=remedy)
+    return tuple(names)
+
+
+def pushed_leg(model: Model, wearer: Wearer | None, gait: Gait | None) -> Model:
+    """Return `model` with every force that acts at a place and of a gain, which is what a machine has: its own, and
+    those of a `wearer` at the cuffs and of the ground under a walking foot where it has none of the kind.
+    """
+    forces = list(model.forces)
+    kinds = {force.frame for force in forces}
+    if wearer is not None and not forces:
+        names = zip(("thigh cuff", "shank cuff"), model.joint_names, ("f1", "f2"), wearer.reach, strict=True)
+        forces = [Force(name, link, (column,), at) for name, link, column, at in names]
+    if gait is not None and kinds.isdisjoint((WORLD, VERTICAL)):
+        forces.append(Force("ground", model.joint_names[-1], ("grf_x", "grf_z"), FOOT))
     usual = {WORLD: FOOT, VERTICAL: FOOT}
     return model.with_forces(
         *(
             replace(force, at=usual.get(force.frame, CUFF) if force.at is None else force.at, gain=force.gain or 1.0)
-            for force in model.forces
+            for force in forces
         )
     )
 
 
-def pushes(model: Model, wearer: Wearer, t: Float, rng: np.random.Generator) -> Float:
+def recorded(model: Model, measured: Sequence[str] | None) -> tuple[bool, ...]:
+    """Return of each channel (C,) of a pushed leg whether its recordings have it; all where `measured` is None."""
+    frames = [frame for name in SENSED if measured is None or name in measured for frame in SENSED[name]]
+    return tuple(force.frame in frames for force in model.forces for _ in force.columns)
+
+
+def pushes(model: Model, wearer: Wearer | None, gait: Gait | None, t: Float, rng: np.random.Generator) -> Float:
     """Return the signals (N, C) of the forces of `model` at times `t`: the ground's under a walking foot, which no two
     strides repeat, and a person's at cuffs and about joints.
     """
-    cuffs, out, used = wearer.force(t, rng), [], 0
-    steps = stance(t, rng)
+    person = Wearer() if wearer is None else wearer
+    cuffs, out, used = person.force(t, rng), [], 0
+    under = _standing(t, rng) if gait is None else gait.ground(t)
     for force in model.forces:
         if force.frame == WORLD:
-            out += [GROUND[0] * np.sin(2.0 * np.pi * steps) * (steps > 0.0), GROUND[1] * np.sin(np.pi * steps) ** 2]
+            out += [*under.T]
         elif force.frame == VERTICAL:
-            out.append(GROUND[1] * np.sin(np.pi * steps) ** 2)
+            out.append(under[:, 1])
         else:
-            size = PERSON / wearer.amplitude[used % 2] if force.frame == TORQUE else 1.0
-            out.append(size * cuffs[:, used % 2] if used < 2 else size * wearer.force(t, rng)[:, used % 2])
+            size = PERSON / person.amplitude[used % 2] if force.frame == TORQUE else 1.0
+            out.append(size * cuffs[:, used % 2] if used < 2 else size * person.force(t, rng)[:, used % 2])
             used += 1
     return np.column_stack(out)
 
 
-def stance(t: Float, rng: np.random.Generator) -> Float:
-    """Return how much of the stance has passed (N,), 0 in swing; every stride takes its own time."""
+def borne(model: Model, motion: Motion, signals: Float) -> Float:
+    """Return the torques (N, J) that bear the load of the ground along a `motion`, given the `signals` (N, C) of a
+    pushed leg: who walks braces the leg before the heel strikes, and it is not knocked out of its way.
+    """
+    out, used = np.zeros(motion.q.shape), 0
+    for force in model.forces:
+        count = len(force.columns)
+        if force.frame in (WORLD, VERTICAL):
+            told = signals[:, used : used + count]
+            out += pushed_torques(placed_joints(model), motion.q, force, force.at or 0.0, told)
+        used += count
+    return out
+
+
+def switch(model: Model, signals: Float) -> Float:
+    """Return what a foot switch says (N,) of the `signals` (N, C) of a pushed leg: 1 while the ground carries more than
+    TOUCH N; ExoidError where no ground acts.
+    """
+    frames = [force.frame for force in model.forces for _ in force.columns]
+    upwards = [k for k, frame in enumerate(frames) if frame in (WORLD, VERTICAL)]
+    if not upwards:
+        raise ExoidError("a foot switch, and no ground under the foot", where=model.name, remedy="let the leg walk")
+    return np.where(signals[:, upwards[-1]] > TOUCH, 1.0, 0.0)
+
+
+def _standing(t: Float, rng: np.random.Generator) -> Float:
+    """Return the force (N, 2) of the ground on the foot of a leg that does not walk, forwards and upwards; every stride
+    takes its own time.
+    """
     length = float(t[-1] - t[0])
     strides = STRIDE * rng.uniform(0.85, 1.15, int(length / (0.8 * STRIDE)) + 2)
     ends = t[0] + np.cumsum(strides)
     index = np.searchsorted(ends, t)
     phase = 1.0 - (ends[index] - t) / strides[index]
-    return np.where(phase < STANCE, phase / STANCE, 0.0)
-
-
-def worn(model: Model, wearer: Wearer) -> Model:
-    """Return the model of a leg with the cuffs of `wearer`, unless it has forces."""
-    if model.forces:
-        return model
-    names = zip(("thigh cuff", "shank cuff"), model.joint_names, ("f1", "f2"), wearer.reach, strict=True)
-    return model.with_forces(*(Force(name, link, (column,), at) for name, link, column, at in names))
+    passed = np.where(phase < STANCE, phase / STANCE, 0.0)
+    forwards = GROUND[0] * np.sin(2.0 * np.pi * passed) * (passed > 0.0)
+    return np.column_stack([forwards, GROUND[1] * np.sin(np.pi * passed) ** 2])

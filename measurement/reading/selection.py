@@ -69,7 +69,7 @@ def selected(recording: Recording, table: RawTable, only: str) -> Recording:
     there is no such column, or nothing is left.
     """
     if not only:
-        return _swings(recording)
+        return swings(recording)
     kept = np.ones(len(recording), dtype=bool)
     for one in conditions(only):
         values = _column(recording, table, one.column)
@@ -99,7 +99,7 @@ def _column(recording: Recording, table: RawTable, name: str) -> Float:
     )
 
 
-def _swings(recording: Recording) -> Recording:
+def swings(recording: Recording) -> Recording:
     """Return a recording without the torques of stance, where that is known and the ground's force is not."""
     contact = recording.contact
     if contact is None or any(name in recording.forces for name in GROUND):

@@ -160,6 +160,10 @@ def test_simulate_identify_and_reveal(tmp_path, monkeypatch, capsys):
     effects = json.loads(capsys.readouterr().out)["effects"]
     assert all(one["id"] not in shown for one in effects)
     assert main(["simulate", "--runs", "2", "--out", "b"]) == 2
+    walk = ["simulate", "--wearer", "--walk", "--runs", "1", "--duration", "4", "--quiet", "--measured"]
+    assert main([*walk, "cuffs, switch", "--out", "w"]) == 0
+    assert Path("w/run_0.csv").read_text().startswith("t,q1,q2,tau1,tau2,f1,f2,contact\n")
+    assert main([*walk, "plates", "--out", "v"]) == 2 and not Path("v").exists()
     assert "exists already" in capsys.readouterr().err
     assert main(["identify", "b/run_0.csv", "b/run_1.csv", "--limit", "0.0001", "--json", "fit.json"]) == 1
     found = json.loads(Path("fit.json").read_text("utf-8"), parse_constant=pytest.fail)

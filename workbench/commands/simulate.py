@@ -17,9 +17,11 @@ HELP = """make recordings on the virtual bench, with an effect hidden in the leg
 
 exoid simulate --effect stribeck:knee=2.5 --out runs
 exoid simulate --effect torque_ripple:hip=a=0.8,n=24 --out runs
-exoid simulate --blind --seed 7 --out runs   something at random; exoid reveal runs/truth.seal tells"""
+exoid simulate --blind --seed 7 --out runs   something at random; exoid reveal runs/truth.seal tells
+exoid simulate --wearer --walk --measured cuffs,switch --out walk   a person in a leg that walks"""
 
 DEFAULT_FOLDER = "exoid-runs"
+NOTHING = "nothing"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +37,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
     parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the last link, M along it (2@0.35)")
+    parser.add_argument("--wearer", action="store_true", help="a person in the leg, who pushes at its cuffs")
+    parser.add_argument(
+        "--walk", action="store_true",
+        help="the leg walks, its foot on the ground for 60 %% of each stride, instead of following a motion",
+    )  # fmt: skip
+    parser.add_argument(
+        "--measured", metavar="WHAT",
+        help="which columns of what pushes are recorded: cuffs, plate, switch, several as A,B, or nothing (all forces)",
+    )  # fmt: skip
     runs = between(1, 100, number=whole_number)
     parser.add_argument("--runs", metavar="N", type=runs, default=4, help="number of recordings (4)")
     parser.add_argument("--duration", metavar="S", type=positive_number, default=30.0, help="length of each in s (30)")
@@ -51,17 +62,19 @@ def run(args: argparse.Namespace) -> int:
 
     exclusive(args, "trajectory", "blind", "blind runs draw motions of their own")
     exclusive(args, "payload", "blind", "simulate the loaded runs without --blind")
+    exclusive(args, "trajectory", "walk", "a leg that walks follows no other motion")
     model = load_model(args.model)
     leg = _loaded(bench_machine(model), args.payload, model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, leg.base, hidden)  # a wrong name is told before anything is written
+    bench = _bench(args)
     folder = Path(args.out or DEFAULT_FOLDER)
     make_folder(folder)
     _refuse_overwriting(folder, args.runs)
     if args.blind and not hidden:
         hidden = _draw(args.seed, model)
     with progress("simulating", quiet=args.quiet):
-        files, seal, truth = _simulate(args, folder, model, leg, hidden)
+        files, seal, truth = _simulate(args, folder, model, leg, hidden, bench)
     screen = Screen.of(args)
     for path in files:
         screen.say(f"wrote {path}")
@@ -88,13 +101,27 @@ def _loaded(leg: Any, text: str | None, model: Any) -> Any:
     return leg.with_payload(load, model) if model.chain else leg.with_payload(load.mass, load.along, load.link)
 
 
-def _simulate(args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any) -> tuple[Any, Path, Any]:
+def _bench(args: argparse.Namespace) -> Any:
+    """Return the bench that the arguments ask for."""
+    from measurement.bench.simulation import Bench
+    from measurement.bench.walk import Walk
+    from measurement.bench.wearer import Wearer
+
+    measured = None
+    if args.measured is not None:
+        measured = () if args.measured == NOTHING else tuple(part.strip() for part in args.measured.split(","))
+    person, steps = Wearer() if args.wearer else None, Walk() if args.walk else None
+    return Bench(duration=args.duration, rate=args.rate, wearer=person, walk=steps, measured=measured)
+
+
+def _simulate(
+    args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any, bench: Any
+) -> tuple[Any, Path, Any]:
     """Write the recordings and their truth; return the paths of both, and the truth."""
     from measurement.bench.blind import write_runs
-    from measurement.bench.simulation import Bench, simulate_runs
+    from measurement.bench.simulation import simulate_runs
     from measurement.trajectories.trajectory_file import read_trajectory
 
-    bench = Bench(duration=args.duration, rate=args.rate)
     path = read_trajectory(args.trajectory, model.joint_names) if args.trajectory else None
     runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
     return *write_runs(folder, runs), runs[0].truth
