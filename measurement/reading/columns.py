@@ -13,6 +13,7 @@ import numpy as np
 
 from ground.errors import RecordingError
 from ground.suggest import nearest
+from measurement.reading.mapped import DIMENSIONLESS, listed, mapped, numbered
 from measurement.reading.mapping import StatedMapping
 from measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from measurement.reading.outside import CONTACT, force_columns, outside_columns
@@ -61,15 +62,17 @@ def assign(
     """Return {canonical name: column}; raises RecordingError for a missing, doubtful or doubly used column.
 
     What is `told` is {canonical: column in the file}, {quantity, canonical name or column: unit} and the leg ("left",
-    "right", "ipsi" or "contra") where the file has several. With `partial`, columns may be missing: the rest stands in
-    another file.
+    "right", "ipsi" or "contra") where the file has several; a joint that is told to be passive needs no torque, which
+    is zero. With `partial`, columns may be missing: the rest stands in another file.
     """
     mapping, units, leg = _by_number(told.columns, joints), _by_number(told.units, joints), told.leg
     _check_keys(mapping, canonical_columns(joints), "--map", where)
     _check_keys(units, (*SI, *canonical_columns(joints), *table.names), "--units", where)
-    chosen = _mapped(table, mapping, where)
+    chosen = mapped(table, mapping, where)
     offers = _offers(table, chosen, units, joints)
-    side = _side(offers, chosen, leg, required(joints), where)
+    idle = [f"tau{k}" for k, joint in enumerate(joints, start=1) if joint.name in told.passive]
+    wanted = [name for name in required(joints) if name not in idle]
+    side = _side(offers, chosen, leg, wanted, where)
     hidden: dict[int, str] = {}
     forces = {*force_columns(joints), CONTACT}
     for name in canonical_columns(joints):
@@ -84,6 +87,8 @@ def assign(
             continue  # several plates: which one the foot stood on is for the user to say, and `repaired` tells
         reading, column = _best(name, fitting, where)
         chosen[name], hidden[id(column)] = column, reading.unit
+    for name in idle:
+        chosen.setdefault(name, RawColumn(name, np.zeros(table.row.shape[0])))
     if not partial:
         _check_missing(chosen, table, where, joints)
     return {
@@ -247,32 +252,6 @@ def _check_keys(given: Mapping[str, str], known: Sequence[str], option: str, whe
             )
 
 
-def _mapped(table: RawTable, mapping: Mapping[str, str], where: str) -> dict[str, RawColumn]:
-    chosen: dict[str, RawColumn] = {}
-    for name, wanted in mapping.items():
-        found = [c for c, n in zip(table.columns, numbered(table.names), strict=True) if wanted in (c.name, n)]
-        found = found or [c for c in table.columns if c.name.lower() == wanted.strip().lower()]
-        if len(found) != 1:
-            close = nearest(wanted, table.names, 1, cutoff=0.5)
-            hint = f"did you mean {close[0]!r}? " if close and not found else ""
-            what = "is not in the file" if not found else f"stands {len(found)} times in the file"
-            hint = f"write {wanted}#1 for the first of them. " if found else hint
-            raise RecordingError(
-                f"column {wanted!r} ({name}) {what}",
-                where=where,
-                remedy=f"{hint}columns found: {listed(table.names)}",
-            )
-        double = [other for other, column in chosen.items() if column is found[0]]
-        if double:
-            raise RecordingError(
-                f"column {wanted!r} is mapped to both {double[0]} and {name}",
-                where=where,
-                remedy="map each column once",
-            )
-        chosen[name] = found[0]
-    return chosen
-
-
 def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str, joints: Sequence[Joint]) -> None:
     missing = [name for name in required(joints) if name not in chosen]
     if not missing:
@@ -288,6 +267,8 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
             remedy="say what one ampere is at the joint, torque constant times gear: "
             f"--units {','.join(f'{name}=Nm/A*0.1*50' for name in torques)} with your numbers",
         )
+    idle = [joints[int(name.removeprefix("tau")) - 1].name for name in torques]
+    drive = f"; --passive {idle[0]} where that joint has no drive" if torques == missing and len(idle) == 1 else ""
     used = {id(column) for column in chosen.values()}
     free = [column.name for column in table.columns if id(column) not in used]
     close = nearest(missing[0], free, 1, cutoff=0.5)
@@ -295,13 +276,8 @@ def _check_missing(chosen: Mapping[str, RawColumn], table: RawTable, where: str,
     raise RecordingError(
         f"no column for {', '.join(missing)} was found (columns found: {listed(table.names)})",
         where=where,
-        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close),
+        remedy=f"{'did you mean' if close else 'say which column it is:'} --map {example}" + "?" * bool(close) + drive,
     )
-
-
-def numbered(names: Sequence[str]) -> list[str]:
-    """Return names that can be distinguished: of several alike, the second is "name#2"."""
-    return [f"{name}#{names[:k].count(name) + 1}" if names.count(name) > 1 else name for k, name in enumerate(names)]
 
 
 def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
@@ -323,12 +299,6 @@ def _counted_from_one(names: Sequence[str]) -> tuple[dict[str, str], set[str]]:
     return out, doubtful
 
 
-def listed(names: Sequence[str], most: int = 20) -> str:
-    """Return names for a message, the long tail cut."""
-    text = ", ".join(name[:40] or "(no name)" for name in names[:most])
-    return text + (f" and {len(names) - most} more" if len(names) > most else "")
-
-
 def _with_unit(
     name: str,
     column: RawColumn,
@@ -346,14 +316,16 @@ def _with_unit(
     si = UNIT_OF[quantity]
     written = column.unit or hidden.get(id(column), "")
     unit = told or written
-    if not unit or unit in ("-", "1"):
+    if unit in DIMENSIONLESS:
         return Assigned(name, column, si, 1.0, False)
     scale = factor(quantity, unit, written)
-    if scale is None and is_scaled(quantity, unit):
+    if scale is None and (is_scaled(quantity, unit) or (written == unit and "*" in unit)):
         raise RecordingError(
             f"column {column.name!r} ({name}) is in {unit}, which becomes {si} only with a further number",
             where=where,
-            remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}",
+            remedy=f"--units {name}={unit}*NUMBER: {_further(unit)}"
+            if "*" not in unit
+            else f"--units {name}={si.replace('·', '')}*NUMBER, with what one {unit} is",
         )
     if scale is None and is_product(unit) and written and factor(quantity, unit) is not None:
         raise RecordingError(

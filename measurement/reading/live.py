@@ -43,18 +43,25 @@ class LineNote:
     event: str = "skipped"
 
 
+_Places = tuple[tuple[tuple[int | str, ...], float], ...]
+
+
 @dataclass(frozen=True)
 class _Layout:
     """Where the numbers of a sample stand: `places` are keys of a JSON object, or indices of the `width` cells of a
-    line, with factors to SI; `said` is that in words.
+    line, of which the product is meant, with factors to SI; `said` is that in words.
     """
 
-    places: tuple[tuple[int | str, float], ...]
+    places: _Places
     said: str
     delimiter: str = ""
     comma: bool = False
     width: int = 0
     clock_told: bool = False
+
+    def lacking(self, found: Mapping[str, object]) -> str:
+        """Return the first key of a sample that an object does not have, "" where it has all."""
+        return next((str(key) for keys, _ in self.places for key in keys if key not in found), "")
 
 
 @dataclass(eq=False)
@@ -150,19 +157,21 @@ class Lines:
             raise ValueError("it is no JSON object")
         flat = _flat(found)
         own = self.layout if self.layout is not None and not self.layout.delimiter else None
-        if own is None or any(key not in flat for key, _ in own.places):
+        if own is None or own.lacking(flat):
             names = [k for k, v in flat.items() if v is None or (_is_number(v))]
             if not self._settle(names, [""] * len(names), _Layout((), "")):
-                lacking = next((key for key, _ in own.places if key not in flat), "") if own else ""
+                lacking = own.lacking(flat) if own else ""
                 raise KeyError(lacking) if lacking else ValueError(self.lost or "it names no columns of a sample")
             own = self.layout
         assert own is not None
         row = []
-        for key, factor in own.places:
-            value = flat[str(key)]
-            if value is not None and not _is_number(value):
-                raise ValueError(f"{key} is no number")
-            row.append(np.nan if value is None else float(value) * factor)  # type: ignore[arg-type]
+        for keys, factor in own.places:
+            for key in keys:
+                value = flat[str(key)]
+                if value is not None and not _is_number(value):
+                    raise ValueError(f"{key} is no number")
+                factor *= np.nan if value is None else float(value)  # type: ignore[arg-type]
+            row.append(factor)
         return row
 
     # -- rows of cells ----------------------------------------------------------------------------------------
@@ -229,7 +238,7 @@ class Lines:
             wanted = required(self.joints)
             if len(found.names) < len(wanted):
                 raise ValueError(f"{len(found.names)} numbers and no names of columns; {', '.join(wanted)} are needed")
-            self._become(plain, tuple((k, 1.0) for k in range(len(wanted))), "", told=False)
+            self._become(plain, tuple(((k,), 1.0) for k in range(len(wanted))), "", told=False)
         self._pass_over()
 
     def _numbers(self, line: str, own: _Layout) -> list[float] | None:
@@ -240,11 +249,13 @@ class Lines:
         if len(cells) != own.width:
             return None
         row = []
-        for at, factor in own.places:
-            value = _number(cells[int(at)], own.comma or own.delimiter != ",")
-            if value is None:
-                return None
-            row.append(value * factor)
+        for places, factor in own.places:
+            for at in places:
+                value = _number(cells[int(at)], own.comma or own.delimiter != ",")
+                if value is None:
+                    return None
+                factor *= value
+            row.append(factor)
         return row
 
     # -- which column is which --------------------------------------------------------------------------------
@@ -270,14 +281,17 @@ class Lines:
                 self.layout, self.lost = None, str(error)
             return False
         wanted = required(self.joints)
-        at = [given[id(chosen[n].column)] for n in wanted]
-        places = tuple((k if plain.delimiter else names[k], chosen[n].factor) for k, n in zip(at, wanted, strict=True))
-        said = ", ".join(f"{n} from {names[k]!r} in {chosen[n].unit}" for k, n in zip(at, wanted, strict=True))
+        parts = {n: [given[id(c)] for c in chosen[n].column.factors or (chosen[n].column,)] for n in wanted}
+        places = tuple(
+            (tuple(k if plain.delimiter else names[k] for k in at), chosen[n].factor) for n, at in parts.items()
+        )
+        words = {n: "*".join(names[k] for k in at) for n, at in parts.items()}
+        said = ", ".join(f"{n} from {words[n]!r} in {chosen[n].unit}" for n in wanted)
         self._become(plain, places, said, told=chosen["t"].told)
         return True
 
     def _become(
-        self, plain: _Layout, places: tuple[tuple[int | str, float], ...], said: str, *, told: bool
+        self, plain: _Layout, places: _Places, said: str, *, told: bool
     ) -> None:
         """Read by this layout from here on; tell so where another one was read by before."""
         before = self.layout

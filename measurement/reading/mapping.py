@@ -48,8 +48,8 @@ class StatedMapping:
     @property
     def options(self) -> dict[str, Any]:
         """What `read_recordings` takes of it, as far as it is said."""
-        every = {name: getattr(self, name) for name in ("columns", "units", "leg", "convention", "join", "only")}
-        return {name: value for name, value in every.items() if value}
+        names = ("columns", "units", "leg", "convention", "join", "passive", "only")
+        return {name: value for name in names if (value := getattr(self, name))}
 
     def over(self, other: StatedMapping) -> StatedMapping:
         """Return what both say of the columns, what `self` says coming first."""

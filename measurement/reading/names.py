@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
-from measurement.reading.units import SLIDING, factor, is_scaled
+from measurement.reading.units import SLIDING, factor, is_scaled, is_unit
 from symbolic.joints import LEG, Joint
 from symbolic.joints import names as joint_names
 
@@ -170,6 +170,11 @@ def _of_base(name: str) -> ColumnMeaning | None:
     return None
 
 
+def words_in(name: str) -> frozenset[str]:
+    """Return the words of a name in small letters: "LeftHipMotor1" -> left, hip, motor, 1."""
+    return frozenset(word for word in re.split(r"[\W_]+", _spaced(name).lower()) if word)
+
+
 def weak_time(name: str) -> bool:
     """Whether `name` heads the time in some logs though it says nothing of the kind."""
     return re.sub(r"[\W_]+", "", name).lower() in WEAK_TIME
@@ -193,13 +198,26 @@ def kind_of(name: str, joints: Sequence[Joint]) -> str:
 
 def _text(text: str, joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     """Return what a name without groups says, with its unit, which may stand at the end."""
-    parts = [part for part in re.split(r"[\W_]+", text) if part]
+    parts = _unit_last([part for part in re.split(r"[\W_]+", text) if part])
     for used in (2, 1):  # a unit at the end may be cut in two: "rad_s"
         tail = "/".join(parts[-used:])
         found = _whole(parts[:-used], joints) if len(parts) > used and not tail.isdigit() else None
         if found and tail.lower() not in _SIDE and _is_unit_of(kind_of(found.name, joints), tail):
             return found._replace(unit=tail)
     return _whole(parts, joints)
+
+
+def _unit_last(parts: list[str]) -> list[str]:
+    """Return the words of a name with its number before its unit: columns of a matrix are counted behind its name,
+    q_deg1 or q_deg_1.
+    """
+    counted = re.fullmatch(r"(.*[^\W\d_])_?(\d{1,2})", "_".join(parts))
+    words = counted[1].split("_") if counted else []
+    for used in (2, 1):
+        unit = "/".join(words[-used:])
+        if counted and len(words) > used and unit.lower() not in _SIDE and is_unit(unit):
+            return [*words[:-used], counted[2], *words[-used:]]
+    return parts
 
 
 def _is_unit_of(quantity: str, tail: str) -> bool:
@@ -234,7 +252,7 @@ def _reading(
 def _in_groups(path: Sequence[str], joints: tuple[Joint, ...]) -> ColumnMeaning | None:
     """Return what a path says: quantity, joint and side each from the innermost part that has it."""
     unit = ""
-    last = [part for part in re.split(r"[\W_]+", path[-1]) if part]
+    last = _unit_last([part for part in re.split(r"[\W_]+", path[-1]) if part])
     inner = _sorted_out(last, joints)
     if inner.rest and len(last) > 1 and _is_unit_of(_sorted_out(last[:-1], joints).quantity or "t", last[-1]):
         inner, unit = _sorted_out(last[:-1], joints), last[-1]

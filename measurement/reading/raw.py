@@ -33,6 +33,8 @@ class RawColumn:
     text_count: int = 0
     rank: int = 0
     """Where several columns could be the same quantity, the one of smaller rank is taken."""
+    factors: tuple[RawColumn, ...] = ()
+    """The columns of the file of which this one is the product, where it is one."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,6 +48,7 @@ class HowRead(TypedDict, total=False):
     convention: str | Iterable[str]
     join: str | Path | Sequence[Joined]
     only: str
+    passive: str | Sequence[str]
 
 
 def read_recording(
@@ -55,12 +56,9 @@ def read_recording(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     *,
-    leg: str | None = None,
     name: str = "",
-    convention: str | Iterable[str] = (),
-    join: str | Path | Sequence[Joined] = (),
-    only: str = "",
     joints: Sequence[Joint] | None = None,
+    **more: Unpack[HowRead],
 ) -> Recording:
     """Return the recording `source`, in SI units, audited.
 
@@ -74,11 +72,12 @@ def read_recording(
     same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
     `measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
     given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
-    (`measurement.reading.selection`). `joints` are those of the machine (`model.joints`); None means the leg's, or as
-    many as the file has q1, q2, ... and tau1, tau2, .... Raises RecordingError for anything that cannot be used, with
-    the place and the remedy.
+    (`measurement.reading.selection`). `passive` are joints that had no drive: their torque is zero and needs no column.
+    `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the machine
+    (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
+    RecordingError for anything that cannot be used, with the place and the remedy.
     """
-    told = _told(columns, units, leg, convention, join, only)
+    told = _told(columns, units, **more)
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
     machine = None if joints is None else tuple(joints)
@@ -105,7 +104,7 @@ def read_recordings(
     `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
     (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`, whose
-    `leg`, `convention`, `join` and `only` it takes too.
+    `leg`, `convention`, `join`, `only` and `passive` it takes too.
     """
     told = _told(columns, units, **more)
     return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
@@ -118,12 +117,14 @@ def _told(
     convention: str | Iterable[str] = (),
     join: str | Path | Sequence[Joined] = (),
     only: str = "",
+    passive: str | Sequence[str] = (),
 ) -> StatedMapping:
     called = convention if isinstance(convention, str) else ",".join(convention)
     files = [join] if isinstance(join, (str, Path)) else join
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)
     others = tuple((str(file), lag) for file, lag in pairs)
-    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, only=only)
+    idle = (passive,) if isinstance(passive, str) else tuple(passive)
+    return StatedMapping(dict(columns or {}), dict(units or {}), leg or "", called, others, idle, only=only)
 
 
 def read_as_told(
@@ -133,13 +134,13 @@ def read_as_told(
     progress: Progress | None = None,
     most_bytes: int = LARGE,
 ) -> tuple[Recording, ...]:
-    """Return the recordings in one file as `read_recordings` does, with the drives and masses that are `told` of."""
+    """Return the recordings in one file as `read_recordings` does, with the masses that are `told` of."""
     machine = None if joints is None else tuple(joints)
     found = () if told.join else _in_pieces(Path(path), told, machine, progress, most_bytes)
     found = found or _of_every_leg(path, told, machine)
     for load in told.payloads:
         found = tuple(one.with_payload(load.mass, load.along, load.link) for one in found)
-    return tuple(one.with_passive(*told.passive) for one in found)
+    return found
 
 
 def _of_every_leg(path: str | Path, told: StatedMapping, machine: Machine) -> tuple[Recording, ...]:
@@ -243,7 +244,7 @@ def _finished(table: RawTable, origin: Source, name: str, told: StatedMapping, m
     joints = machine or (LEG if told.columns else inferred(table))
     where = origin.path or name
     assigned = assign(table, told, where=where, joints=joints)
-    recording = repaired(table, assigned, name=name, source=origin, joints=joints)
+    recording = repaired(table, assigned, name=name, source=origin, joints=joints).with_passive(*told.passive)
     recording = selected(read_as(mask_unusable(recording), told.convention), table, told.only)
     recording = recording.with_findings(audit(recording))
     refuse(recording.findings)

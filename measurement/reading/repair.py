@@ -17,6 +17,7 @@ from measurement.auditing.checks.motion import NONE
 from measurement.finding import row_ranges
 from measurement.reading import angles, clock
 from measurement.reading.columns import UNIT_OF, Assigned
+from measurement.reading.degrees import read_degrees
 from measurement.reading.draft import Draft
 from measurement.reading.limits import credible
 from measurement.reading.names import kind_of, recognise
@@ -47,7 +48,7 @@ def repaired(
     draft = _start(table, assigned, source, name, joints)
     draft = _without_rounding(_mask_cells(draft, assigned))
     draft = _order_time(draft)
-    draft = _clock_unit(draft)
+    draft = read_degrees(_clock_unit(draft), assigned)
     draft = _angles(draft)
     columns = draft.columns
     pairs: dict[str, Any] = {

@@ -19,6 +19,7 @@ from contextvars import ContextVar
 from functools import cache
 from pathlib import Path, PurePosixPath
 from types import ModuleType
+from typing import IO
 
 from ground.errors import RecordingError, refused
 from ground.folder import modules_in
@@ -29,6 +30,8 @@ from measurement.reading import formats
 MOST_FILES = 1000
 MOST_BYTES = 8_000_000_000
 """A small archive can unpack to any size."""
+LOOKED_AT = 2_000_000
+"""Bytes of a file in a folder or an archive of which its format says whether it is a recording."""
 BAG = "metadata.yaml"
 DAMAGE = (zipfile.BadZipFile, NotImplementedError, RuntimeError, ValueError, EOFError, OSError, zlib.error)
 """What reading an archive raises that is none, or cut off."""
@@ -88,9 +91,28 @@ def _of_folder(folder: Path) -> list[str]:
         entry
         for entry in folder.iterdir()
         if not entry.name.startswith(".")
-        and ((entry.is_file() and entry.suffix.lower() in known and entry.name.lower() not in OTHERS) or is_bag(entry))
+        and ((entry.is_file() and entry.suffix.lower() in known and _is_meant(entry)) or is_bag(entry))
     )
     return _counted([str(entry) for entry in inside], str(folder), "the folder holds no recordings")
+
+
+def _is_meant(file: Path) -> bool:
+    """Whether a file of a folder, of a suffix that recordings have, is one: not notes or settings beside them."""
+    if file.name.lower() in OTHERS:
+        return False
+    try:
+        with open_input(file, remember=False) as stream:
+            return _holds_recording(file.suffix, file.stat().st_size, stream)
+    except OSError:
+        return True  # refused with its reason when it is read
+
+
+def _holds_recording(suffix: str, size: int, stream: IO[bytes]) -> bool:
+    """Whether a format in which much else is written finds a recording; what is too long to look at counts as one."""
+    chosen = next((one for one in find_formats() if suffix.lower() in one.SUFFIXES), None)
+    if chosen is None or not hasattr(chosen, "holds_recording") or size > LOOKED_AT:
+        return True
+    return bool(chosen.holds_recording(stream.read(LOOKED_AT)))
 
 
 def _matching(pattern: str) -> list[str]:
@@ -125,8 +147,14 @@ def members(archive: Path) -> list[str]:
             and not PurePosixPath(entry.filename).name.startswith((".", "__MACOSX"))
             and not entry.filename.startswith("__MACOSX")
             and PurePosixPath(entry.filename).name.lower() not in OTHERS
+            and (entry.flag_bits & 1 or _member_is_meant(content, entry))
         )
     return _counted(names, str(archive), "the archive holds no recordings")
+
+
+def _member_is_meant(content: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bool:
+    with content.open(entry) as stream:
+        return _holds_recording(PurePosixPath(entry.filename).suffix, entry.file_size, stream)
 
 
 @contextmanager

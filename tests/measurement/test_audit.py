@@ -107,7 +107,7 @@ def _spiked(x):
 @pytest.mark.parametrize(
     ("columns", "check", "words"),
     [
-        (_with(q1=np.degrees, q2=np.degrees), "units", "looks like degrees"),
+        (_with(q1=np.degrees, q2=np.degrees), "units", "were read in degrees"),
         (_with(tau1=lambda x: x * 1000), "units", "looks like mN·m"),
         (_with(tau2=lambda x: -x), "sign", "knee torque has the wrong sign"),
         (_with(tau1=lambda x: -x), "sign", "hip torque has the wrong sign"),

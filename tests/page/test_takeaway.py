@@ -135,7 +135,7 @@ def test_the_command_says_what_was_said(full):
 def test_the_python_says_what_was_said(full):
     text = commands(full)["python"]
     compile(text, "session", "exec")
-    for part in ("'q1': 'A'", "flexion-positive", ".with_payload(2.0, 0.35", ".with_passive('knee')", "cutoff=4.5"):
+    for part in ("'q1': 'A'", "flexion-positive", ".with_payload(2.0, 0.35", "passive=('knee',)", "cutoff=4.5"):
         assert part in text
 
 

@@ -98,7 +98,7 @@ def add_columns(group: argparse._ArgumentGroup | Seldom) -> None:
     """Add --map and --units: what the columns are."""
     group.add_argument(
         "--map", metavar="NAME=COLUMN", action="append", default=[], type=pairs,
-        help="which column is which, for example q1=HipEnc,q2=KneeEnc",
+        help="which column is which, for example q1=HipEnc,q2=KneeEnc; a product of columns as tau1=duty*volts",
     )  # fmt: skip
     group.add_argument(
         "--units", metavar="NAME=UNIT", action="append", default=[], type=pairs,
@@ -131,7 +131,8 @@ def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday:
     )  # fmt: skip
     seldom.add_argument(
         "--passive", metavar="[FILE=]JOINT", action="append", default=[],
-        help="the joint had no drive (in that recording), so its torque is zero for certain: knee, or run6.csv=knee",
+        help="the joint had no drive (in that recording), so its torque is zero for certain and needs no column: "
+        "knee, or run6.csv=knee",
     )  # fmt: skip
     parser.set_defaults(condition="")
     if rows:

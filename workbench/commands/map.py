@@ -98,7 +98,8 @@ def _show(screen: Screen, table: Any) -> None:
 def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[Joint]) -> Any:
     """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
     from ground.errors import RecordingError
-    from measurement.reading.columns import numbered, required
+    from measurement.reading.columns import required
+    from measurement.reading.mapped import numbered
 
     names = numbered(table.names)
     for _ in range(50):

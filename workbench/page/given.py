@@ -14,7 +14,7 @@ from ground.text import printable
 from measurement.reading.mapping import StatedMapping
 
 if TYPE_CHECKING:
-    from measurement.reading.raw import RawTable
+    from measurement.reading.raw import RawColumn, RawTable
     from measurement.recording import Recording
     from symbolic.joints import Joint
 
@@ -78,6 +78,7 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
 
     Of an answer counts what this file has: its leg and convention, and the columns and units of those that are there.
     """
+    from measurement.reading.mapped import factors_of
     from measurement.reading.read import open_table, read_as_told
 
     try:
@@ -85,7 +86,7 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
     except ExoidError:
         return given
     for said in answers:
-        columns = {name: column for name, column in said.columns.items() if column in names}
+        columns = {name: column for name, column in said.columns.items() if names.issuperset(factors_of(column, names))}
         units = {name: unit for name, unit in said.units.items() if not columns or name in columns}
         told = replace(given.told, columns=columns, units=units, leg=said.leg, convention=said.convention)
         try:
@@ -107,8 +108,9 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, numbered, required
+    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, required
     from measurement.reading.conventions import conventions_of_machine
+    from measurement.reading.mapped import numbered
     from measurement.reading.names import kind_of
     from measurement.reading.read import open_table
 
@@ -116,6 +118,10 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     told = given.told
     names = numbered(table.names)
     called = {id(column): name for name, column in zip(names, table.columns, strict=True)}
+
+    def shown(column: RawColumn) -> str:
+        return called.get(id(column), column.name)  # a product of columns is none of the table
+
     sides = legs(table, joints)
     guesses = {}
     for side in dict.fromkeys((told.leg if told.leg in sides else "", *sides)):
@@ -123,7 +129,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
             found = assign(table, replace(told, leg=side), where=given.name, joints=joints, partial=True)
         except ExoidError:
             continue
-        guesses[side] = {n: {"column": called[id(one.column)], "unit": one.unit} for n, one in found.items()}
+        guesses[side] = {n: {"column": shown(one.column), "unit": one.unit} for n, one in found.items()}
     guess = next(iter(guesses.values()), {})
     return {
         "id": given.id,

@@ -206,5 +206,4 @@ def _read(workspace: Workspace, one: Given) -> str:
     more = [f", {key}={value!r}" for key, value in one.told.options.items()]
     more += [", joints=model.joints"] if workspace.joints is not None else []
     text = f"exoid.read_recording({_shown(workspace, one.path, one.name)!r}{''.join(more)})"
-    text += f".with_passive({', '.join(map(repr, one.told.passive))})" if one.told.passive else ""
     return text + "".join(f".with_payload({p.mass!r}, {p.along!r}, {p.link!r})" for p in one.told.payloads)

@@ -7,7 +7,7 @@ import numpy as np
 from ground.thresholds import Threshold
 from measurement.auditing.channels import NOTHING, channels, place, torque_spans
 from measurement.finding import Finding
-from measurement.reading.columns import listed
+from measurement.reading.mapped import listed
 from measurement.recording import Recording
 
 STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")
@@ -52,6 +52,8 @@ def check(recording: Recording) -> list[Finding]:
     size_of = {channel.joint.name: size for channel, size in zip(angles, turned, strict=True)}
     found += _next_to_nothing(recording, size_of)
     for channel in constant:
+        if channel.joint.name in recording.passive:
+            continue
         still = size_of[channel.joint.name] < STILL
         kind = "locked joint" if still else "passive joint, that is one without a drive"
         what = f"the {channel.label} is {channel.values[0] + 0.0:.4g} {channel.unit} throughout, as of a {kind}"
@@ -71,7 +73,9 @@ def _next_to_nothing(recording: Recording, reach: dict[str, float]) -> list[Find
     found = []
     for channel, span in zip(channels(recording, "tau"), spans, strict=True):
         joint = channel.joint.name
-        if np.ptp(channel.values) <= NONE or span >= NOTHING * max(spans) or reach[joint] < LITTLE:
+        if joint in recording.passive or np.ptp(channel.values) <= NONE:
+            continue
+        if span >= NOTHING * max(spans) or reach[joint] < LITTLE:
             continue
         what = f"the {channel.label} reads next to nothing ({span:.2g} {channel.unit}, the largest {max(spans):.2g})"
         name = recording.source.path or recording.name

@@ -11,6 +11,8 @@ from measurement.recording import Recording
 from symbolic.joints import is_leg
 
 TURNS = Threshold(4 * np.pi, "rad: a link that swings right over (2π and a little more) would be taken for degrees")
+EACH = Threshold(np.pi, "rad, reached by every angle that is read in degrees: one in rad beside it would be as well")
+ROUND = Threshold(270.0, "degrees that a limb reaches at most, from any zero: counts of an encoder would be read so")
 STRONG = Threshold(1000.0, "N·m, as a median: the torque of a strong drive would be taken for mN·m")
 WEAK = Threshold(0.1, "N·m, reached by the stronger torque: the smallest rig would be taken for kN·m")
 FAR = Threshold(20.0, "m: a long slide would be taken for millimetres")

@@ -1,0 +1,103 @@
+"""Angles whose size can only be degrees: read as such and said, where nobody stated a unit.
+
+A joint of a limb stops long before two turns, so an angle beyond that is not in rad. What else it could be leaves the
+question open, and the audit asks it: counts of an encoder, another machine, or turns of a motor before its gear, where
+the name says so or the torques do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from measurement.auditing.checks.units import EACH, ROUND, TURNS
+from measurement.auditing.checks.velocity import WRONG
+from measurement.auditing.convention import better_reading
+from measurement.reading.angles import sampled
+from measurement.reading.columns import Assigned
+from measurement.reading.draft import Draft
+from measurement.reading.names import words_in
+from measurement.reading.units import DEGREE
+from measurement.recording import Recording
+from symbolic.joints import Joint
+
+LIMBS = frozenset({"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
+BEFORE_GEAR = frozenset({"motor", "drive", "actuator", "encoder", "enc", "counts", "ticks", "raw", "rotor"})
+"""Words of a column that may count turns of a shaft, or steps of an encoder."""
+
+
+def read_degrees(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
+    """Return the draft with angles, and velocities with them, read in degrees where they can be nothing else."""
+    angles = [f"q{k + 1}" for k in range(len(draft.joints))]
+    reach = {name: _reach(draft, name) for name in angles}
+    if not _certain(draft, assigned, reach):
+        return draft
+    base = [name for name in ("base_angle",) if name in draft.columns and _reach(draft, name) > EACH]
+    rates = _rates(draft)
+    converted = [name for name in (*angles, *base, *rates) if name not in draft.told]
+    columns = {n: v * DEGREE if n in converted else v for n, v in draft.columns.items()}
+    largest = max(angles, key=lambda name: reach[name])
+    return replace(draft, columns=columns).noted(
+        "units",
+        "repaired",
+        f"{largest} reaches {reach[largest]:.4g}, in rad impossible for a {draft.joints[angles.index(largest)].name}: "
+        f"{', '.join(converted)} were read in degrees",
+        f"column {largest}",
+        value=reach[largest],
+        limit=float(TURNS),
+        remedy="if that is wrong, say so with --units q=rad; a header 'q1 [deg]' avoids the question",
+        confidence="likely",
+    )
+
+
+def is_limb(joint: Joint) -> bool:
+    """Whether this is a joint of a person or of what a person wears, which stops within a turn."""
+    return joint.turns and not LIMBS.isdisjoint(words_in(joint.name))
+
+
+def _certain(draft: Draft, assigned: Mapping[str, Assigned], reach: Mapping[str, float]) -> bool:
+    """Whether all angles can only be degrees: nobody said a unit, and all reach further than any in rad."""
+    if draft.told.intersection(reach) or not all(map(is_limb, draft.joints)):
+        return False
+    if not (max(reach.values()) > TURNS and min(reach.values()) > EACH and max(reach.values()) < ROUND):
+        return False
+    for name in reach:
+        some = sampled(draft.columns[name][draft.good(name)])
+        if BEFORE_GEAR.intersection(words_in(assigned[name].column.name)) or np.all(some == np.round(some)):
+            return False
+    return not _before_a_gear(draft)
+
+
+def _before_a_gear(draft: Draft) -> bool:
+    """Whether the torques say that angles are turns of a motor."""
+    angles, torques = (
+        np.column_stack([draft.columns[f"{key}{k + 1}"] for k in range(len(draft.joints))]) for key in ("q", "tau")
+    )
+    good = np.column_stack([draft.good(f"{key}{k + 1}") for key in ("q", "tau") for k in range(len(draft.joints))])
+    found = better_reading(
+        [Recording(draft.file, draft.columns["t"], angles, torques, np.all(good, axis=1), joints=draft.joints)]
+    )
+    return found is not None and any("-motor" in one.name for one in found.reading.names)
+
+
+def _reach(draft: Draft, name: str) -> float:
+    """Return how far from zero a column goes, but for its largest fiftieth."""
+    some = sampled(draft.columns[name][draft.good(name)])
+    return float(np.percentile(np.abs(some), 98)) if some.size else 0.0
+
+
+def _rates(draft: Draft) -> list[str]:
+    """Return the velocities and accelerations that are in degrees as their angles are, as the change of these says."""
+    t, found = draft.columns["t"], []
+    for k in range(len(draft.joints)):
+        speed = draft.columns.get(f"dq{k + 1}")
+        if speed is None:
+            return []
+        # By the logged speed, which is the cleaner of the two: noise of what is divided by would make the ratio small.
+        ratio = float(np.gradient(draft.columns[f"q{k + 1}"], t) @ speed) / (float(speed @ speed) or 1.0)
+        if abs(ratio - 1.0) > WRONG:
+            return []
+        found += [name for name in (f"dq{k + 1}", f"ddq{k + 1}") if name in draft.columns]
+    return found
