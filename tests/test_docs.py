@@ -124,7 +124,7 @@ def test_the_effect_of_the_page_is_found(tmp_path, monkeypatch, capsys):
         out = capsys.readouterr()
         assert status == 0, f"{line}: {out.err}"
         if "diagnose" in line:
-            assert "Missing: magnet brake, knee" in out.out
+            assert "Found: magnet brake at the knee" in out.out
     assert "magnet_brake" in Path("leg2.toml").read_text(encoding="utf-8")
 
 

@@ -127,7 +127,9 @@ class UniformSignals:
         model; those `missing` do not count. Asked once: all cut-offs see the same samples.
         """
         if factor not in self._beside:
-            self._beside[factor] = spikes_beside(self.slower_torque(factor), known(), self.rate / factor, missing)
+            self._beside[factor] = spikes_beside(
+                self.slower_torque(factor), known(), self.rate / factor, missing, averaged=factor > 1
+            )
         return self._beside[factor]
 
     @cached_property

@@ -24,6 +24,11 @@ SPIKE = Threshold(
     3.5,
     "robust deviations of what neighbours predict beyond which a torque sample is a spike: noise would be hidden",
 )
+AGAIN = Threshold(
+    5.5,
+    "the same of the means of several samples, which were judged one by one already: good ones would be hidden where "
+    "a model turns a little too early",
+)
 ALONE = Threshold(
     0.4,
     "part of that by which one side alone must miss it, too: where a force jumps, samples would be hidden",
@@ -51,24 +56,24 @@ LEAST = 1e-7
 """Part of a torque's range that counts as its noise, at least."""
 
 
-def spikes(x: Float, rate: float, unknown: Mask | None = None) -> Mask:
+def spikes(x: Float, rate: float, unknown: Mask | None = None, *, averaged: bool = False) -> Mask:
     """Return which samples of `x` (N, J), evenly spaced at `rate` Hz, are spikes; two in a row are found, or as many as
-    last 3 ms. Those `unknown` (N, J) are none, nor do they count.
+    last 3 ms. Those `unknown` (N, J) are none, nor do they count. `averaged` are means of samples judged before.
     """
     longest = int(np.clip(round(LASTS * rate), 2, MOST))
     out = np.zeros(x.shape, dtype=bool)
     for j, channel in enumerate(x.T):
         lost = np.zeros(len(x), dtype=bool) if unknown is None else unknown[:, j]
         if np.count_nonzero(~lost) > 8 * PARABOLA and np.ptp(channel[~lost]) > 0.0:
-            out[:, j] = _of_channel(np.ascontiguousarray(channel), lost, (0, longest - 1))
+            out[:, j] = _of_channel(np.ascontiguousarray(channel), lost, (0, longest - 1), averaged)
     return out
 
 
-def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask) -> Mask:
+def spikes_beside(tau: Float, known: Float, rate: float, missing: Mask, *, averaged: bool) -> Mask:
     """Return the spikes (N, J) of torques `tau`, judged by what the torque `known` of a model leaves of them; what is
-    constant has none, whatever a model says.
+    constant has none, whatever a model says. `averaged` are means of samples judged before.
     """
-    return spikes(tau - known, rate, missing) & (np.ptp(tau, axis=0) > 0.0)
+    return spikes(tau - known, rate, missing, averaged=averaged) & (np.ptp(tau, axis=0) > 0.0)
 
 
 def without_spikes(x: Float, rate: float) -> Float:
@@ -76,14 +81,14 @@ def without_spikes(x: Float, rate: float) -> Float:
     return np.column_stack([straight(channel, bad) for channel, bad in zip(x.T, spikes(x, rate).T, strict=True)])
 
 
-def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
+def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...], averaged: bool) -> Mask:
     """Return which samples of `x` (N,) are spikes, judged anew without those found until nothing changes; beside one so
     many have no part in its prediction.
     """
     bad = np.zeros(x.size, dtype=bool)
     least = LEAST * float(np.ptp(x[~lost]))
     clean = straight(x, lost)
-    predictions = [_Prediction(guard, clean, lost, least) for guard in guards]
+    predictions = [_Prediction(guard, clean, lost, least, AGAIN if averaged else SPIKE) for guard in guards]
     for _ in range(ROUNDS):
         hidden = bad | lost
         clean = straight(x, hidden)
@@ -91,16 +96,18 @@ def _of_channel(x: Float, lost: Mask, guards: tuple[int, ...]) -> Mask:
         if np.array_equal(found, bad):
             break
         bad = found
-    return bad | ((np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5) & ~lost)
+    return bad if averaged else bad | ((np.convolve(bad, np.ones(2 * AMONG + 1), mode="same") >= CROWD - 0.5) & ~lost)
 
 
 class _Prediction:
     """How the samples of a torque follow from their neighbours, `guard` of which on either side have no part in it: by
-    the weights that predict the `clean` ones (N,) best, fitted robustly to those not hidden.
+    the weights that predict the `clean` ones (N,) best, fitted robustly to those not hidden. What is `bound` times the
+    usual off is far off.
     """
 
-    def __init__(self, guard: int, clean: Float, hidden: Mask, least: float) -> None:
+    def __init__(self, guard: int, clean: Float, hidden: Mask, least: float, bound: float) -> None:
         self.reach = PARABOLA + guard
+        self.bound = bound
         beside = np.arange(guard + 1, guard + 1 + SIDE)
         offsets = np.concatenate([-beside[::-1], beside])
         self.one_sided = np.zeros(2 * self.reach + 1)
@@ -114,7 +121,7 @@ class _Prediction:
         padded = np.concatenate([ends[0], clean, ends[1]])
         missed = x - np.convolve(padded, self.taken[::-1], mode="valid")
         size = np.abs(missed)
-        at = np.flatnonzero(size > SPIKE * _usual(size, hidden, least))
+        at = np.flatnonzero(size > self.bound * _usual(size, hidden, least))
         rows = padded[at[:, None] + np.arange(2 * self.reach + 1)]
         sign = np.sign(missed[at])
         sides = [sign * (x[at] - rows @ taken) for taken in (self.one_sided, self.one_sided[::-1])]

@@ -125,7 +125,8 @@ class PreparedRecording:
         """Return the recording with its spikes judged anew, beside the torque `known` (N, J) of a model."""
         if self.read is None:
             return self
-        return self.without(spikes_beside(self.read.tau, known, self.rate, self.read.missing))
+        averaged = self.read.brief.size > 0
+        return self.without(spikes_beside(self.read.tau, known, self.rate, self.read.missing, averaged=averaged))
 
     @property
     def lost(self) -> Bool:
@@ -136,6 +137,13 @@ class PreparedRecording:
     def spikes(self) -> Bool:
         """Working samples (N, J) that are hidden as spikes."""
         return np.asarray(self.hidden & ~self.lost)
+
+    def times_of_spikes(self, joint: int) -> Float:
+        """Return when (S,) in s torques of a joint (index) are hidden as spikes, in order."""
+        times = [self.motion.t[self.spikes[:, joint]]]
+        if self.read is not None and self.read.brief.size:
+            times.append(self.motion.t[0] + np.flatnonzero(self.read.brief[:, joint]) / self.full_rate)
+        return np.sort(np.concatenate(times))
 
     def without(self, bad: Bool) -> PreparedRecording:
         """Return the recording with the samples `bad` (N, J), spikes, hidden beside those that do not count anyhow."""

@@ -236,9 +236,19 @@ def _outlier_findings(prepared: Sequence[PreparedRecording], joints: Sequence[st
     if most.max() < NOTED:
         return ()
     many = bool(most.max() > MANY)
-    worst = prepared[index_of_greatest(shares.max(axis=1))].name if many else "all recordings"
+    worst = _most_spikes(prepared[index_of_greatest(shares.max(axis=1))], joints) if many else "all recordings"
     told = ", ".join(f"{joint} up to {100 * share:.2g} %" for joint, share in zip(joints, most, strict=True))
     what = f"spikes of the torque were hidden before filtering ({told} of the samples)"
     remedy = "look at the torque sensor and its cable" + ("" if many else " if this is unexpected")
     severity, limit = ("warning", MANY) if many else ("repaired", NOTED)
     return (Finding(SPIKES, severity, what, worst, float(most.max()), limit, remedy),)
+
+
+def _most_spikes(one: PreparedRecording, joints: Sequence[str]) -> str:
+    """Return where in a recording most of its spikes are: the joint, and the stretch of time that has most of them."""
+    joint = index_of_greatest(one.outliers)
+    first, last = np.quantile(one.times_of_spikes(joint), (0.1, 0.9))
+    place = f"{one.name}, {joints[joint]}"
+    if last - first > 0.6 * (one.motion.t[-1] - one.motion.t[0]):
+        return f"{place}, all the time"
+    return f"{place}, most of them from {first:.3g} to {last:.3g} s"

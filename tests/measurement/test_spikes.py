@@ -82,3 +82,11 @@ def test_what_is_unknown_or_constant_has_no_spikes():
     assert not spikes(tau, 100.0, unknown)[480:620].any()
     assert not spikes(np.full((500, 1), 3.0), 100.0).any()
     assert not spikes(np.zeros((0, 1)), 100.0).any()
+
+
+@pytest.mark.shows("spikes.AGAIN")
+def test_means_of_samples_judged_before_are_spikes_only_where_they_are_plain():
+    tau = swing(100.0, 0.02, seed=6)
+    hit = np.random.default_rng(7).random(tau.shape) < 0.01
+    found = [spikes(tau + np.where(hit, size * 0.02, 0.0), 100.0, averaged=True)[hit].mean() for size in (4.5, 9.0)]
+    assert found[0] < 0.5 and found[1] > 0.9

@@ -27,11 +27,13 @@ def test_a_bar_appears_when_work_lasts(quiet, shown, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(waiting, "PATIENCE", 0.01)
     monkeypatch.setenv("TERM", "xterm")
+    seen, until = "", time.monotonic() + (60.0 if shown else 0.5)
     with waiting.progress("working", quiet=quiet) as report:
-        time.sleep(0.4)
-        report(0.5, "half way")
-        time.sleep(0.3)
-    assert ("half way" in capsys.readouterr().err) is shown
+        while "half way" not in seen and time.monotonic() < until:  # drawn from another thread, when it has its turn
+            report(0.5, "half way")
+            time.sleep(0.05)
+            seen += capsys.readouterr().err
+    assert ("half way" in seen) is shown
 
 
 def test_short_work_shows_nothing(monkeypatch, capsys):

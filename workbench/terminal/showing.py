@@ -11,6 +11,7 @@ from workbench.report.sections.verdict import term
 from workbench.report.sections.where import error_sizes
 from workbench.terminal.screen import Screen, bar
 
+SPIKES = "torque_outliers"
 MOST_SUSPECTS = 8
 MOST_PLACES = 6
 VERDICT_STYLES: Mapping[str, str] = {"adequate": "good", "missing": "good", "check_channels": "bad"}
@@ -55,8 +56,17 @@ def show_by_recording(screen: Screen, found: Any) -> None:
 
 def of_the_set(audit: Iterable[Any]) -> list[Any]:
     """Return what an audit says of recordings together, which reading one by one could not tell."""
-    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels", "forces")]
+    told = [finding for finding in audit if finding.check in ("overlap", "thigh_length", "channels", "forces", SPIKES)]
     return [finding for finding in told if finding.severity == "warning" or "cannot tell" in finding.what]
+
+
+def show_findings(screen: Screen, audit: Sequence[Any], misread: Sequence[Any] = (), style: str = "warn") -> None:
+    """Show what an audit says of recordings together, and what share of the torques was hidden as spikes."""
+    for finding in (*misread, *of_the_set(audit)):
+        screen.say(f"careful: {finding}", "warn" if finding.check == SPIKES else style)
+    for finding in audit:
+        if finding.check == SPIKES and finding.severity == "repaired":
+            screen.say(str(finding), "faint")
 
 
 def show_comparison(screen: Screen, found: Any) -> None:
@@ -68,8 +78,7 @@ def show_comparison(screen: Screen, found: Any) -> None:
         screen.say(f"measured force: {force.sentence}")
     if found.verify_rms is None:
         screen.say(NOTHING_HELD_OUT, "warn")
-    for finding in (*found.misread, *of_the_set(found.audit)):
-        screen.say(f"careful: {finding}", "bad")
+    show_findings(screen, found.audit, found.misread, "bad")
     if not found.where:
         screen.say("The error depends on nothing that was looked at.")
         return
@@ -99,8 +108,7 @@ def show_differences(screen: Screen, found: Any) -> None:
     for joint, unit, *values in errors:
         before, after, named = map(number, values)
         screen.say(f"error of the {joint}: {before} {unit} before, {after} after, {named} with what is named")
-    for finding in of_the_set(found.audit):
-        screen.say(f"careful: {finding}", "warn")
+    show_findings(screen, found.audit)
 
 
 def show_diagnosis(screen: Screen, found: Any) -> None:
@@ -110,8 +118,7 @@ def show_diagnosis(screen: Screen, found: Any) -> None:
     screen.say(f"{found.headline}.", VERDICT_STYLES.get(found.verdict, "warn"))
     screen.say(str(found.further))
     screen.say(f"why: {found.rule}", "faint")
-    for finding in of_the_set(found.audit):
-        screen.say(f"careful: {finding}", "warn")
+    show_findings(screen, found.audit)
     for force in result.get("forces", ()):
         screen.say(f"measured force: {force['sentence']}", "faint")
     for one in result["accepted"]:
