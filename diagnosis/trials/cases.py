@@ -11,7 +11,8 @@ Each case is a leg of its own: three 30 s runs to fit, one to verify, 100 Hz, th
     outside   an effect that the catalogue does not have
 
 and those of `machines.py`: what real machines have, with one effect hidden; and of `chains.py`: other machines than the
-leg, with one effect hidden or nothing. Their sizes are compared with the noise of the joint's own torque sensor.
+leg, with one effect hidden or nothing. Their sizes are compared with the noise of the joint's own torque sensor. In
+those of `people.py` a person or the ground pushes too, with one effect hidden or nothing.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from diagnosis.trials.machines import (
     kept_in,
     without_knee_drive,
 )
+from diagnosis.trials.people import PEOPLE, bench_of
 from measurement.bench.blind import draw_hidden, relative_size
 from measurement.bench.hidden import Hidden, true_model
 from measurement.bench.leg import Leg, random_leg
@@ -47,7 +49,7 @@ from symbolic.model import Model
 from symbolic.motion import Motion
 from symbolic.term import Term, places_of
 
-KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION, *CHAINS)
+KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION, *CHAINS, *PEOPLE)
 VISIBLE = (0.25, 1.2)
 """RMS in N·m that a hidden effect leaves after the base model was refitted to it."""
 RATE, BAND = 200.0, 5.0
@@ -66,7 +68,7 @@ PAIRS = 12
 MACHINES_PER_SEED = 4
 """Effects per seed and kind of `machines.py`."""
 CHAINS_PER_SEED = 4
-"""Effects per seed and kind of `chains.py`; beside them, one machine with nothing hidden."""
+"""Effects per seed and kind of `chains.py` and `people.py`; beside them, one machine with nothing hidden."""
 SENSIBLE, SENSIBLE_SHARE = 10.0, 0.3
 """Times its typical size, and share of the torque of the machine, that an effect has at most where it is no leg's: what
 would have to be larger to be seen is not hidden there."""
@@ -181,6 +183,9 @@ def cases(kinds: Sequence[str], seeds: int, first: int = 0) -> list[Case]:
             by_kind[kind] = [Case(kind, (str(n),), seed) for n in rng.choice(choice, MACHINES_PER_SEED, replace=False)]
         for kind in [kind for kind in kinds if kind in CHAINS]:
             by_kind[kind] = [*(Case(kind, (n,), seed) for n in _chain_variants(kind, rng)), Case(kind, (), seed)]
+        for kind in [kind for kind in kinds if kind in PEOPLE]:
+            drawn = np.random.default_rng([seed, 8]).choice(names, CHAINS_PER_SEED, replace=False)
+            by_kind[kind] = [*(Case(kind, (str(n),), seed) for n in drawn), Case(kind, (), seed)]
         out += [case for kind in kinds for case in by_kind[kind]]
     return out
 
@@ -293,11 +298,14 @@ def simulated(
     worse = MACHINES.get(case.kind, lambda runs, _: runs)
     if case.kind == CONVENTION:
         return hidden, tuple(kept_in(case.variants[0], simulate_runs(4, model, leg, seed=case.number)))
+    bench = bench_of(case.kind, rng) if case.kind in PEOPLE else None
     if case.kind == PASSIVE and isinstance(leg, Leg):
         leg = without_knee_drive(leg)
     for _ in range(8):
         try:
-            return hidden, tuple(worse(simulate_runs(4, model, leg, effects=hidden, seed=case.number), rng))
+            runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
+            return hidden, tuple(worse(runs, rng))
         except BenchError:
             hidden = tuple(_scaled(one, 0.7) for one in hidden)
-    return hidden, tuple(worse(simulate_runs(4, model, leg, effects=hidden, seed=case.number), rng))
+    runs = simulate_runs(4, model, leg, effects=hidden, seed=case.number, bench=bench)
+    return hidden, tuple(worse(runs, rng))

@@ -2,7 +2,9 @@
 
 A case is *right* when exactly as much is accepted as was hidden, and each hidden effect is an accepted one or among its
 look-alikes; `outside` is right when nothing is accepted and what is left is reported at the right joint in the right
-variable; `convention` is right when the option that reads the recordings rightly is named and nothing is accepted.
+variable; `convention` is right when the option that reads the recordings rightly is named and nothing is accepted;
+where a person or the ground pushes and nobody measured it, *unexplained* is right, with nothing accepted, and of a walk
+with the sentence that something outside the model pushes.
 
 A case that was missed *could not be told* where knowing the structure of what is hidden would have lowered the error on
 unseen motion, of the given model or of what was named instead, by less than what `discover` asks of any candidate: a
@@ -23,6 +25,7 @@ from diagnosis.rules import RULES
 from diagnosis.trials.cases import KINDS, OUTSIDE
 from diagnosis.trials.chains import CHAINS
 from diagnosis.trials.machines import CONVENTION
+from diagnosis.trials.people import PEOPLE, SUSPECTED, UNMEASURED, WALKING
 
 
 def matched(line: Mapping[str, Any]) -> tuple[int, int]:
@@ -45,6 +48,9 @@ def right(line: Mapping[str, Any]) -> bool:
     if line["kind"] == CONVENTION:
         option = line["case"].split("/")[1]
         return line["verdict"] == "check_channels" and f"--convention {option.replace('+', ',')}" in line["next"]
+    if line["kind"] in UNMEASURED:
+        said = line["kind"] not in WALKING or SUSPECTED in line["says"]
+        return line["verdict"] == "unexplained" and not line["accepted"] and said
     found, extra = matched(line)
     return found == len(line["hidden"]) and extra == 0 and (bool(line["hidden"]) or line["verdict"] == "adequate")
 
@@ -63,6 +69,8 @@ def tellable(line: Mapping[str, Any]) -> bool:
     return bool(min(gains) >= RULES.least_share)
 
 
+_BOTH = frozenset((*CHAINS, *PEOPLE))
+"""Kinds with an effect, and with nothing hidden."""
 HEADS = (
     "kind", "cases", "right", "extra", "missed", "could not be told", "look-alikes", "error/true (median, worst)",
     "covered",
@@ -73,13 +81,13 @@ def counted(lines: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
     """Return one row per kind, in the order of `HEADS`."""
     rows: list[tuple[str, ...]] = []
     for kind, quiet in itertools.product(KINDS, (False, True)):
-        some = [line for line in lines if line["kind"] == kind and quiet == (kind in CHAINS and not line["hidden"])]
+        some = [line for line in lines if line["kind"] == kind and quiet == (kind in _BOTH and not line["hidden"])]
         good = [line for line in some if "error" not in line]
         if not some:
             continue
         extra = sum(matched(line)[1] > 0 for line in good)
         missed = [line for line in good if matched(line)[0] < len(line["hidden"])]
-        asked = kind not in ("none", "outside", CONVENTION) and not quiet
+        asked = kind not in ("none", "outside", CONVENTION, *UNMEASURED) and not quiet
         alike = [len(a["look_alikes"]) for line in good for a in line["accepted"]]
         ratios = [excess(line) for line in good] or [math.nan]
         covered = [ok for line in good for ok in line["covered_true"]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,11 @@ from diagnosis.discover import discover
 from diagnosis.evidence.fitted import fitted_model
 from diagnosis.results import Diagnosis
 from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, subject, visible
+from diagnosis.trials.people import UNMEASURED, as_measured, as_read
 from measurement.bench.blind import relative_size
 from measurement.bench.hidden import Hidden
 from measurement.bench.simulation import BenchRun
+from measurement.recording import Recording
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
@@ -26,11 +29,11 @@ def run_case(name: str) -> dict[str, Any]:
     rng = np.random.default_rng(case.number)
     model, leg = subject(case, rng)
     hidden, runs = simulated(case, model, leg, rng)
-    recordings = [run.recording for run in runs]
+    recordings = as_read(runs)
     began = time.perf_counter()
     found = discover(model, recordings[:3], recordings[3:])
     seconds = time.perf_counter() - began
-    best, covered = _true_structure(model, runs)
+    best, covered = _true_structure(model, runs, as_measured(runs) if case.kind in UNMEASURED else recordings)
     first, last = found.steps[0].verify_rms, found.steps[-1].verify_rms
     assert first is not None and last is not None  # a recording is held out
     return {
@@ -40,6 +43,7 @@ def run_case(name: str) -> dict[str, Any]:
         "size": [relative_size(h, leg, model) for h in hidden],
         "visible": [visible(h, model, leg) for h in hidden],
         "verdict": found.verdict,
+        "says": found.sentence,
         "next": found.next_experiment,
         "accepted": [_accepted(a) for a in found.accepted],
         "unexplained": found.to_json()["unexplained"],
@@ -67,12 +71,16 @@ def _exactly(found: Diagnosis, hidden: tuple[Hidden, ...]) -> bool:
     return {a.name for a in found.accepted} == {h.name for h in hidden}
 
 
-def _true_structure(model: Model, runs: tuple[BenchRun, ...]) -> tuple[list[float], list[bool]]:
+def _true_structure(
+    model: Model, runs: tuple[BenchRun, ...], recordings: Sequence[Recording]
+) -> tuple[list[float], list[bool]]:
     """Return the error on unseen motion when the structure is known, and which intervals then cover the truth."""
-    recordings = [run.recording for run in runs]
-    prepared = prepare(model, recordings[:3], recordings[3:])
     true = runs[0].true
-    fit = identify(true.model, prepared.train, optimisers=(), start=true.shape if true.shape.size else None)
+    measured = {*true.model.channels} <= {*recordings[0].forces}
+    forces = true.model.forces if measured else ()
+    prepared = prepare(model.with_forces(*forces), recordings[:3], recordings[3:])
+    start = true.shape if true.shape.size else None
+    fit = identify(true.model.with_forces(*forces), prepared.train, optimisers=(), start=start)
     rms = fitted_model(fit, prepared).verify_rms
     assert rms is not None
     return rms.tolist(), _covered(fit.estimates, runs[0])

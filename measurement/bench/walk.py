@@ -42,13 +42,14 @@ STRIDES = 1000
 
 @dataclass(frozen=True)
 class Walk:
-    """Strides of about `stride` s, in whose part `stance` the foot bears up to about `load` N of what a person and a
-    machine weigh.
+    """Strides of about `stride` s, in whose part `stance` the foot, `foot` m below the knee, bears up to about `load` N
+    of what a person and a machine weigh.
     """
 
     stride: float = 1.5
     load: float = 250.0
     stance: float = 0.6
+    foot: float = 0.43
 
     def __post_init__(self) -> None:
         for entry in fields(self):

@@ -45,7 +45,7 @@ class Wearer:
 CUFF = 0.25
 """m below its joint at which a cuff or a foot sits whose place no model says."""
 FOOT = 0.43
-"""The same of the foot, m below the last joint."""
+"""The same of the foot of a leg that does not walk, m below the last joint."""
 GROUND = (8.0, 60.0)
 """N forwards and upwards at most in stance, STANCE of a stride of about STRIDE s, where no leg walks."""
 STANCE, STRIDE = 0.6, 1.2
@@ -80,8 +80,9 @@ def pushed_leg(model: Model, wearer: Wearer | None, gait: Gait | None) -> Model:
         names = zip(("thigh cuff", "shank cuff"), model.joint_names, ("f1", "f2"), wearer.reach, strict=True)
         forces = [Force(name, link, (column,), at) for name, link, column, at in names]
     if gait is not None and kinds.isdisjoint((WORLD, VERTICAL)):
-        forces.append(Force("ground", model.joint_names[-1], ("grf_x", "grf_z"), FOOT))
-    usual = {WORLD: FOOT, VERTICAL: FOOT}
+        forces.append(Force("ground", model.joint_names[-1], ("grf_x", "grf_z")))
+    foot = FOOT if gait is None else gait.walk.foot
+    usual = {WORLD: foot, VERTICAL: foot}
     return model.with_forces(
         *(
             replace(force, at=usual.get(force.frame, CUFF) if force.at is None else force.at, gain=force.gain or 1.0)
