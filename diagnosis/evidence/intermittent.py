@@ -30,14 +30,14 @@ from symbolic.mechanics.pushed import placed_joints, pushed_torques
 from symbolic.motion import Float
 
 CLEAR = Threshold(
-    10.0,
+    6.0,
     "times the error of the quiet part, RMS, that three quarters of the other windows have: what is sometimes large "
     "and sometimes small has no quiet part",
 )
 BEYOND = Threshold(
-    5.0,
-    "times the same that curves and other numbers leave of it in a recording left out: a stop or a bump would be taken "
-    "for contact",
+    0.3,
+    "part of it, RMS, that curves and other numbers leave in a recording left out: a stop or a bump would be taken for "
+    "contact",
 )
 TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
 ADVICE = (
@@ -136,7 +136,7 @@ def intermittent(base: FittedModel) -> Intermittent | None:
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    if not _beyond_curves(views, rest, acts, BEYOND * np.sqrt(level)):
+    if not _beyond_curves(views, rest, acts, CLEAR * np.sqrt(level)):
         return None
     weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
@@ -225,7 +225,7 @@ def _beyond_curves(
     views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], least: float
 ) -> bool:
     """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave more than `least` of what acts, at any joint.
+    recordings, leave a good part of what acts at any joint where that is more than `least`.
     """
     q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
@@ -238,15 +238,16 @@ def _beyond_curves(
         own = [part[joint][view.seen[joint]] for part, view in zip(rest, views, strict=True)]
         grams = [part.T @ part for part in rows]
         slopes = [part.T @ y for part, y in zip(rows, own, strict=True)]
-        square, count = 0.0, 0
+        square, whole, count = 0.0, 0.0, 0
         for k, view in enumerate(views):
             others = [i for i in range(len(views)) if i != k or len(views) == 1]
             gram = np.sum([grams[i] for i in others], axis=0)
             held = RIDGE * sum(len(own[i]) for i in others) * np.eye(len(gram))
             left = own[k] - rows[k] @ np.linalg.solve(gram + held, np.sum([slopes[i] for i in others], axis=0))
             there = acts[k][view.seen[joint]]
-            square, count = square + float(np.sum(left[there] ** 2)), count + int(there.sum())
-        if count and np.sqrt(square / count) > least:
+            square, whole = square + float(np.sum(left[there] ** 2)), whole + float(np.sum(own[k][there] ** 2))
+            count += int(there.sum())
+        if whole > count * least**2 and square > BEYOND**2 * whole:
             return True
     return False
 

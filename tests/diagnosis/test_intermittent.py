@@ -12,6 +12,8 @@ from diagnosis.evidence.fitted import fitted_model
 from diagnosis.evidence.intermittent import intermittent
 from measurement.auditing import trimmed
 from measurement.auditing.convention import check_conventions
+from measurement.bench.simulation import Bench, simulate_runs
+from measurement.bench.walk import Walk
 from optimisation.fitting.identify import identify
 from optimisation.preparation.prepare import prepare
 from symbolic.model import Model
@@ -110,3 +112,14 @@ def test_a_load_that_hangs_there_once_is_no_contact(monkeypatch):
     assert intermittent(base) is None
     monkeypatch.setattr(module, "TIMES", 1.0)
     assert intermittent(base) is not None
+
+
+def test_a_bump_that_curves_blur_is_no_contact():
+    base = with_torque(lambda one, rng: np.outer(20.0 * np.exp(-(((one.q[:, 0] - 0.3) / 0.05) ** 2)), (1.0, 0.0)))
+    assert intermittent(base) is None
+
+
+def test_a_light_foot_of_the_bench_is_suspected():
+    runs = simulate_runs(3, seed=4, bench=Bench(duration=20.0, walk=Walk(load=150.0), measured=()))
+    found = intermittent(fitted([run.recording for run in runs]))
+    assert 0.55 < found.share < 0.75 and 1.2 < found.period < 1.8 and "upwards" in found.force
