@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future
 from multiprocessing import resource_tracker as of_python
 from typing import Any
 
 from ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
-from ground.engines.engine import AHEAD, Engine
+from ground.engines.engine import AHEAD, Engine, Job, completed
 from ground.import_path import SAFE, workers_import_alike
 
 IDLE = 10.0
@@ -56,6 +56,19 @@ def processes(jobs: int = 0) -> Engine:
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
     return _loky(f"{count} processes on this machine", count, BESIDE_OTHERS)
+
+
+def in_processes(
+    function: Callable[..., Any], jobs: Iterable[Job], arguments: Callable[[Job], tuple[Any, ...]], count: int = 0
+) -> Iterator[tuple[Job, Any]]:
+    """Yield every job with its result, in the order in which they end, from `count` processes as for `processes`."""
+    engine, ended = processes(count), False
+    try:
+        for job, future in completed(engine, function, jobs, arguments):
+            yield job, future.result()
+        ended = True
+    finally:
+        engine.close(ended)
 
 
 def alone() -> Engine:

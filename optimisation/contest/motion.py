@@ -22,7 +22,7 @@ import numpy as np
 from optimisation.contest.settings import MOTIONS
 from optimisation.contest.subject import ContestSubject
 from optimisation.excitation.design import design, search_of
-from optimisation.excitation.result import MEANING
+from optimisation.excitation.result import MEANING, Excitation
 from optimisation.excitation.search import MotionSearch
 from optimisation.excitation.settings import DesignSettings
 from optimisation.fitting.settings import Search
@@ -140,18 +140,18 @@ _SEARCHES: dict[tuple[str, str, bool], MotionSearch] = {}
 
 def motion_contest(
     model: Model | None = None, criterion: str = "condition", seed: int = 0, individuals: int | None = None,
-    generations: int | None = None, starts: int = STARTS,
+    generations: int | None = None, found: Excitation | None = None,
 ) -> MotionContest:  # fmt: skip
-    """Return the contest of motions for `model` (the standard leg), with references found from `seed`, IPOPT's from
-    so many `starts`.
+    """Return the contest of motions for `model` (the standard leg), with the candidates of `found`, which was designed
+    for it, as references; those of a design from `seed` where none is given.
     """
     leg = Model.standard() if model is None else model
     size = {"individuals": individuals, "generations": generations}
     given = {name: number for name, number in size.items() if number is not None}
     name = f"motions of {leg.name}"
     contest = MotionContest(name=name, model=leg, criterion=criterion, known={}, **given)
-    found = design(leg, criterion=criterion, starts=starts, seed=seed).candidates
-    values = sorted(((one.name, one.value) for one in found), key=lambda one: one[1])
+    found = found or design(leg, criterion=criterion, starts=STARTS, seed=seed)
+    values = sorted(((one.name, one.value) for one in found.candidates), key=lambda one: one[1])
     return replace(contest, known=dict(values))
 
 

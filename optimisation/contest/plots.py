@@ -58,6 +58,8 @@ def contest_figure(entrants: Sequence[Entrant], budget: int, goal: Goal) -> Figu
 
 def _convergence(entrants: Sequence[Entrant], goal: Goal, axes: Axes, styles: Mapping[str, Any]) -> None:
     """Draw the median gap after each generation, and the band between the quartiles."""
+    from matplotlib.ticker import MaxNLocator
+
     for one in entrants:
         found = np.maximum(quartiles(one.gaps), goal.floor)
         low, middle, high = np.where(np.isfinite(found), found, np.nan)  # what is infinite is not drawn
@@ -68,6 +70,7 @@ def _convergence(entrants: Sequence[Entrant], goal: Goal, axes: Axes, styles: Ma
         goal.name, (1.0, goal.floor), xycoords=("axes fraction", "data"), ha="right",
         va="top", xytext=(0, -3), textcoords="offset points", fontsize="small", color=INK,
     )  # fmt: skip
+    axes.xaxis.set_major_locator(MaxNLocator(4))  # five digits each
     axes.set_ylim(goal.floor * (0.02 if goal.floor < 1e-9 else 0.5), None)
     axes.set(title="Way to the optimum", xlabel="evaluations", ylabel="relative gap (median, quartiles)")
 

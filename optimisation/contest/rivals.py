@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ground.engines.engine import completed
-from ground.engines.processes import processes
+from ground.engines.processes import in_processes
 from ground.progress import Progress, silent
 from ground.settings import spelt_out
 from optimisation.budget import INDIVIDUALS
@@ -125,16 +125,15 @@ def _run(contest: ContestSubject, tasks: Sequence[tuple[str, int]], asked: Conte
     """Yield outcomes as they come."""
     if not tasks:
         return
-    searches, engine = _searches(asked), asked.engine
-    chosen = processes(asked.jobs) if engine is None else engine
-    ended = False
-    try:
-        for _, future in completed(chosen, race, tasks, lambda task: (contest, task[0], searches[task[0]], task[1])):
-            yield future.result()
-        ended = True
-    finally:
-        if engine is None:
-            chosen.close(ended)
+    searches = _searches(asked)
+
+    def given(task: tuple[str, int]) -> tuple[Any, ...]:
+        return contest, task[0], searches[task[0]], task[1]
+
+    if asked.engine is None:
+        yield from (outcome for _, outcome in in_processes(race, tasks, given, asked.jobs))
+    else:
+        yield from (future.result() for _, future in completed(asked.engine, race, tasks, given))
 
 
 __all__ = ["Contest", "Outcome", "Rivals", "entrants", "rivals"]

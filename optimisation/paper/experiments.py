@@ -7,17 +7,18 @@ published. Shapes: N samples, J = 2 joints, P = 8 parameters.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
 
+from ground.engines.processes import in_processes
 from measurement.bench.leg import paper_leg
 from measurement.bench.simulation import Bench, BenchRun, run_bench
 from measurement.signals.conditioning import derivatives, low_pass
 from measurement.trajectories.trajectory import Fourier, paper_trajectory
-from optimisation.contest.motion import MotionContest, MotionEntrant, motion_contest
+from optimisation.contest.motion import NARROW, WIDE, MotionContest, MotionEntrant, motion_contest
 from optimisation.contest.problem import paper_contest
 from optimisation.contest.rivals import entrants, rivals
 from optimisation.contest.standings import Rivals
@@ -38,9 +39,10 @@ UNSEEN = 1_000
 """What is added to a seed for the motion that a fit is judged on."""
 STARTS = 1
 """Starts of IPOPT for its best motion."""
+CONDITION = "condition"
 ENTRANTS = ("nfo", "pso", "ga")
 """Those whom the paper compares."""
-BOXES = (1.0, 0.2, 0.05)
+BOXES = (WIDE, NARROW, 0.05)
 """rad: half-widths of the box of motions that are sought with an infinite penalty; the paper does not print its own."""
 
 
@@ -142,13 +144,14 @@ class Experiments:
 
     @cached_property
     def designs(self) -> Mapping[str, Excitation]:
-        """{criterion: the motion that `exoid design` finds for it}."""
-        return {name: design(self.leg, criterion=name, seed=self.seed) for name in CRITERION_NAMES}
+        """{criterion: the motion that `exoid design` finds for it}; for the condition number with IPOPT beside it."""
+        found = dict(in_processes(_designed, CRITERION_NAMES, lambda name: (self.leg, name, self.seed)))
+        return {name: found[name] for name in CRITERION_NAMES}
 
     @cached_property
     def motions(self) -> MotionContest:
         """The search for a motion, with the best one known."""
-        return motion_contest(self.leg, seed=self.seed, starts=STARTS)
+        return motion_contest(self.leg, CONDITION, found=self.designs[CONDITION])
 
     @cached_property
     def on_motions(self) -> Rivals:
@@ -161,9 +164,12 @@ class Experiments:
     @cached_property
     def boxes(self) -> Rivals:
         """NFO with an infinite penalty in boxes of several sizes, and with rescaled motions."""
-        competing = {f"∞ outside, within ±{half:g} rad": _boxed(half) for half in BOXES}
-        competing["rescaled into the limits, within ±1 rad"] = MotionEntrant(NFO())
-        return rivals(self.motions, seed=self.seed, seeds=self.seeds, competing=competing)
+        done = {NARROW: "nfo_penalty", None: "nfo"}
+        missing = {_within(half): _boxed(half) for half in BOXES if half not in done}
+        found = rivals(self.motions, seed=self.seed, seeds=self.seeds, competing=missing)
+        both = {**found.outcomes, **{_within(half): self.on_motions.outcomes[name] for half, name in done.items()}}
+        names = [_within(half) for half in (*BOXES, None)]
+        return replace(found, searches={}, outcomes={name: both[name] for name in names})
 
     @cached_property
     def on_fits(self) -> Mapping[str, Rivals]:
@@ -227,3 +233,13 @@ def _record(model: Model, seed: int, excitation: Fourier | None) -> BenchRun:
 
 def _boxed(half: float) -> MotionEntrant:
     return MotionEntrant(NFO(), penalised=True, half=half)
+
+
+def _within(half: float | None) -> str:
+    """Return what a search of motions in a box of this half-width is called; None where they are rescaled."""
+    return f"rescaled into the limits, within ±{WIDE:g} rad" if half is None else f"∞ outside, within ±{half:g} rad"
+
+
+def _designed(model: Model, criterion: str, seed: int) -> Excitation:
+    """Return the motion that is best by a criterion; with IPOPT beside it where motions compete."""
+    return design(model, criterion=criterion, seed=seed, starts=STARTS if criterion == CONDITION else 0)

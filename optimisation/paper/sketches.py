@@ -62,11 +62,11 @@ def mechanism_figure() -> Figure:
     with figure_style():
         figure = new_figure(5.4, 4.8)
         axes = figure.subplots()
-        q = np.array([[0.75, -0.95]])
+        q = np.array([[0.75, -1.25]])
         hip, knee, end = points_of(q, (1.0, 1.0))[0]
         first = -0.5 * np.pi + q[0, 0]
         axes.plot([-0.25, 0.25], [0.0, 0.0], color=INK, linewidth=2.0)
-        axes.plot([0.0, 0.0], [0.0, -0.75], color=FAINT, linestyle=":")
+        axes.plot([0.0, 0.0], [0.0, -0.38], color=FAINT, linestyle=":")
         axes.plot(*np.transpose([knee, knee + 0.6 * (knee - hip)]), color=FAINT, linestyle=":")
         for start, stop, colour, mass in ((hip, knee, HIP, "m_th, I_th"), (knee, end, KNEE, "m_sh, I_sh")):
             along, centre = stop - start, start + 0.5 * (stop - start)
@@ -74,11 +74,11 @@ def mechanism_figure() -> Figure:
             axes.plot(*np.transpose([start, stop]), color=colour, linewidth=5.0, solid_capstyle="round", zorder=2)
             axes.plot(*start, "o", color=INK, markersize=9, zorder=3)
             axes.plot(*centre, "o", color=PAPER, markeredgecolor=INK, markersize=8, zorder=3)
-            _text(axes, centre + 0.08 * out, mass, ha="right", va="center", color=INK)
+            _text(axes, centre + 0.14 * out, mass, ha="right", va="center", color=INK)
             cuff = start + 0.8 * along
             axes.annotate("", cuff, cuff + 0.35 * out, arrowprops={"arrowstyle": "->", "color": GREEN})
         axes.text(end[0] - 0.36, end[1] + 0.12, "F_dis at\nthe cuffs", ha="right", va="center", color=GREEN)
-        _arc(axes, hip, (-0.5 * np.pi, first), 0.3, "θ1")
+        _arc(axes, hip, (-0.5 * np.pi, first), 0.22, "θ1")
         _arc(axes, knee, (first, first + q[0, 1]), 0.5, "θ2")
         _dimension(axes, hip, 0.5 * knee, "l_th", 0.12)
         _dimension(axes, hip, knee, "a_th", 0.3)

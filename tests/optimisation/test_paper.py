@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 from ground.folder import modules_in, names_in
 from optimisation.contest.motion import MotionEntrant, motion_contest
 from optimisation.contest.problem import paper_contest
+from optimisation.excitation.design import design
 from optimisation.fitting.settings import Search
 from optimisation.linear.solve import solve_sse
 from optimisation.optimisers.nfo import NFO
@@ -163,7 +163,9 @@ def short(experiments, monkeypatch):
     """Let everything that competes have the fewest generations that can be drawn."""
     from optimisation.paper import experiments as module
 
-    small = replace(motion_contest(individuals=6, generations=3, starts=0), individuals=6, generations=3)
+    quick = design(individuals=6, generations=20)
+    experiments.__dict__["designs"] = {"condition": quick}
+    small = motion_contest(individuals=6, generations=3, found=quick)
     monkeypatch.setattr(module, "motion_contest", lambda *a, **k: small)
     monkeypatch.setattr(module, "paper_contest", lambda *a, **k: paper_contest(individuals=6, generations=3, **k))
     return experiments
