@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from optimisation.contest.settings import MOTIONS
-from optimisation.contest.subject import ContestSubject
+from optimisation.contest.subject import ContestError, ContestSubject
 from optimisation.excitation.design import design, search_of
 from optimisation.excitation.result import MEANING, Excitation
 from optimisation.excitation.search import MotionSearch
@@ -143,8 +143,20 @@ def motion_contest(
     generations: int | None = None, found: Excitation | None = None,
 ) -> MotionContest:  # fmt: skip
     """Return the contest of motions for `model` (the standard leg), with the candidates of `found`, which was designed
-    for it, as references; those of a design from `seed` where none is given.
+    for it, as references; those of a design from `seed` where none is given. ContestError where `found` is a motion of
+    another kind than those that compete.
     """
+    usual = DesignSettings(criterion=criterion)
+    if found is not None:
+        motion = found.trajectory
+        theirs = {"period": motion.period, "harmonics": motion.sine.shape[1], "offsets": found.offsets,
+                  "rest": found.rest}  # fmt: skip
+        other = [f"{name}={value!r}" for name, value in theirs.items() if value != getattr(usual, name)]
+        if other:
+            raise ContestError(
+                f"this motion was designed with {', '.join(other)}, and those that compete are not",
+                remedy="give its model in place of it, or design it without",
+            )
     leg = Model.standard() if model is None else model
     size = {"individuals": individuals, "generations": generations}
     given = {name: number for name, number in size.items() if number is not None}

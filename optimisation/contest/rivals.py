@@ -3,6 +3,7 @@
     rivals()                         the paper's leg on the virtual bench, 51 seeds
     rivals(fit)                      the problem of a fit (or: a model and its recordings, as for `identify`)
     rivals(problem="excitation")     motions inside the limits of a leg, against the best one known
+    rivals(design(leg, starts=1))    the same, against what was designed already
 
 Runs are spread over processes of this machine, or over any other of `ground.engines`:
 
@@ -14,6 +15,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ground.engines.engine import completed
@@ -27,6 +29,7 @@ from optimisation.contest.settings import SEEDS, ContestOptions, ContestSettings
 from optimisation.contest.standings import Rivals
 from optimisation.contest.store import RunStore
 from optimisation.contest.subject import ContestError, ContestSubject
+from optimisation.excitation.result import Excitation
 from optimisation.fitting.fit import Fit
 from optimisation.fitting.identify import SEARCHES, identify
 from optimisation.fitting.settings import Search
@@ -55,7 +58,7 @@ def entrants(whitened: bool = False, problem: str = "identification") -> Mapping
 
 @spelt_out(ContestSettings)
 def rivals(
-    subject: Model | Fit | ContestSubject | None = None,
+    subject: Model | Fit | Excitation | ContestSubject | None = None,
     recordings: Sequence[PreparedRecording] | Sequence[Recording] = (),
     settings: ContestSettings | None = None,
     *,
@@ -68,6 +71,8 @@ def rivals(
     """
     began = time.perf_counter()
     asked = ContestSettings.chosen(settings, changes)
+    if isinstance(subject, Excitation):
+        asked = replace(asked, problem="excitation", criterion=subject.criterion)
     if asked.seeds < 2:
         raise ContestError(
             "one seed cannot show run-to-run variation",
@@ -106,11 +111,13 @@ def _contest(subject: Any, recordings: Any, asked: ContestSettings) -> ContestSu
     if isinstance(subject, ContestSubject):
         return subject
     if asked.problem == "excitation":
-        if recordings or not (subject is None or isinstance(subject, Model)):
+        if recordings or not (subject is None or isinstance(subject, (Model, Excitation))):
             raise ContestError(
                 "motions compete on a model alone", remedy="give no recordings and no fit, or leave out `problem`"
             )
-        return motion_contest(subject, asked.criterion, asked.seed, asked.individuals, asked.generations)
+        found = subject if isinstance(subject, Excitation) else None
+        model = subject.model if isinstance(subject, Excitation) else subject
+        return motion_contest(model, asked.criterion, asked.seed, asked.individuals, asked.generations, found)
     size = asked.individuals or INDIVIDUALS, asked.generations
     if isinstance(subject, Fit):
         return contest_of(subject, *size)

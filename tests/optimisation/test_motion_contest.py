@@ -10,6 +10,7 @@ import pytest
 from optimisation.contest.motion import MotionContest, MotionEntrant, motion_entrants
 from optimisation.contest.rivals import entrants, rivals
 from optimisation.contest.subject import ContestError
+from optimisation.excitation.design import design
 from optimisation.optimisers import optimisers
 from optimisation.optimisers.nfo import NFO
 from symbolic.model import Model
@@ -100,3 +101,14 @@ def test_recordings_do_not_belong_to_it(capsys):
     assert "motions compete on a model alone" in capsys.readouterr().err
     with pytest.raises(ContestError, match="a model alone"):
         rivals(LEG, [object()], problem="excitation")
+
+
+def test_motions_compete_with_one_that_was_designed():
+    few = {"individuals": 6, "generations": 20}
+    found = design(criterion="worst", **few)
+    names = {name: one for name, one in entrants(problem="excitation").items() if name in ("nfo", "nfo_penalty")}
+    raced = rivals(found, seeds=2, competing=names, jobs=1, **few)
+    assert raced.contest.criterion == "worst"
+    assert raced.contest.known == {one.name: one.value for one in found.candidates}
+    with pytest.raises(ContestError, match=r"period=8\.0"):
+        rivals(design(period=8.0, **few), seeds=2)
