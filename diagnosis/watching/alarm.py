@@ -48,6 +48,19 @@ class Deviation:
 
 
 @dataclass(eq=False)
+class Pending:
+    """An alarm that is still to be asked about in `wait` blocks; `age` blocks old, `asked` so often; `told` that it has
+    no name yet.
+    """
+
+    found: Deviation
+    wait: int
+    age: int = 0
+    asked: int = 0
+    told: bool = False
+
+
+@dataclass(eq=False)
 class Detector:
     """Quiet blocks, the last ones, and the threshold; nothing grows."""
 

@@ -11,6 +11,7 @@
     "bad_samples"  samples that no sensor can have measured are passed over; or they are over
     "skipped"      a line that is no sample
     "columns"      a logger that began again says anew which column is which
+    "heartbeat"    the watch is alive
     "summary"      the end
 """
 

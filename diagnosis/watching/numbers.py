@@ -15,7 +15,7 @@ import numpy as np
 from diagnosis.evidence.fitted import FittedModel
 from diagnosis.watching.alarm import SPANS
 from diagnosis.watching.course import Onset
-from diagnosis.watching.estimator import Estimator
+from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.questions import LOAD, Acting
 from diagnosis.watching.result import ChangeFound
 from diagnosis.watching.window import Window
@@ -40,6 +40,14 @@ class FollowedNumbers:
     now: FittedModel
     followed: tuple[Acting, ...] = ()
     past: deque[_Moment] = field(default_factory=lambda: deque(maxlen=SPANS[-1]))
+
+    @classmethod
+    def started(cls, now: FittedModel, scale: Float, rate: float, pace: Pace) -> FollowedNumbers:
+        """Return numbers of which little more is known than those of the model `now`; `scale` (J,) N·m is that of the
+        residual, `rate` Hz that of the samples.
+        """
+        spread = 10.0 * (np.abs(now.linear) + 1.0)
+        return cls(Estimator.start(now.model, now.linear, spread, scale, rate, pace), now)
 
     def take(self, one: Window, base: Float | None = None) -> None:
         """Learn from a window of samples as they came; `base` are the model's columns (J, K, P) there, if known."""

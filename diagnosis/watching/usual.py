@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.watching.alarm import Detector
-from diagnosis.watching.questions import questions
+from diagnosis.watching.questions import Asked, questions
+from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Scores, placebos, scores
 from diagnosis.watching.settings import Settings
 from diagnosis.watching.watched import Watched
 from diagnosis.watching.window import Window, prepared
+from ground.thresholds import Threshold
 from optimisation.fitting.identify import identify
 from symbolic.effect import Effect
 from symbolic.model import Model
 from symbolic.motion import Float
+
+GROWN = Threshold(
+    1.5,
+    "times the usual error from which a change without a name is no longer called small, and to which a name may leave "
+    "it: what leaves more is the nearest entry, not the answer",
+)
+REST = Threshold(0.1, "share of the grown squared error that a name may leave where it is above that: wrong names")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +39,8 @@ class Usual:
     detector: Detector
     scale: Float
     rms: Float
+    asked: Mapping[str, Asked] = field(default_factory=dict, repr=False)
+    """{name: whatever may change}"""
 
     def scores(self, one: Window, block: RecordingEvidence | None = None) -> Scores:
         """Return how much of all columns a window has beyond what is usual; `block` is it as evidence, if known."""
@@ -41,6 +52,16 @@ class Usual:
         block = self.now.block_of(one)
         squares = np.sum(block.residual**2 * block.use, axis=1) / np.maximum(block.use.sum(axis=1), 1)
         return np.asarray(np.sqrt(squares))
+
+    def grown(self, rms: Sequence[float] | Float) -> Float:
+        """Return how many times the usual error (J,) an error is."""
+        return np.array(rms) / np.maximum(self.rms, 1e-300)
+
+    def explains(self, answer: Differences) -> bool:
+        """Whether what was found explains what has grown, at every joint."""
+        grown, left = self.grown(answer.rms_after), self.grown(answer.rms_named)
+        rest = (left**2 - 1.0) / np.maximum(grown**2 - 1.0, 1e-300)
+        return bool(np.all((left <= GROWN) | (rest <= REST)))
 
 
 def learned(
@@ -55,11 +76,13 @@ def learned(
     now = fitted_model(identify(model, question.train, optimisers=()), question)
     blocks = [now.block_of(one) for one in kept]
     scale = now.scale
-    watched = Watched(questions(now, [b.columns for b in blocks], len(blocks), extra, always=False), now)
+    may = questions(now, [b.columns for b in blocks], len(blocks), extra, always=False)
+    watched = Watched(may, now)
     found, chance = [], []
     for one, block in zip(kept, blocks, strict=True):
         columns = watched.columns(one, block.columns)
         found.append(scores(columns, block.residual, block.use, scale, block))
         chance.append(placebos(columns, block.residual, block, scale, settings.placebos, rng))
     detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
-    return Usual(now, watched, detector, scale, now.train_rms)
+    asked = {one.name: one for one in may.candidates if isinstance(one, Asked)}
+    return Usual(now, watched, detector, scale, now.train_rms, asked)

@@ -9,39 +9,28 @@ the last two dozen, and the scores of the last quiet blocks.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import fitted_model
 from diagnosis.rules import Rules
+from diagnosis.watching import wording
 from diagnosis.watching.acting import Applied, already, as_usual
-from diagnosis.watching.alarm import SPANS, Deviation
+from diagnosis.watching.alarm import SPANS, Deviation, Pending
+from diagnosis.watching.asking import asked_of, differences_of
 from diagnosis.watching.blocks import Blocks
 from diagnosis.watching.course import Onset
-from diagnosis.watching.differences import MOST, QUICK, BeforeAfter
-from diagnosis.watching.estimator import Estimator
+from diagnosis.watching.differences import MOST, QUICK
 from diagnosis.watching.events import Event
+from diagnosis.watching.memory import TOGETHER, Memory
 from diagnosis.watching.numbers import FollowedNumbers
 from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Scores
 from diagnosis.watching.settings import Settings
-from diagnosis.watching.usual import Usual, learned
-from diagnosis.watching.window import Window, joined_windows, prepared
-from diagnosis.watching.wording import (
-    calm_event,
-    change_event,
-    estimates_event,
-    nameless_event,
-    onset_of,
-    over_event,
-    reference_event,
-    start_event,
-    summary_event,
-    suspected_event,
-)
+from diagnosis.watching.state import WatchState
+from diagnosis.watching.usual import GROWN, Usual, learned
+from diagnosis.watching.window import Window, joined_windows
 from ground.errors import ExoidError
 from ground.thresholds import Threshold
 from measurement.reading.columns import required
@@ -49,35 +38,11 @@ from symbolic.effect import Effect
 from symbolic.model import Model, require_no_force, require_still_base
 from symbolic.motion import Float
 
-TOGETHER = 2
-"""Quiet blocks that are kept as one recording: placebos shift within a recording, and short ones hardly move."""
 JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""
-GROWN = Threshold(
-    1.5,
-    "times the usual error from which a change without a name is no longer called small, and to which a name may leave "
-    "it: what leaves more is the nearest entry, not the answer",
-)
-LEAST_SHARE = Threshold(
-    0.02, "least share of the weighted unseen loss that a name explains: a burst resembles something for some seconds"
-)
 NOTICED = Threshold(
     1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
 )
-REST = Threshold(0.1, "share of the grown squared error that a name may leave where it is above that: wrong names")
-
-
-@dataclass(eq=False)
-class _Pending:
-    """An alarm that is still to be asked about in `wait` blocks; `age` blocks old, `asked` so often; `told` that it has
-    no name yet.
-    """
-
-    found: Deviation
-    wait: int
-    age: int = 0
-    asked: int = 0
-    told: bool = False
 
 
 @dataclass(eq=False)
@@ -91,6 +56,8 @@ class Watcher:
     settings: Settings = field(default_factory=Settings)
     extra: Sequence[Effect] = ()
     rules: Rules = QUICK
+    restored: WatchState | None = None
+    """What an earlier watch has learnt; taken over with the first block."""
 
     def __post_init__(self) -> None:
         require_still_base(self.model, "watching")
@@ -98,16 +65,14 @@ class Watcher:
         self.stream = Blocks(required(self.model.joints), self.settings.block, self.settings.cutoff)
         self.rng = np.random.default_rng(self.settings.seed)
         self.kept: list[Window] = []
-        self.usual: list[Window] = []
-        self.leaving: list[Window] = []
-        self.recent: deque[Window] = deque(maxlen=SPANS[-1])
+        self.memory = Memory(self.rng)
         self.reference: Usual | None = None
         self.numbers: FollowedNumbers | None = None
-        self.pending: _Pending | None = None
+        self.pending: Pending | None = None
         self.applied: list[Applied] = []
         self.lasting: list[Applied] = []
         self.counts: dict[str, int] = {}
-        self.found = 0
+        self.found, self.begun = 0, -np.inf
 
     # -- samples ----------------------------------------------------------------------------------------------
 
@@ -125,7 +90,7 @@ class Watcher:
         events = [event for one in self.stream.push(rows) for event in self._block(one)]
         if self.stream.fresh:
             needed = self.settings.learn * self.settings.block
-            events.insert(0, start_event(self.stream.front, self.model.joint_names, needed))
+            events.insert(0, wording.start_event(self.stream.front, self.model.joint_names, needed))
         return self._count(self.stream.gate.told() + events)
 
     def finish(self) -> list[Event]:
@@ -135,12 +100,14 @@ class Watcher:
         for one in [one for one in self.applied if not one.refined]:
             events += self._refine(one)
         self._count(events)
+        return [*events, *self._count([self._summary()])]
+
+    def _summary(self) -> Event:
         seconds = 0.0 if self.stream.first is None else self.last - self.stream.first
         estimates = () if self.numbers is None else self.numbers.estimates()
-        summary = summary_event(
+        return wording.summary_event(
             self.last, seconds, self.blocks, self.looked, self.found, self.counts, self.stream.lost, estimates
         )
-        return [*events, *self._count([summary])]
 
     @property
     def last(self) -> float:
@@ -153,9 +120,26 @@ class Watcher:
         return self.stream.count
 
     @property
+    def changed(self) -> tuple[str, ...]:
+        """What differs now from what is usual, by name."""
+        return tuple(dict.fromkeys(one.name for c in (*self.lasting, *self.applied) for one in c.found))
+
+    @property
     def looked(self) -> bool:
         """Whether changes were looked for: what is usual was known at some time."""
         return self.counts.get("reference", 0) > 0
+
+    def heartbeat(self, silent: float) -> Event:
+        """Return that this is alive; no sample has come for `silent` s."""
+        known = self.reference is not None
+        return wording.heartbeat_event(self.last, self.blocks, known, self.changed, silent, self.stream.lost)
+
+    def state(self) -> WatchState | None:
+        """Return what has been learnt, None before anything has."""
+        if self.reference is None or self.numbers is None:
+            return None
+        changes = [*self.lasting, *self.applied]
+        return WatchState.of(self.model, self.settings, self.memory.first, changes, self.numbers)
 
     def _count(self, events: list[Event]) -> list[Event]:
         for one in events:
@@ -166,6 +150,8 @@ class Watcher:
     # -- blocks -----------------------------------------------------------------------------------------------
 
     def _block(self, one: Window) -> list[Event]:
+        if self.restored is not None:
+            return self._restore(self.restored, one) + self._block(one)
         if self.reference is None:
             if self.numbers is not None:
                 self.numbers.take(one)
@@ -178,16 +164,16 @@ class Watcher:
             self.numbers.take(one, block.columns)
         events = self._told()
         detector = self.reference.detector
-        leaving = self.recent[0] if len(detector.recent) == SPANS[-1] else None
-        self.recent.append(one)
+        leaving = self.memory.recent[0] if len(detector.recent) == SPANS[-1] else None
+        self.memory.recent.append(one)
         found = detector.take(self.reference.scores(usual, block))
         if leaving is not None:
-            self._remember(self._as_usual(leaving))
+            self.memory.remember(self._as_usual(leaving), self.blocks)
         if self.pending is not None:
             self.pending.age += 1
             self.pending.wait -= 1
         elif found.alarms and not any(change.since.slow for change in self.applied):
-            self.pending = _Pending(found, self.settings.least - detector.onset(found.column))
+            self.pending = Pending(found, self.settings.least - detector.onset(found.column))
             events.append(self._suspected(one, found))
         if self.pending is not None and self.pending.wait <= 0:
             events += self._alarm(self.pending)
@@ -211,15 +197,15 @@ class Watcher:
     def _suspected(self, one: Window, found: Deviation) -> Event:
         """Return that something may have changed, and at which joint the error has grown most."""
         assert self.reference is not None
-        grown = self._grown(self.reference.errors(self._as_usual(one)))
-        return suspected_event(self.last, self.model.joint_names, grown, found)
+        grown = self.reference.grown(self.reference.errors(self._as_usual(one)))
+        return wording.suspected_event(self.last, self.model.joint_names, grown, found)
 
     def _renewed(self) -> list[Event]:
         """Learn what is usual anew when what changed has lasted as long as that takes; until then, go on watching."""
         if not self.applied or self.pending is not None or not all(c.refined for c in self.applied):
             return []
         since = max(c.since.high for c in self.applied)
-        last = [one for one in self.recent if one.t[0] > since]
+        last = [one for one in self.memory.recent if one.t[0] > since]
         if len(last) < min(self.settings.learn, SPANS[-1]):
             return []
         self._relearn(last)
@@ -238,38 +224,37 @@ class Watcher:
             return [Event("waiting", self.last, f"the motion so far does not determine the model: {error}")]
         now = self.reference.now
         if self.numbers is None:
-            spread = 10.0 * (np.abs(now.linear) + 1.0)
-            rate = self.kept[0].kept_rate
-            scale = self.reference.scale
-            first = Estimator.start(self.model, now.linear, spread, scale, rate, settings.pace)
-            self.numbers = FollowedNumbers(first, now)
+            self.numbers = FollowedNumbers.started(now, self.reference.scale, self.kept[0].kept_rate, settings.pace)
             for one in self.kept:
                 self.numbers.take(one)
         self.numbers.now = now
-        self.usual, self.leaving, count = list(usual), [], len(self.kept)
-        self.kept = []
-        self.recent.clear()
-        return [reference_event(self.last, now, self.reference.detector.limit, count)]
+        self.memory.learnt(self.kept, usual)
+        count, self.kept = len(self.kept), []
+        return [wording.reference_event(self.last, now, self.reference.detector.limit, count)]
+
+    def _restore(self, state: WatchState, one: Window) -> list[Event]:
+        """Go on with what was learnt by an earlier watch; `one` is the first window of this one."""
+        self.restored, self.begun = None, float(one.t[0])
+        state.check(self.model, self.settings, one)
+        first = state.windows(float(one.t[0]) - self.settings.block)
+        usual = joined_windows(first, TOGETHER)
+        self.reference = learned(self.model, first, usual, self.settings, self.extra, self.rng)
+        self.memory.learnt(first, usual)
+        self.lasting = state.changes(self.reference)
+        now, detector = self.reference.now, self.reference.detector
+        fresh = FollowedNumbers.started(now, self.reference.scale, one.kept_rate, self.settings.pace)
+        self.numbers = state.numbers(fresh.estimator, self.reference)
+        return [wording.reference_event(float(one.t[0]), now, detector.limit, len(first), self.changed, restored=True)]
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates
         if not every or self.blocks % every or self.numbers is None:
             return []
-        return [estimates_event(self.last, self.numbers.estimates())]
-
-    def _remember(self, one: Window) -> None:
-        """Keep quiet windows: some dozen of all there were, each as likely as any other (reservoir sampling)."""
-        self.leaving.append(one)
-        if len(self.leaving) < TOGETHER:
-            return
-        place = int(self.rng.integers(max(self.blocks // TOGETHER, 1)))
-        if place < len(self.usual):
-            self.usual[place] = joined_windows(self.leaving, TOGETHER)[0]
-        self.leaving = []
+        return [wording.estimates_event(self.last, self.numbers.estimates())]
 
     # -- changes ----------------------------------------------------------------------------------------------
 
-    def _alarm(self, pending: _Pending) -> list[Event]:
+    def _alarm(self, pending: Pending) -> list[Event]:
         """Ask what differs between before and after; say so, or that it is the motion, or nothing.
 
         What has grown and has no name yet is told, and asked again with more data.
@@ -282,11 +267,11 @@ class Watcher:
             return []
         if not pending.asked and self._resized(lasted) and not detector.deviation().alarms:
             self.pending = None
-            return [calm_event(self.last)]
+            return [wording.calm_event(self.last)]
         # The first one may hold both.
-        last = list(self.recent)[-max(lasted, settings.least) :][1:]
+        last = list(self.memory.recent)[-max(lasted, settings.least) :][1:]
         answer = self._ask(last)
-        since = onset_of(answer, last) if answer.found else None
+        since = wording.onset_of(answer, last, self.begun) if answer.found else None
         if since is not None and not since.slow and since.t > last[0].t[0] + 0.5 * settings.block:
             # What was taken for after holds some of before.
             last = [one for one in last if one.t[0] > since.t - 0.5 * settings.block]
@@ -294,9 +279,9 @@ class Watcher:
                 pending.wait = 1
                 return []
             answer = self._ask(last)
-        if answer.found and self._explained(answer):
+        if answer.found and self.reference.explains(answer):
             return self._named(answer, pending, last)
-        if answer.found or (float(np.max(self._grown(answer.rms_after))) > NOTICED and not answer.old):
+        if answer.found or (float(np.max(self.reference.grown(answer.rms_after))) > NOTICED and not answer.old):
             pending.asked += 1
             pending.wait = max(1, pending.age // 2)
             events = []
@@ -310,17 +295,18 @@ class Watcher:
         self.pending = None
         detector.calm()
         for one in last:
-            self._remember(self._as_usual(one))
-        return [calm_event(self.last, answer)]
+            self.memory.remember(self._as_usual(one), self.blocks)
+        return [wording.calm_event(self.last, answer)]
 
-    def _named(self, answer: Differences, pending: _Pending, last: Sequence[Window]) -> list[Event]:
+    def _named(self, answer: Differences, pending: Pending, last: Sequence[Window]) -> list[Event]:
         """Say what has changed, forget it, and go on watching for what else changes."""
         assert self.reference is not None and self.numbers is not None
         self.pending = None
         again = next((c for c in self.applied if c.labels & {one.name for one in answer.found}), None)
         if again is not None and again.age < SPANS[-1] // 2:
             return self._refine(again)  # the first seconds said little of how large it is
-        event = change_event(self.last, answer, pending.found, "first", last)
+        when = wording.onset_of(answer, last, self.begun)
+        event = wording.change_event(self.last, answer, pending.found, "first", when)
         since = event.since or Onset(float(last[0].t[0]), float(last[0].t[0]), float(last[0].t[0]), False)
         self.applied.append(Applied(answer.found, since))
         self.numbers.changed(answer.found, since)
@@ -329,15 +315,16 @@ class Watcher:
 
     def _resized(self, lasted: int) -> bool:
         """Say anew how large is what was named on few seconds, before the last blocks are taken for another change."""
+        assert self.reference is not None
         fresh = [c for c in self.applied if not c.refined]
         for change in fresh:
             since = change.since.t - 0.5 * self.settings.block
-            last = [one for one in self.recent if one.t[0] > since]
+            last = [one for one in self.memory.recent if one.t[0] > since]
             if len(last) - lasted >= self.settings.least:  # else what lasts began with the change itself
                 last = last[:-lasted]
             if len(last) >= self.settings.least:
                 answer = self._ask(last, MOST, change)
-                if change.labels & {one.name for one in answer.found} and self._explained(answer):
+                if change.labels & {one.name for one in answer.found} and self.reference.explains(answer):
                     change.found = answer.found
         if fresh:
             self._rescore()
@@ -347,23 +334,14 @@ class Watcher:
         """Judge the last windows as what is known by now makes them."""
         assert self.reference is not None
         recent = self.reference.detector.recent
-        last = list(self.recent)[len(self.recent) - len(recent) :]
+        last = list(self.memory.recent)[len(self.memory.recent) - len(recent) :]
         recent.clear()
         recent.extend(self._scores(one) for one in last)
 
-    def _grown(self, rms: Sequence[float] | Float) -> Float:
-        """Return how many times the usual error (J,) an error is."""
-        assert self.reference is not None
-        return np.array(rms) / np.maximum(self.reference.rms, 1e-300)
-
-    def _explained(self, answer: Differences) -> bool:
-        """Whether what was found explains what has grown, at every joint."""
-        grown, left = self._grown(answer.rms_after), self._grown(answer.rms_named)
-        rest = (left**2 - 1.0) / np.maximum(grown**2 - 1.0, 1e-300)
-        return bool(np.all((left <= GROWN) | (rest <= REST)))
-
     def _nameless(self, answer: Differences) -> Event:
-        return nameless_event(self.last, self.model.joint_names, answer, self._grown(answer.rms_after), GROWN)
+        assert self.reference is not None
+        grown = self.reference.grown(answer.rms_after)
+        return wording.nameless_event(self.last, self.model.joint_names, answer, grown, GROWN)
 
     def _relearn(self, last: Sequence[Window]) -> None:
         """Learn what is usual from `last` on."""
@@ -371,7 +349,7 @@ class Watcher:
         assert self.reference is not None
         self.kept = [as_usual(one, self.reference.now, self.lasting) for one in last]
         self.applied, self.pending, self.reference = [], None, None
-        self.recent.clear()
+        self.memory.recent.clear()
 
     def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
         """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves.
@@ -379,45 +357,40 @@ class Watcher:
         What is known to have changed is taken out of all windows, `but` one change.
         """
         assert self.reference is not None
-        now = self.reference.now
         # Those just before show whether it came slowly; the one at the seam may hold both. Where the clock was set back
         # there are none.
-        recent = [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
-        usual = self.usual[: self.settings.learn // TOGETHER * 2 // 3]
+        recent = [one for one in self.memory.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
         recent, after = ([self._as_usual(one, but) for one in some] for some in (recent, after))
-        question = prepared(
-            self.model.joints, [*usual, *joined_windows(recent, TOGETHER)], joined_windows(after, TOGETHER)
-        )
-        shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
-        fit = fitted_model(replace(now.fit, shapes=shapes), question)
-        rules = replace(self.rules, placebos=self.settings.draws, least_share=LEAST_SHARE)
+        usual = self.memory.usual[: self.settings.learn // TOGETHER * 2 // 3]
+        question = asked_of(self.reference.now, [*usual, *joined_windows(recent, TOGETHER)], after)
         known = already([c for c in (*self.lasting, *self.applied) if c is not but])
-        return BeforeAfter(fit, self.settings.seed, tuple(self.extra), rules, most, known).run(0.0)
+        rules = replace(self.rules, placebos=self.settings.draws)
+        return differences_of(question, self.settings.seed, self.extra, rules, most, known)
 
     def _refine(self, change: Applied) -> list[Event]:
         """Name a change once more, now that it has lasted."""
         assert self.reference is not None and self.numbers is not None
-        last = [one for one in self.recent if one.t[0] > change.since.t - 0.5 * self.settings.block]
+        last = [one for one in self.memory.recent if one.t[0] > change.since.t - 0.5 * self.settings.block]
         if len(last) < self.settings.least - 1:
             return []
         again, change.refined = change.refined, True
         answer = self._ask(last, MOST, change)
-        if answer.found and self._explained(answer):
+        if answer.found and self.reference.explains(answer):
             other = {one.name for one in answer.found} != change.labels
             change.found = answer.found
-            event = change_event(self.last, answer, None, "refined", last)
+            event = wording.change_event(self.last, answer, None, "refined", wording.onset_of(answer, last, self.begun))
             if other:
                 self.numbers.changed(answer.found, event.since or change.since)
             if change.since.slow:  # it may still go on: what is usual is learnt from here on
                 self._relearn(last)
                 return [event]
-        elif answer.found or float(np.max(self._grown(answer.rms_after))) > NOTICED:
+        elif answer.found or float(np.max(self.reference.grown(answer.rms_after))) > NOTICED:
             event = self._nameless(answer)
             self.applied.remove(change)
             self._relearn(last)
             return [event]
         else:
-            event = over_event(self.last, change.found[0].name, answer)
+            event = wording.over_event(self.last, change.found[0].name, answer)
             self.applied.remove(change)
         self._rescore()
         return [] if again else [event]

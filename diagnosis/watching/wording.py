@@ -17,6 +17,9 @@ from diagnosis.watching.window import Window
 from symbolic.motion import Float
 from symbolic.quantity import Estimate
 
+SILENT = 5.0
+"""s without a sample from which that is said."""
+
 
 def start_event(front: FrontEnd, joints: Sequence[str], needed: float) -> Event:
     """Return that the rate is known, or the clock has jumped; the first `needed` s will say what is usual."""
@@ -31,19 +34,26 @@ def start_event(front: FrontEnd, joints: Sequence[str], needed: float) -> Event:
     return Event("start", float(front.begin), text, more=more)
 
 
-def reference_event(t: float, now: FittedModel, limit: float, blocks: int) -> Event:
-    """Return that what is usual is known: the model `now`, of so many `blocks`, and the detector's `limit`."""
+def reference_event(
+    t: float, now: FittedModel, limit: float, blocks: int, changed: Sequence[str] = (), *, restored: bool = False
+) -> Event:
+    """Return that what is usual is known: the model `now`, of so many `blocks`, and the detector's `limit`; where that
+    is from an earlier watch (`restored`), what had `changed` since.
+    """
     estimates = now.fit.estimates
     said = ", ".join(f"{e.name} {e.value:.3g} [{e.low:.3g}, {e.high:.3g}]" for e in estimates)
     rms = zip(now.model.joints, now.train_rms, strict=True)
     errors = ", ".join(f"{joint.name} {x:.3g} {joint.unit('tau')}" for joint, x in rms)
-    more = {"rms": now.train_rms, "limit": limit, "blocks": blocks}
-    return Event("reference", t, f"what is usual is known: {said}; error {errors}", tuple(estimates), more=more)
+    more: dict[str, object] = {"rms": now.train_rms, "limit": limit, "blocks": blocks}
+    known = "known"
+    if restored:
+        more |= {"restored": True, "changed": list(changed)}
+        known += " from before" + (f", and changed since: {', '.join(changed)}" if changed else "")
+    return Event("reference", t, f"what is usual is {known}: {said}; error {errors}", tuple(estimates), more=more)
 
 
-def change_event(t: float, answer: Differences, found: Deviation | None, state: str, last: Sequence[Window]) -> Event:
-    """Return that `answer` names what differs since some time in the windows `last`."""
-    since = onset_of(answer, last)
+def change_event(t: float, answer: Differences, found: Deviation | None, state: str, since: Onset | None) -> Event:
+    """Return that `answer` names what differs `since` then."""
     first = answer.found[0]
     kind = {"load": "payload", "sensor": "sensor"}.get(first.kind, "drift" if since and since.slow else "abrupt")
     when = "" if since is None else f"since {clock(since.t)} ({clock(since.low)} to {clock(since.high)}) "
@@ -54,13 +64,17 @@ def change_event(t: float, answer: Differences, found: Deviation | None, state: 
     return Event("change", t, text, (), answer, since, kind, more)
 
 
-def onset_of(answer: Differences, last: Sequence[Window]) -> Onset | None:
-    """Return when what was found began, where the windows `last` were taken for after; None where that is unknown."""
+def onset_of(answer: Differences, last: Sequence[Window], begun: float = -np.inf) -> Onset | None:
+    """Return when what was found began, where the windows `last` were taken for after; None where that is unknown.
+
+    What began before a watch that has `begun` with what another one had learnt, did so while nobody watched.
+    """
     course = answer.found[0].course
     if course is None:
         return None
     block = float(last[0].t[-1] - last[0].t[0])
-    return onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both
+    found = onset(course, float(last[0].t[0]) - 2.0 * block)  # the block before may hold both
+    return Onset(begun, begun, begun, False) if found.low < begun else found
 
 
 def estimates_event(t: float, estimates: tuple[Estimate, ...]) -> Event:
@@ -71,6 +85,18 @@ def estimates_event(t: float, estimates: tuple[Estimate, ...]) -> Event:
 def over_event(t: float, name: str, answer: Differences) -> Event:
     """Return that what had changed is as it was before."""
     return Event("change", t, f"over again: {name} is as it was before", (), answer, None, "over", {"state": "over"})
+
+
+def heartbeat_event(
+    t: float, blocks: int, known: bool, changed: Sequence[str], silent: float, lost: Mapping[str, int]
+) -> Event:
+    """Return that the watch is alive, whether it is `known` what is usual, what has `changed`, and what was `lost`;
+    `silent` s have passed since the last sample.
+    """
+    text = f"alive, {blocks} blocks" + ("" if known else ", what is usual is not known yet")
+    text += f"; no sample for {silent:.0f} s" if silent >= SILENT else ""
+    more = {"blocks": blocks, "known": known, "changed": list(changed), "silent": round(silent, 1)}
+    return Event("heartbeat", t, text, more=more | dict(lost))
 
 
 def suspected_event(t: float, joints: Sequence[str], grown: Float, found: Deviation) -> Event:

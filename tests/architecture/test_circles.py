@@ -15,6 +15,7 @@ SLOW_TO_IMPORT = {
     "difflib", "distributed", "fcntl", "importlib", "shtab", "statsmodels",
     "submitit", "traceback",
     "lz4", "matio", "nptdms", "polars", "python_calamine", "rosbags", "xarray",
+    "paho", "prometheus_client", "rclpy", "sensor_msgs",
 }  # fmt: skip
 """What may be imported where it is used, so that a command that does not need it does not wait for it."""
 

@@ -12,16 +12,18 @@ import pytest
 from diagnosis.evidence.gain import RecordingEvidence
 from diagnosis.rules import RULES
 from diagnosis.separation.result import Separation
-from diagnosis.watching import course, differences, estimator, front, watcher
-from diagnosis.watching.alarm import Detector, Deviation
+from diagnosis.watching import asking, course, differences, estimator, front
+from diagnosis.watching.alarm import Detector, Deviation, Pending
 from diagnosis.watching.course import onset
 from diagnosis.watching.differences import BeforeAfter
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
+from diagnosis.watching.memory import Memory
 from diagnosis.watching.result import Course, Differences
 from diagnosis.watching.scores import Scores, placebos
 from diagnosis.watching.settings import Settings
-from diagnosis.watching.watcher import Watcher, _Pending
+from diagnosis.watching.usual import Usual
+from diagnosis.watching.watcher import Watcher
 from diagnosis.watching.window import window
 
 SEEDS = range(60)
@@ -206,47 +208,40 @@ def watching(answer: Differences) -> SimpleNamespace:
     """A watch in which something lasts, about which it is told `answer`."""
     detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None)
     one = SimpleNamespace(
-        reference=SimpleNamespace(rms=np.ones(1), detector=detector), settings=Settings(), recent=[], pending=None,
-        _ask=lambda last: answer, _remember=lambda window: None, applied=[], last=0.0, _as_usual=lambda window: window,
+        reference=Usual(None, None, detector, np.ones(1), np.ones(1)), settings=Settings(), pending=None,
+        memory=Memory(np.random.default_rng(0)),
+        _ask=lambda last: answer, applied=[], last=0.0, _as_usual=lambda window: window,
     )  # fmt: skip
     one._resized = lambda lasted: Watcher._resized(one, lasted)
-    one._grown = lambda rms: Watcher._grown(one, rms)
-    one._explained = lambda found: Watcher._explained(one, found)
     return one
 
 
-@pytest.mark.shows("watcher.GROWN", "watcher.REST")
+@pytest.mark.shows("usual.GROWN", "usual.REST")
 @pytest.mark.parametrize(
     ("after", "left", "explained"),
     [(3.0, 1.4, True), (2.0, 1.6, False), (6.0, 1.6, True), (5.0, 1.6, True), (4.0, 1.65, False)],
 )
 def test_a_name_explains_what_has_grown(after: float, left: float, explained: bool) -> None:
-    assert Watcher._explained(watching(None), told(after, left)) is explained
+    assert watching(None).reference.explains(told(after, left)) is explained
 
 
 @pytest.mark.shows("watcher.NOTICED")
 @pytest.mark.parametrize(("after", "goes_on"), [(1.05, False), (1.15, True)])
 def test_an_error_that_hardly_grew_is_not_followed(after: float, goes_on: bool) -> None:
     one = watching(told(after))
-    one.pending = _Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
+    one.pending = Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
     assert [event.more["state"] for event in Watcher._alarm(one, one.pending)] == ([] if goes_on else ["over"])
     assert (one.pending is not None) is goes_on
 
 
-@pytest.mark.shows("watcher.LEAST_SHARE")
+@pytest.mark.shows("asking.LEAST_SHARE")
 def test_a_name_explains_a_fiftieth_of_the_error(monkeypatch) -> None:
     asked = []
-    for name, answer in {"joined_windows": [], "prepared": SimpleNamespace(train=[]), "fitted_model": None}.items():
-        monkeypatch.setattr(watcher, name, lambda *given, answer=answer: answer)
-    monkeypatch.setattr(watcher, "replace", lambda one, **changes: asked.append(changes) or one)
-    monkeypatch.setattr(watcher, "BeforeAfter", lambda *given: SimpleNamespace(run=lambda began: None))
-    now = SimpleNamespace(shape=np.zeros(0), fit=None)
-    one = SimpleNamespace(
-        reference=SimpleNamespace(now=now), recent=[], usual=[], settings=Settings(), rules=RULES, extra=(),
-        model=SimpleNamespace(joints=()), applied=[], lasting=[], _as_usual=lambda window, but: window,
-    )  # fmt: skip
-    Watcher._ask(one, [SimpleNamespace(t=np.zeros(1))])
-    assert asked[-1]["least_share"] == 0.02
+    nothing = SimpleNamespace(run=lambda began: None)
+    monkeypatch.setattr(asking, "BeforeAfter", lambda *given: asked.append(given) or nothing)
+    asking.differences_of(None, 0, (), RULES, 1, {})
+    assert asked[-1][3].least_share == 0.02
+
 
 
 @pytest.mark.shows("result.ENOUGH")

@@ -10,8 +10,10 @@ from typing import Any
 
 from ground.delivery import Delivery
 
-OUTPUTS = ("json", "out", "write")
-"""Options that name what is written; every other word of a command line that names a file names an input."""
+OUTPUTS = ("json", "out", "write", "state")
+"""Options that name what is written, a state read before that; whatever else names a file on a command line names an
+input.
+"""
 NEITHER = (*OUTPUTS, "command_line")
 
 

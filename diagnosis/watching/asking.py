@@ -1,0 +1,37 @@
+"""What differs between windows from before and from after, asked of the model as it is usually."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from diagnosis.rules import Rules
+from diagnosis.watching.differences import BeforeAfter
+from diagnosis.watching.memory import TOGETHER
+from diagnosis.watching.result import Differences
+from diagnosis.watching.window import Window, joined_windows, prepared
+from ground.thresholds import Threshold
+from symbolic.effect import Effect
+from symbolic.motion import Float
+
+LEAST_SHARE = Threshold(
+    0.02, "least share of the weighted unseen loss that a name explains: a burst resembles something for some seconds"
+)
+
+
+def asked_of(now: FittedModel, before: Sequence[Window], after: Sequence[Window]) -> FittedModel:
+    """Return the model as it is usually, at its numbers, on windows `before` and `after`."""
+    question = prepared(now.model.joints, before, joined_windows(after, TOGETHER))
+    shapes = np.broadcast_to(now.shape, (len(question.train), now.shape.size))
+    return fitted_model(replace(now.fit, shapes=shapes), question)
+
+
+def differences_of(
+    asked: FittedModel, seed: int, extra: Sequence[Effect], rules: Rules, most: int, known: Mapping[str, Float]
+) -> Differences:
+    """Return what differs, `most` things at most; `known` {name: numbers} is what differs already."""
+    rules = replace(rules, least_share=LEAST_SHARE)
+    return BeforeAfter(asked, seed, tuple(extra), rules, most, known).run(0.0)
