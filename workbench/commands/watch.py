@@ -56,15 +56,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--state", metavar="FILE", help="keep what is learnt in FILE, and go on with what is there: no new learning"
     )
-    group = Seldom(parser.add_argument_group("in a fleet"))
-    group.add_argument("--device", metavar="NAME", help="name of the device in every event (that of this machine)")
-    group.add_argument(
+    fleet = Seldom(parser.add_argument_group("in a fleet"))
+    fleet.add_argument("--device", metavar="NAME", help="name of the device in every event (that of this machine)")
+    fleet.add_argument(
         "--heartbeat", metavar="S", type=between(0.0, 86400.0), default=60.0,
         help="say every S s that the watch is alive, while samples come live (60; 0: never)",
     )  # fmt: skip
-    group.add_argument("--on-event", metavar="COMMAND", help="run COMMAND for each event, JSON on its input")
-    group.add_argument("--mqtt", metavar="URL", help="publish events to a broker: mqtt://user@host:1883/prefix")
-    group.add_argument(
+    fleet.add_argument("--on-event", metavar="COMMAND", help="run COMMAND for each event, JSON on its input")
+    fleet.add_argument("--mqtt", metavar="URL", help="publish events to a broker: mqtt://user@host:1883/prefix")
+    fleet.add_argument(
         "--prometheus", metavar="PORT", type=between(0, 65535, number=whole_number), default=None,
         help="serve numbers and counts on this port of 127.0.0.1",
     )  # fmt: skip
