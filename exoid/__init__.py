@@ -7,7 +7,7 @@
     found.report("out")
 
 the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, `catalogue`, `read_model`, `write_model`
-any machine      `Joint`, `Payload`; its equations and code: `mechanics`, `equations`, `regressor`, `check_equations`,
+any machine      `Joint`, `Payload`, `Body` (the limb of a wearer); its equations and code: `mechanics`, `equations`, `regressor`, `check_equations`,
                  `compiled`
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
                  `simulate`, `simulate_runs`, `draw_hidden`, `Wearer`, `Walk`

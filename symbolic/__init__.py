@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from symbolic.equations import equations as equations
     from symbolic.equations import regressor as regressor
     from symbolic.joints import Joint as Joint
+    from symbolic.mechanics.body import Body as Body
     from symbolic.mechanics.payload import Payload as Payload
     from symbolic.model import Limits as Limits
     from symbolic.model import Model as Model

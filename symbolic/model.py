@@ -28,6 +28,7 @@ from symbolic.effect import Effect
 from symbolic.force import Force, channels_of, check_forces
 from symbolic.joints import LEG, Joint, check_joints, names, units
 from symbolic.language.torque import check_units
+from symbolic.mechanics.body import Body
 from symbolic.mechanics.friction import friction_parameters
 from symbolic.motion import Float
 from symbolic.quantity import JOINTS
@@ -92,6 +93,8 @@ class Model:
     """Whether the machine's base moves and its recordings say how: angle and, where they have it, acceleration."""
     forces: tuple[Force, ...] = ()
     """External forces that its recordings have measured; they are no effects, and belong to the base model."""
+    wearer: Body | None = None
+    """A person who wears it in all recordings, a known load: its numbers are those of the machine alone."""
 
     def __post_init__(self) -> None:
         given = self.terms
@@ -112,6 +115,8 @@ class Model:
                 )
             if term.effect.custom:
                 check_units(term)
+        if self.wearer is not None:
+            self.wearer.check(self.joints)
         called = [term.name for term in self.terms]
         check_forces(self.forces, self.joints, called)
         for name in called:
@@ -179,6 +184,12 @@ class Model:
     def with_forces(self, *forces: Force) -> Model:
         """Return this model with measured `forces` in place of its own; EffectError where it cannot have them."""
         return replace(self, forces=tuple(forces))
+
+    def with_wearer(self, mass: float, height: float) -> Model:
+        """Return this model worn by a person of `mass` kg and `height` m; BodyError for numbers that are no person's,
+        and where the machine has no link for a leg.
+        """
+        return replace(self, wearer=Body(mass, height))
 
     @cached_property
     def unpushed(self) -> Model:
@@ -305,6 +316,7 @@ class Model:
     def __repr__(self) -> str:
         terms = "".join(f" + {one}" for one in [*(f.name for f in self.forces), *(t.name for t in self.terms)])
         machine = f"{', '.join(self.joint_names)}" if self.chain else "leg"
+        machine += "" if self.wearer is None else f" worn by {self.wearer}"
         return f"Model({self.name!r}: rigid {machine} + Coulomb + viscous{terms}; {len(self.parameters)} parameters)"
 
 

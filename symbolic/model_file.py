@@ -21,6 +21,7 @@ from symbolic.custom_effect import read_custom_effect
 from symbolic.effect import Effect
 from symbolic.force import Force
 from symbolic.joints import LEG, Joint, check_joints, is_leg
+from symbolic.mechanics.body import BodyError
 from symbolic.model import TABLE_1, UNLIMITED, Limits, Model
 from symbolic.quantity import JOINTS, Estimate
 
@@ -92,6 +93,8 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
             joint: {"angle": list(limit.angle), "velocity": limit.velocity, "acceleration": limit.acceleration}
             for joint, limit in model.limits.items()
         }
+    if model.wearer is not None:
+        content["wearer"] = {"mass": model.wearer.mass, "height": model.wearer.height}
     if model.forces:
         content["forces"] = [_force_content(force) for force in model.forces]
     if model.terms:
@@ -187,11 +190,13 @@ def _load(path: str | Path) -> Table:
 
 def _model(top: Table) -> Model:
     top.only(
-        "name", "geometry", "limits", "gravity", "joints", "base", "forces", "effects", "custom_effects", "identified"
-    )
+        "name", "geometry", "limits", "gravity", "joints", "base", "wearer", "forces", "effects", "custom_effects",
+        "identified",
+    )  # fmt: skip
     if "identified" in top.values:
         top.table("identified").only("parameters", "shape", "delta", "loss", "rms")
-    model = _pushed(_machine(top) if "joints" in top.values else _leg(top), top.tables("forces"))
+    model = _worn(_machine(top) if "joints" in top.values else _leg(top), top)
+    model = _pushed(model, top.tables("forces"))
     for entry in top.tables("effects"):
         entry.only("id", "joint")
         joint = entry.text("joint", "")
@@ -200,6 +205,20 @@ def _model(top: Table) -> Model:
         except ExoidError as error:
             raise entry.error("joint" if joint and "joint" in str(error) else "id", error.what, error.remedy) from error
     return model
+
+
+def _worn(model: Model, top: Table) -> Model:
+    """Return `model` with the person of a file's [wearer]."""
+    if "wearer" not in top.values:
+        return model
+    person = top.table("wearer")
+    person.only("mass", "height")
+    try:
+        return model.with_wearer(person.number("mass"), person.number("height"))
+    except BodyError as error:
+        key = next((key for key in person.values if f"whose {key} is" in error.what), "")
+        place = person if key else top
+        raise place.error(key or "wearer", error.what, error.remedy) from error
 
 
 def _pushed(model: Model, entries: Sequence[Table]) -> Model:

@@ -101,6 +101,9 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     from symbolic.codegen.equation import model_expressions
 
     linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
+    if model.wearer is not None:  # a controller moves both
+        added = zip(model.inertial, model.wearer.added(model), strict=True)
+        linear |= {p.name: linear[p.name] + float(more) for p, more in added}
     shape = _complete([s.name for s in model.shapes], numbers.shape, "shape", where)
     x = model_expressions(model)
     outside = {"base": x.base_motion} if model.moving_base else {}

@@ -198,7 +198,7 @@ def run_bench(
     path = gait or excitation or random_trajectory(motion_rng, model.motion_limits)
     model = pushed_leg(model, bench.wearer, gait)
     base_seed = [seed, index, 3]
-    true = true_model(model, leg.base, hidden)
+    true = true_model(model, _carried(model, leg), hidden)
     mechanical, heard = split_channel(true)
     trace = _drive(mechanical, true, leg, path, bench, control_rng, feed_forward, base_seed)
     link, motion, torque = trace.link, trace.read, trace.motor
@@ -215,6 +215,14 @@ def run_bench(
         truth=_truth(true, leg, hidden, seed),
         saturated=trace.saturated,
     )
+
+
+def _carried(model: Model, leg: Leg | Machine) -> tuple[float, ...]:
+    """Return the numbers of a leg with the limb of its wearer, where the model knows one."""
+    own = np.array(leg.base)
+    if model.wearer is not None:
+        own[: len(model.inertial)] += model.wearer.added(model)
+    return tuple(own.tolist())
 
 
 def bench_machine(model: Model) -> Leg | Machine:

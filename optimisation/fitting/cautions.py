@@ -11,6 +11,7 @@ from optimisation.fitting.shapes import to_unit
 from optimisation.linear.loss import huber
 from optimisation.linear.physical import Held, Physics
 from optimisation.linear.solve import solve_huber
+from symbolic.mechanics.body import TABLE
 from symbolic.model import Model
 from symbolic.motion import Float
 
@@ -41,6 +42,15 @@ def numerical(model: Model, found: Settled, shape: Float, searched: bool) -> lis
             remedy = "the effect may stand in for another one; compare its look-alikes with `exoid diagnose`"
             cautions.append(Finding("edge", "warning", what, entry.name, float(value), limit, remedy))
     return cautions
+
+
+def worn(model: Model) -> list[Finding]:
+    """Return that a wearer is taken off the numbers, where one is known."""
+    if model.wearer is None:
+        return []
+    what = f"the numbers are those of the machine alone: the limb of a wearer ({model.wearer}; {TABLE}) is taken off"
+    consequence = "how far persons differ from the table is in the intervals"
+    return [Finding("wearer", "info", what, model.name, consequence=consequence)]
 
 
 def unproven(stage: FitStage) -> list[Finding]:

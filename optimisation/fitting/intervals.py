@@ -52,6 +52,9 @@ def estimates_of(
 ) -> tuple[Estimate, ...]:
     """Return every parameter with its 95 % interval: linear ones, then shapes."""
     half = spread.half_widths()
+    if model.wearer is not None:  # whoever differs from the table leaves the difference in the machine's numbers
+        own = spread.critical * model.wearer.deviation(model)
+        half[: own.size] = np.hypot(half[: own.size], own)
     middle_shape = middle(shape)
     named = [(p.name, p.unit) for p in model.parameters] + [(s.name, s.shape.unit) for s in model.shapes]
     values = np.concatenate([linear, middle_shape])

@@ -243,7 +243,8 @@ def prepare_one(
     rate = even.rate / factor
     inner = min(INNER * cutoff, 0.4 * even.rate)
     q, dq, ddq, noise = _smoothed(even, inner, factor, derivative, name)
-    payload = np.sum([p.added(base) for p in even.payloads], axis=0) if even.payloads else None
+    loads = [p.added(base) for p in (*even.payloads, *((base.wearer,) if base.wearer else ()))]
+    payload = np.sum(loads, axis=0) if loads else None
     reach_of = reaches(base.joints)
     near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
     stuck = np.column_stack([widen(slow, near) for slow in (np.abs(dq) < STICK * reach_of).T])

@@ -58,10 +58,11 @@ def load_model(path: str | None) -> Model:
 
 
 def load(args: argparse.Namespace) -> Inputs:
-    """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload."""
+    """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload, --wearer."""
     from measurement.forces import pushed_model
 
     model = load_model(getattr(args, "model", None))
+    model = worn(model, getattr(args, "wearer", None))
     most = getattr(args, "limit", None) or (0.0,)
     if len(most) not in (1, len(model.joints)):
         remedy = f"give one, or one per joint as {','.join(model.joint_names)}"
@@ -74,6 +75,16 @@ def load(args: argparse.Namespace) -> Inputs:
     )
     model = pushed_model(model, (*recordings, *verify))
     return Inputs(model, recordings, verify, args.cutoff, getattr(args, "derivative", BUTTERWORTH))
+
+
+def worn(model: Model, wearer: str | None) -> Model:
+    """Return `model` worn by the person that --wearer tells of; BodyError where it tells of none."""
+    from symbolic.mechanics.body import Body
+
+    if not wearer:
+        return model
+    body = Body.named(wearer)
+    return model.with_wearer(body.mass, body.height)
 
 
 def told_recordings(

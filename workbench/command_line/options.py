@@ -148,7 +148,7 @@ def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday:
 
 
 def add_derivative(parser: argparse.ArgumentParser) -> None:
-    """Add --derivative, how velocities and accelerations come from angles, and --payload."""
+    """Add --derivative, how velocities and accelerations come from angles, --payload and --wearer."""
     from diagnosis.settings import DiscoverySettings
 
     seldom = Seldom(parser)
@@ -156,6 +156,11 @@ def add_derivative(parser: argparse.ArgumentParser) -> None:
         "--payload", metavar="FILE=KG@M", action="append", default=[],
         help="the recording FILE was made with a known mass of KG on the shank, M below the knee, for example "
         "run4.csv=2@0.35; on the thigh, M below the hip: run4.csv=thigh:2@0.2",
+    )  # fmt: skip
+    seldom.add_argument(
+        "--wearer", metavar="mass=KG,height=M",
+        help="a person of this mass and height wore the machine in all recordings: the limb (Winter 2009, table 4.1) "
+        "is taken off the numbers, which are those of the machine alone",
     )  # fmt: skip
     add_settings(seldom, DiscoverySettings, "derivative")
 

@@ -56,9 +56,13 @@ def run(args: argparse.Namespace) -> int:
 def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
     from workbench.command_line.inputs import told_recordings
+    from workbench.command_line.parser import UsageError
     from workbench.page.given import FIT, VERIFY
     from workbench.page.saved import is_session, reopen
 
+    if args.wearer:
+        remedy = "write [wearer] with mass and height into a model file, and give it with --model"
+        raise UsageError("the page takes a wearer from the model file", where="--wearer", remedy=remedy)
     if len(args.recordings) == 1 and is_session(args.recordings[0]):
         reopen(workspace, Path(args.recordings[0]))
         return

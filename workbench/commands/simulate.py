@@ -37,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--trajectory", metavar="FILE", help="let every run follow this motion (exoid design wrote it)")
     parser.add_argument("--payload", metavar="KG@M", help="hang a known mass on the last link, M along it (2@0.35)")
-    parser.add_argument("--wearer", action="store_true", help="a person in the leg, who pushes at its cuffs")
+    parser.add_argument(
+        "--wearer", metavar="mass=KG,height=M", nargs="?", const="",
+        help="a person in the leg, who pushes at its cuffs; told mass and height, with a limb of this size",
+    )  # fmt: skip
     parser.add_argument(
         "--walk", action="store_true",
         help="the leg walks, its foot on the ground for 60 %% of each stride, instead of following a motion",
@@ -57,13 +60,13 @@ def run(args: argparse.Namespace) -> int:
     """Simulate and write; never overwrites a recording."""
     from measurement.bench.hidden import parse_hidden, true_model
     from measurement.bench.simulation import bench_machine
-    from workbench.command_line.inputs import load_model
+    from workbench.command_line.inputs import load_model, worn
     from workbench.terminal.showing import truth_sentence
 
     exclusive(args, "trajectory", "blind", "blind runs draw motions of their own")
     exclusive(args, "payload", "blind", "simulate the loaded runs without --blind")
     exclusive(args, "trajectory", "walk", "a leg that walks follows no other motion")
-    model = load_model(args.model)
+    model = worn(load_model(args.model), args.wearer)
     leg = _loaded(bench_machine(model), args.payload, model)
     hidden = tuple(parse_hidden(text) for text in args.effect)
     true_model(model, leg.base, hidden)  # a wrong name is told before anything is written
@@ -110,7 +113,7 @@ def _bench(args: argparse.Namespace) -> Any:
     measured = None
     if args.measured is not None:
         measured = () if args.measured == NOTHING else tuple(part.strip() for part in args.measured.split(","))
-    person, steps = Wearer() if args.wearer else None, Walk() if args.walk else None
+    person, steps = None if args.wearer is None else Wearer(), Walk() if args.walk else None
     return Bench(duration=args.duration, rate=args.rate, wearer=person, walk=steps, measured=measured)
 
 
