@@ -7,8 +7,8 @@
     found.report("out")
 
 the leg          `Model`, `Effect`, `Coefficient`, `Shape`, `Limits`, `Motion`, `catalogue`, `read_model`, `write_model`
-any machine      `Joint`, `Payload`, `Body` (the limb of a wearer); its equations and code: `mechanics`, `equations`, `regressor`, `check_equations`,
-                 `compiled`
+any machine      `Joint`, `Payload`, `Body` (the limb of a wearer); its equations and code: `mechanics`, `equations`,
+                 `regressor`, `check_equations`, `compiled`
 measurements     `read_recording`, `Recording`, `Finding`, `write_recording`; the virtual bench: `Bench`, `Hidden`,
                  `simulate`, `simulate_runs`, `draw_hidden`, `Wearer`, `Walk`
 numbers          `prepare`, `identify`, `Fit`, `rivals`; motions to record: `design`, `evaluate`, `evaluate_paper`

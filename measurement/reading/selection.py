@@ -28,7 +28,7 @@ LOADED = Threshold(
     0.05,
     "part of the largest load of a foot from which it is on the ground: an insole is never quite zero in the air",
 )
-MARGIN = 0.02
+MARGIN = 0.04
 """s on either side of contact that belong to it: a switch closes at some load, and not at the first touch."""
 WAYS: Mapping[str, Callable[[Float, float], NDArray[np.bool_]]] = {
     "==": operator.eq, "!=": operator.ne, "<=": operator.le, ">=": operator.ge, "<": operator.lt, ">": operator.gt,
