@@ -17,6 +17,7 @@ from diagnosis.evidence.channels import OUTSIDE, channel_findings
 from diagnosis.evidence.curves import variables
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.remainder import Remainder, remainders
+from diagnosis.evidence.strides import Strides, strides_of
 from diagnosis.outside import ForceUse, force_uses
 from diagnosis.plots import against
 from diagnosis.torques import torques_over_time
@@ -52,12 +53,13 @@ class Comparison(AsJson):
 
     `rms` on the fitted recordings, `verify_rms` on unseen ones (None without any), `signal_rms` of the torque itself,
     `noise_floor` estimated without a model. `where` is ranked, the largest share first. `curves` are behind it.
-    `forces` are the measured ones of the model: where each acts, and what it makes.
+    `forces` are the measured ones of the model: where each acts, and what it makes. `strides` are those of the shown
+    recordings, None where the motion has none.
     """
 
     JSON = (
         "joints rms verify_rms signal_rms noise_floor sse_verify_rms where per_recording=rms_of filter=cutoff "
-        "parameters=fit.estimates{} forces thigh_length audit"
+        "parameters=fit.estimates{} forces strides thigh_length audit"
     )
 
     fit: Fit
@@ -74,6 +76,7 @@ class Comparison(AsJson):
     curves: tuple[Remainder, ...] = field(repr=False)
     thigh_length: ThighLength | None = None
     forces: tuple[ForceUse, ...] = ()
+    strides: Strides | None = None
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -120,6 +123,8 @@ class Comparison(AsJson):
         """Return (title, alternative text, figure) of everything there is to see."""
         alt = f"Torque of {' and '.join(self.joints)} over time, measured and modelled, with the difference below each."
         out = [("Measured and modelled torque", alt, self.plot())]
+        if self.strides is not None:
+            out.append(("Torque and error over the stride", self.strides.sentence, self.strides.plot()))
         drawn: dict[tuple[str, str], Where] = {}
         for one in self.where:
             drawn.setdefault((one.joint, one.variable), one)
@@ -206,6 +211,7 @@ def compare_prepared(fit: Fit, prepared: Prepared) -> Comparison:
         now=now,
         curves=tuple(curves),
         forces=force_uses(now),
+        strides=strides_of(now),
     )
 
 

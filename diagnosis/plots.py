@@ -201,3 +201,42 @@ def suspects(bars: Sequence[Bar], most: int = 10) -> Figure:
         axes.set(xlabel=label("share of the unseen error explained alone", "%"), title="Suspects (filled: p ≤ 0.01)")
         axes.grid(axis="y", visible=False)
     return figure
+
+
+def over_the_stride(
+    phase: Float,
+    measured: Float,
+    measured_band: Float,
+    model: Float,
+    error: Float,
+    error_band: Float,
+    joints: Sequence[Joint] = LEG,
+) -> Figure:
+    """Draw the measured torque and that of the model (J, P) over the `phase` (P,) of a stride, and the error below,
+    with bands (J, P) of one standard deviation; NaN is not drawn.
+    """
+    x = 100.0 * phase
+    with figure_style():
+        figure = new_figure(8.0, 2.6 * max(2, len(joints)))
+        panels = figure.subplots(2 * len(joints), 1, sharex=True, height_ratios=[2, 1] * len(joints))
+        for j, joint in enumerate(joints):
+            upper, lower = panels[2 * j], panels[2 * j + 1]
+            lines = (
+                (upper, measured, measured_band, "measured", "measured, from stride to stride"),
+                (upper, model, None, "model", ""),
+                (lower, error, error_band, "residual", ""),
+            )
+            for axes, y, band, role, words in lines:
+                colour = ROLE_COLOURS[role]
+                if band is not None:
+                    axes.fill_between(x, y[j] - band[j], y[j] + band[j], color=colour, alpha=0.25, linewidth=0.0)
+                axes.plot(x, y[j], color=colour, label=words or ("model" if role == "model" else LEFT_OVER))
+            lower.axhline(0.0, color=FAINT, linewidth=0.7)
+            unit = joint.unit("tau")
+            upper.set(title=joint.name, ylabel=label("torque" if joint.turns else "force", unit))
+            lower.set(ylabel=label("error", unit))
+        panels[-1].set(xlabel=label("stride", "%"))
+        pairs = zip(*(panel.get_legend_handles_labels() for panel in panels[:2]), strict=True)
+        handles, named = ([*above, *below] for above, below in pairs)
+        figure.legend(handles, named, loc="outside lower center", ncols=3)
+    return figure

@@ -44,7 +44,7 @@ def numerical(model: Model, found: Settled, shape: Float, searched: bool) -> lis
     return cautions
 
 
-def worn(model: Model) -> list[Finding]:
+def own_numbers(model: Model) -> list[Finding]:
     """Return that a wearer is taken off the numbers, where one is known."""
     if model.wearer is None:
         return []

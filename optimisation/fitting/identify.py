@@ -19,7 +19,7 @@ from ground.settings import spelt_out
 from measurement.forces import pushed_model
 from measurement.reading.given import Given, machine_of, model_of, question_of
 from optimisation.fitting.assemble import Assembly, Settled
-from optimisation.fitting.cautions import held, numerical, price, unproven, worn
+from optimisation.fitting.cautions import held, numerical, own_numbers, price, unproven
 from optimisation.fitting.fit import Fit, FitStage
 from optimisation.fitting.intervals import estimates_of, middle, spread_of
 from optimisation.fitting.plausibility import check_plausibility
@@ -88,7 +88,7 @@ def identify(
         *numerical(model, best, centre_shape, bool(model.shapes) and asked.shape is None),
         *unproven(stage),
         *price(model, changed),
-        *worn(model),
+        *own_numbers(model),
         *check_plausibility(model, best.linear, estimates, centre_shape),
     )
     return Fit(

@@ -16,16 +16,13 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from ground.errors import ExoidError
 from symbolic.joints import Joint, parents
 from symbolic.motion import Float
-
-if TYPE_CHECKING:
-    from symbolic.model import Model
 
 TABLE = "Winter 2009, table 4.1"
 """What is said of where the numbers come from."""
@@ -34,6 +31,17 @@ MASSES, HEIGHTS = (10.0, 300.0), (0.8, 2.5)
 SPREAD = (0.10, 0.05, 0.10)
 """Standard deviation of persons from the table: of mass, place of the centre, and radius of gyration, as shares."""
 REMEDY = "write mass=70,height=1.78 (kg, m)"
+
+
+class Linked(Protocol):
+    """What of a model a limb is put on: its joints, and base parameters (P, J, 3) of inertia, first moment and mass of
+    every link.
+    """
+
+    @property
+    def joints(self) -> tuple[Joint, ...]: ...  # noqa: D102
+    @property
+    def mixture(self) -> Float: ...  # noqa: D102
 
 
 class BodyError(ExoidError):
@@ -103,7 +111,7 @@ class Body:
         """Refuse a machine that has no joint of a leg: BodyError."""
         self._limb(joints)
 
-    def added(self, model: Model) -> Float:
+    def added(self, model: Linked) -> Float:
         """Return what the limb adds to the base parameters (P,) of a model's machine; BodyError where that has no joint
         of a leg.
         """
@@ -112,7 +120,7 @@ class Body:
             total += model.mixture[:, link] @ self._inertial(segment)
         return total
 
-    def deviation(self, model: Model) -> Float:
+    def deviation(self, model: Linked) -> Float:
         """Return the standard deviation of `added` (P,): how far persons of this mass and height differ."""
         square = np.zeros(len(model.mixture))
         for link, segment in self._limb(model.joints).items():

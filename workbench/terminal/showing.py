@@ -76,6 +76,8 @@ def show_comparison(screen: Screen, found: Any) -> None:
     screen.table("How large the error is (RMS)", head, shown)
     for force in found.forces:
         screen.say(f"measured force: {force.sentence}")
+    if found.strides is not None:
+        screen.say(found.strides.sentence)
     if found.verify_rms is None:
         screen.say(NOTHING_HELD_OUT, "warn")
     show_findings(screen, found.audit, found.misread, "bad")
