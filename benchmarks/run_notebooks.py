@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import io
 import os
+import re
 import sys
 import time
 from pathlib import Path
@@ -16,6 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 60.0
 """Seconds a notebook may take."""
+INSIDE = "data:image/png;base64,"
 
 
 def main() -> int:
@@ -54,6 +56,8 @@ def run(path: Path) -> tuple[float, list[str]]:
             data.pop("application/vnd.jupyter.widget-view+json", None)
             if "image/png" in data:
                 data["image/png"] = small(data["image/png"])
+            if "text/html" in data:  # of what shows its picture itself
+                data["text/html"] = re.sub(f"(?<={INSIDE})[A-Za-z0-9+/=]+", lambda m: small(m[0]), data["text/html"])
     book.metadata.pop("widgets", None)
     nbformat.write(book, path)
     return seconds, complaints

@@ -91,12 +91,12 @@ def _of_folder(folder: Path) -> list[str]:
         entry
         for entry in folder.iterdir()
         if not entry.name.startswith(".")
-        and ((entry.is_file() and entry.suffix.lower() in known and _is_meant(entry)) or is_bag(entry))
+        and ((entry.is_file() and entry.suffix.lower() in known and is_recording(entry)) or is_bag(entry))
     )
     return _counted([str(entry) for entry in inside], str(folder), "the folder holds no recordings")
 
 
-def _is_meant(file: Path) -> bool:
+def is_recording(file: Path) -> bool:
     """Whether a file of a folder, of a suffix that recordings have, is one: not notes or settings beside them."""
     if file.name.lower() in OTHERS:
         return False

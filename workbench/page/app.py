@@ -16,8 +16,10 @@ from starlette.staticfiles import StaticFiles
 
 from ground.errors import ExoidError, RecordingError
 from measurement.reading.limits import MOST_BYTES
+from measurement.reading.mapping import FILE as MAPPING
+from measurement.reading.sources import is_recording
 from workbench.page import numbers, saved, takeaway, views
-from workbench.page.given import FIT, error_json, internal, mapping_preview
+from workbench.page.given import FIT, error_json, internal, mapping_preview, shown_name
 from workbench.page.guard import Guard
 from workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
 
@@ -164,14 +166,24 @@ ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
 
 
 async def _upload(workspace: Workspace, request: Request) -> Response:
-    """Take in a file that was dropped: a recording, or a model file."""
-    name = request.query_params.get("name", "")
+    """Take in a file that was dropped: a recording, a model, or what `exoid map` keeps. Of a folder only these."""
+    name, role = request.query_params.get("name", ""), request.query_params.get("role", FIT)
     target = workspace.drop_place(name)
     await _written(request, target)
-    take = workspace.use_model if target.suffix == ".toml" else workspace.add_file
-    role = () if target.suffix == ".toml" else (request.query_params.get("role", FIT),)
-    await anyio.to_thread.run_sync(lambda: take(target, name, *role))
-    return JSONResponse({})
+
+    def take() -> dict[str, Any]:
+        if target.name == MAPPING:
+            workspace.use_mapping(target)
+        elif target.suffix == ".toml":
+            workspace.use_model(target, name)
+        elif "folder" in request.query_params and not is_recording(target):
+            target.unlink()
+            return {"passed_over": shown_name(name)}
+        else:
+            return {"id": workspace.add_file(target, name, role).id}
+        return {}
+
+    return JSONResponse(await anyio.to_thread.run_sync(take))
 
 
 async def _upload_session(workspace: Workspace, request: Request) -> Response:

@@ -158,6 +158,16 @@ def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None
     keep(folder, table.names, told, replacing=True)
 
 
+def keep_mappings(folder: Path, path: Path) -> None:
+    """Keep every mapping in a file of `exoid map`; RecordingError where it is none."""
+    from measurement.reading.mapping import entries
+    from measurement.reading.mapping import remember as keep
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for header, told in entries(path):
+        keep(folder, header, told, replacing=True)
+
+
 def numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
     """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
     language (dthta) is no number: it is left out, and refused where it stands.

@@ -11,6 +11,7 @@ from diagnosis.evidence.score import share_of_own_joints
 from diagnosis.sureness import MEANINGS
 from ground.plain import picked, plain_dict
 from ground.text import printable
+from measurement.reading.sources import suffixes
 from optimisation.linear.links import tree_of
 from symbolic.joints import parents
 from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from diagnosis.results import Diagnosis
     from diagnosis.session.ranking import Ranking
     from diagnosis.session.session import Session
+    from measurement.finding import Finding
     from measurement.recording import Recording
     from symbolic.effect import Effect
     from workbench.page.workspace import Names, Workspace
@@ -50,6 +52,7 @@ def state(workspace: Workspace) -> dict[str, Any]:
         "kept": workspace.keeping.kept,
         "own": list(workspace.own_texts.values()),
         "formats": formats(),
+        "suffixes": suffixes(),
         "sureness": dict(MEANINGS),
         "words": sorted({"t", *CONSTANTS, *FUNCTIONS, *OPERATORS}),
         "ready": session is not None,
@@ -97,6 +100,14 @@ def _file(one: Any) -> dict[str, Any]:
     }
 
 
+def _noted(workspace: Workspace, finding: Finding) -> str:
+    """Return what the audit says, with the names of files as the user knows them."""
+    text = str(finding)
+    for one in workspace.given:
+        text = text.replace(str(one.path), one.name)
+    return printable(text)
+
+
 def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
     names = workspace.names
     now = session.known(names)
@@ -136,7 +147,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
             )
         ],
         "filter": prepared.choice.reason,
-        "audit": [printable(str(f)) for f in prepared.findings if f.severity != "info"],
+        "audit": [_noted(workspace, f) for f in prepared.findings if f.severity != "info"],
         "fitted": now is not None,
         "key": ",".join(names) if now is not None else f"{','.join(names)}?",
         "failed": None if names not in workspace.failed else error_json(workspace.failed[names]),
@@ -250,8 +261,8 @@ def _verdict(workspace: Workspace, session: Session) -> dict[str, Any]:
     worst = max(range(len(times)), key=times.__getitem__)
     joint = session.model.joints[worst]
     kind = "unseen" if session.prepared.verify else "fitted"
-    missed = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion"
-    text = f"Not judged yet: the torque of the {joint.name} misses {missed}, {times[worst]:.2g} times its noise."
+    size = f"{error[worst]:.3g} {joint.unit('tau')} on {kind} motion, {times[worst]:.2g} times its noise"
+    text = f"Not judged yet: the error of the model at the {joint.name} is {size}."
     if not session.prepared.verify:
         text += f" {NOTHING_HELD_OUT}"
     return {"kind": "open", "sentence": text, "judged": False,

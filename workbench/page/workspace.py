@@ -186,12 +186,19 @@ class Workspace:
             self.answers.insert(0, told)
             self.given[self.given.index(self.find(id))] = one
             self._begin_anew()
-            # Files like it that wait for the same answer are read again.
-            for k, other in enumerate(self.given):
-                if other.error is not None:
-                    self.given[k] = replace(other, read=False, error=None)
+            self._read_again()
         self.touch(changed=True)
         return one
+
+    def use_mapping(self, path: Path) -> None:
+        """Keep what a file of `exoid map` says of columns; RecordingError where it is none."""
+        files.keep_mappings(self.remembered, path)
+        self._read_again()
+        self.touch(changed=True)
+
+    def _read_again(self) -> None:
+        """Read the files again that wait for an answer."""
+        self.given = [one if one.error is None else replace(one, read=False, error=None) for one in self.given]
 
     def clear(self) -> None:
         """Close everything: files, model, effects and what was done."""

@@ -54,8 +54,10 @@ export async function tell(action, message = {}, signal) {
   return response.json();
 }
 
-export async function upload(file, role) {
-  await request(url("/api/file", { name: file.name, role }), { method: "PUT", body: file });
+// {id} of a recording; of a file that stands in a folder, {passed_over} where it is none.
+export async function upload(file, role, inFolder) {
+  const answer = await request(url("/api/file", { name: file.name, role, ...(inFolder && { folder: "" }) }), { method: "PUT", body: file });
+  return answer.json();
 }
 
 export async function uploadSession(drop, name, file) {

@@ -73,7 +73,7 @@ async function loadAnswer(recording) {
 // The plots over time as large as the screen.
 function fullScreen() {
   const place = document.getElementById("compare");
-  return button("full screen", () => (document.fullscreenElement ? document.exitFullscreen() : place.requestFullscreen()), { title: "plots as large as the screen (m)", id: "full-screen" });
+  return button("full", () => (document.fullscreenElement ? document.exitFullscreen() : place.requestFullscreen()), { title: "plots as large as the screen (m)", "aria-label": "full screen", id: "full-screen" });
 }
 
 // Any column of the file, drawn below the torques on the same time.

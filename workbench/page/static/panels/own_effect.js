@@ -24,7 +24,7 @@ export function openOwnEffect() {
     h("p", { class: "faint" }, "A torque that the drive has to supply, of theta, dtheta, ddtheta (this joint's; theta1, dtheta2, … of a certain one), t, tau_rigid. Nothing that is typed is ever run."),
     id.row, h("label", { for: "own-joint" }, "at ", joint), torque.row, error,
     h("h3", {}, "Its numbers"), rows,
-    h("div", { class: "row" }, button("Let it join the suspects", send, { class: "primary", "data-testid": "own-add" }), button("Cancel", () => dialog.close())),
+    h("div", { class: "row" }, button("Add it to the suspects", send, { class: "primary", "data-testid": "own-add" }), button("Cancel", () => dialog.close())),
   );
   async function send() {
     const entry = { id: id.input.value.trim(), torque: torque.input.value, coefficients: {}, shape: {} };

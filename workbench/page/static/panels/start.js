@@ -2,28 +2,38 @@
 
 import { tell, upload, uploadSession } from "../api.js";
 import { button, fill, h } from "../dom.js";
-import { view } from "../store.js";
+import { look, view } from "../store.js";
 import { doing, say } from "./status.js";
 
 const HELD_OUT = /^(verify|validation|valid|test|held|hold)/i;
 
-// Files in the order of their names. Of three or more at once the last is held out, if none is yet and no name says so.
-export async function take(files) {
-  const list = [...files].filter((file) => !file.name.startsWith(".")).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
-  const recordings = list.filter((file) => !file.name.endsWith(".toml"));
-  const held = view.state.files.some((one) => one.role === "verify") || recordings.some((file) => HELD_OUT.test(file.name));
+const isModel = (file) => file.name.endsWith(".toml"); // or what exoid map kept
+
+// What it is about first, then recordings in the order of their names. Of three or more at once the last is held out, if
+// none is yet and no name says so. Of a folder, what is no recording is passed over, and said.
+export async function take(files, inFolder = false) {
+  const known = (file) => !inFolder || isModel(file) || view.state.suffixes.some((end) => file.name.toLowerCase().endsWith(end));
+  const seen = [...files].filter((file) => !file.name.startsWith("."));
+  const list = seen.filter(known).sort((a, b) => isModel(b) - isModel(a) || a.name.localeCompare(b.name, undefined, { numeric: true }));
+  const passedOver = seen.filter((file) => !known(file)).map((file) => file.name);
+  const held = view.state.files.some((one) => one.role === "verify") || list.some((file) => HELD_OUT.test(file.name));
   const first = view.state.files.length === 0; // before the first of these is there
+  const taken = [];
   for (const file of list) {
-    const last = recordings.length > 2 && !held && first && file === recordings.at(-1);
     say(`sending ${file.name}`);
-    await upload(file, HELD_OUT.test(file.name) || last ? "verify" : "fit");
+    const answer = await upload(file, HELD_OUT.test(file.name) ? "verify" : "fit", inFolder);
+    if (answer.passed_over) passedOver.push(answer.passed_over);
+    if (answer.id) taken.push(answer.id);
   }
+  if (taken.length > 2 && !held && first) await tell("role", { file: taken.at(-1), role: "verify" });
+  if (passedOver.length) look({ passedOver });
+  if (inFolder && !taken.length) throw new Error("the folder holds no recordings");
 }
 
 // Of a folder that exoid saved, all files of the session; of any other, the recordings in it.
 async function takeTree(tree) {
   const saved = tree.find(({ path }) => path.split("/").at(-1) === "session.json");
-  if (!saved) return take(tree.map(({ file }) => file));
+  if (!saved) return take(tree.map(({ file }) => file), true);
   const root = saved.path.slice(0, -"session.json".length);
   const drop = Date.now() % 1e9;
   for (const { path, file } of tree.filter((one) => one.path.startsWith(root))) {
@@ -78,8 +88,8 @@ export function drawStart() {
     h("p", { class: "lead" }, "Compare a model with measured torques, see where it fails, learn what is missing, add it, and watch the error fall on motion the model has never seen."),
     h("div", { class: "drop", "data-testid": "drop" },
       h("p", { class: "big" }, "Drop recordings here"),
-      h("p", { class: "faint" }, "tables with time, angles and torques: CSV, MAT, HDF5, Parquet, NPZ, spreadsheets, ROS bags. They stay on this machine."),
-      picker("Choose files …", "pick-files"),
+      h("p", { class: "faint" }, "tables with time, angles and torques: CSV, JSON, MAT, HDF5, Parquet, NPZ, spreadsheets, ROS bags. They stay on this machine."),
+      h("div", { class: "or" }, picker("Choose files …", "pick-files"), button("Choose a folder …", pickFolder, { "data-testid": "pick-folder" })),
     ),
     h("p", { class: "or" }, "or ", button("Begin with the demo", () => doing(tell("demo")), { "data-testid": "demo", class: "primary" }),
       " four recordings of a leg with something hidden in it"),

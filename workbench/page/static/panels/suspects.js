@@ -24,7 +24,7 @@ export function drawSuspects() {
     : ranking.weighed < 1 ? `${percent(ranking.weighed)} of the catalogue weighed` : "asking placebos; the p-values narrow";
   refill(place, head,
     h("p", { class: "faint small", title: "what each would take away of the squared error of its own joints, on motion it was not fitted to", "data-testid": "ranking-progress", "data-finished": String(ranking.finished) },
-      chosen ? "Share of the selected error. " : "Share of the error on unseen motion. ", progress),
+      chosen ? "Share of the selected error; " : "Share of the error on unseen motion; ", progress),
     h("ul", { class: "suspects" }, suspects.map((suspect) => row(suspect, chosen))),
     detailPanel(),
   );

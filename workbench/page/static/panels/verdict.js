@@ -6,7 +6,7 @@ import { percent, rms } from "../format.js";
 import { keep } from "../layout.js";
 import { view } from "../store.js";
 import { doing } from "./status.js";
-import { sure } from "./suspects.js";
+import { sure, titleOf } from "./suspects.js";
 
 const NAMES = {
   adequate: "nothing missing", missing: "found", ambiguous: "found, with look-alikes", unexplained: "not explained",
@@ -31,7 +31,7 @@ export function drawVerdict() {
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
       h("p", { class: "lead" }, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind), " ",
-        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, ";") : verdict.sentence, " ", verdict.sureness && sure(verdict.sureness)),
+        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "") : verdict.sentence, " ", verdict.sureness && sure(verdict.sureness)),
       h("div", { class: "said" }, verdict.headline && h("p", { class: "faint" }, verdict.sentence),
       (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
         verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
@@ -73,7 +73,7 @@ function staircase() {
   const steps = [...history.steps, ...found];
   const most = Math.max(...steps.flatMap((step) => step.rms || []), ...joints.map((joint) => joint.noise), 1e-9);
   return h("div", { class: "staircase-block" },
-    h("div", { class: "row" },
+    h("div", { class: "row wrap" },
       h("h3", { id: "history-title" }, "The error falling"),
       h("span", { class: "faint keys" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}`]), h("span", { class: "noise-key" }), " noise"),
       button("↶ undo", () => doing(tell("undo")), { "data-testid": "undo", disabled: !history.undo, title: "undo (Ctrl+Z)" }),
@@ -94,7 +94,14 @@ function stepButton(step, place, most, at) {
     type: "button", class: `step-button${place === at && !step.coming ? " now" : ""}${place > at ? " later" : ""}`,
     "aria-label": label, title: label, "aria-current": place === at && !step.coming ? "step" : null,
     disabled: Boolean(step.coming), onclick: open || (() => {}), "data-testid": `step-${place}`,
-  }, bars(step, most), h("span", { class: "step-label" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…"));
+  }, bars(step, most), h("span", { class: "step-label" }, called(step.label)), h("span", { class: "hidden" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…"));
+}
+
+// "+ stribeck:hip" in the words of the catalogue.
+function called(label) {
+  const name = label.replace(/^\+ /, "");
+  const title = view.state.layers.find((one) => one.name === name)?.title || titleOf(name);
+  return title === name ? label : `+ ${title}`;
 }
 
 function bars(step, most) {
