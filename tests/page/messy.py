@@ -1,4 +1,4 @@
-"""Folders as loggers leave them: the demo's recordings, or simulated ones of other machines, written in ten ways.
+"""Folders as loggers leave them: the demo's recordings, or simulated ones of other machines, written in many ways.
 
 Each function fills a folder and returns what is missing there, in words, and which button answers what only a person
 can know ("" where nothing need be asked).
@@ -126,6 +126,12 @@ def forces(folder):
     return DEMO, ""
 
 
+def counted(folder):
+    for k, run in enumerate(runs()):  # knee flexion positive, as in biomechanics
+        table(folder / f"walk{k}.csv", {**run, "q2": -run["q2"], "tau2": -run["tau2"]})
+    return DEMO, "read-as"
+
+
 def one_joint(folder):
     model = 'name = "bench"\n[[joints]]\nname = "axis"\nposition = [-1.2, 1.2]\nvelocity = 2.0\nacceleration = 6.0\n'
     (folder / "bench.toml").write_text(model, encoding="utf-8")
@@ -159,4 +165,4 @@ def _simulated(folder, effect):
         path.rename(folder / path.name)
 
 
-FOLDERS = (sides, degrees, milliseconds, headers, matlab, bag, spreadsheet, forces, one_joint, three_joints)
+FOLDERS = (sides, degrees, milliseconds, headers, matlab, bag, spreadsheet, forces, counted, one_joint, three_joints)

@@ -65,3 +65,19 @@ def test_files_of_two_legs_are_answered_after_one_click(serve, visit, tmp_path, 
     again = visit(page.url, context=page.context)
     expect(again.get_by_test_id("detail")).to_be_visible()
     expect(again.locator("#side")).to_be_hidden()  # the layout is remembered
+
+
+def test_a_joint_without_a_drive_is_said_in_the_dialog(serve, visit, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    for source in sorted(DATA.glob("*.csv")):
+        rows = np.genfromtxt(source, delimiter=",", names=True)
+        table = np.column_stack([rows["t"], rows["q1"], rows["q2"], rows["tau1"]])
+        np.savetxt(tmp_path / source.name, table, delimiter=",", header="t,q1,q2,tau1", comments="", fmt="%.7g")
+    page = visit(serve().url)
+    page.get_by_test_id("pick-files").set_input_files(sorted(tmp_path.glob("*.csv")))
+    dialog = page.get_by_test_id("map-dialog")
+    expect(dialog).to_contain_text("choose “no drive” for the torque of the knee")
+    page.get_by_test_id("map-tau2").select_option("no drive: the knee swings freely")
+    page.get_by_test_id("map-apply").click()
+    expect(dialog).to_have_count(0)
+    expect(page.locator("ul.files .finding.refused")).to_have_count(0)  # the others are read as told of the first

@@ -11,11 +11,11 @@ import pytest
 from diagnosis import Session
 from ground.errors import RecordingError
 from measurement.reading.columns import canonical_columns
-from measurement.reading.mapping import StatedMapping
+from measurement.reading.mapping import StatedMapping, remember, remembered
 from symbolic import Model
 from symbolic.joints import LEG, Joint
 from workbench.commands.demo import DATA
-from workbench.page.given import Given, mapping_preview, read_as_others, read_given
+from workbench.page.given import Given, keep_mappings, mapping_preview, read_as_others, read_given, told_of_all
 from workbench.page.numbers import column_of
 
 SLIDE = (Joint("cart", kind="prismatic"), Joint("pole"))
@@ -70,3 +70,37 @@ def test_any_column_of_a_file_can_be_drawn_on_the_time_of_the_plots(tmp_path):
     assert np.nanmin(values) == 0.0 and np.nanmax(values) == 6.0
     with pytest.raises(RecordingError, match="no column"):
         column_of(workspace, session, 0, "nothing")
+
+
+def test_a_further_file_is_read_in_the_convention_of_the_others(tmp_path):
+    def given(number, convention):
+        return Given(number, f"{number}.csv", tmp_path, told=StatedMapping(convention=convention))
+
+    assert told_of_all([]) == StatedMapping()
+    assert told_of_all([given(1, "flexion-positive")] * 2) == StatedMapping(convention="flexion-positive")
+    assert told_of_all([given(1, "flexion-positive"), given(2, "")]) == StatedMapping()
+
+
+def test_what_was_mapped_before_is_kept_for_files_with_these_columns(tmp_path):
+    names = ["t", "A", "B", "M", "N"]
+    told = StatedMapping({"q1": "A", "q2": "B", "tau1": "M", "tau2": "N"})
+    kept = remember(tmp_path, names, told)
+    keep_mappings(tmp_path / "cache", kept)
+    assert remembered(tmp_path / "cache", names) == told
+    kept.write_text("[[recordings]]\nheader = 3\n", encoding="utf-8")
+    with pytest.raises(RecordingError):
+        keep_mappings(tmp_path / "cache", kept)
+
+
+def test_a_product_of_columns_is_shown_and_carried_over(tmp_path):
+    first, second = tmp_path / "a.csv", tmp_path / "b.csv"
+    run = np.genfromtxt(sorted(DATA.glob("train*.csv"))[0], delimiter=",", names=True)
+    for path, more in ((first, ""), (second, ",lamp")):
+        rows = np.column_stack([run["t"], run["q1"], run["q2"], run["tau1"] / 24, 24 + 0 * run["t"], run["tau2"]])
+        rows = np.column_stack([rows, run["t"]]) if more else rows
+        np.savetxt(path, rows, delimiter=",", header="t,q1,q2,duty,volts,tau2" + more, comments="", fmt="%.9g")
+    told = StatedMapping({"tau1": "duty*volts"}, {"tau1": "Nm*1"})
+    one = read_given(Given(1, "a.csv", first, told=told), tmp_path / "none")
+    assert mapping_preview(one, LEG)["guess"]["tau1"]["column"] == "duty*volts"
+    other = read_as_others(Given(2, "b.csv", second), [told])
+    np.testing.assert_allclose(other.recordings[0].tau[:, 0], run["tau1"], rtol=1e-6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import AsyncIterator, Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,8 +113,17 @@ def _map(workspace: Workspace, told: dict[str, Any]) -> None:
     from measurement.reading.mapping import StatedMapping
 
     columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
-    said = StatedMapping(columns, units, str(told.get("leg", "")), str(told.get("convention", "")))
+    idle = told.get("passive", workspace.find(int(told["file"])).told.passive)
+    said = StatedMapping(
+        columns, units, str(told.get("leg", "")), str(told.get("convention", "")), passive=tuple(map(str, idle))
+    )
     workspace.map_file(int(told["file"]), said)
+
+
+def _read_as(workspace: Workspace, told: dict[str, Any]) -> None:
+    """Read all files, or the one that is named, in another convention."""
+    for one in [one for one in workspace.given if told.get("file") in (None, one.name)]:
+        workspace.map_file(one.id, replace(one.told, convention=str(told["convention"])))
 
 
 def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
@@ -154,6 +164,7 @@ ACTIONS: dict[str, Callable[[Workspace, dict[str, Any]], Any]] = {
     "go": lambda workspace, told: workspace.change_history(lambda history: history.go(int(told["at"]))),
     "map": _map,
     "play": lambda workspace, told: workspace.play(int(told["recording"])),
+    "read_as": _read_as,
     "redo": lambda workspace, told: workspace.change_history(lambda history: history.redo()),
     "remove": lambda workspace, told: workspace.change_history(lambda history: history.remove(str(told["effect"]))),
     "reopen": _reopen,

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ground.errors import ExoidError
+from ground.plain import picked
 from ground.text import printable
 from measurement.reading.mapping import StatedMapping
 
@@ -76,7 +77,8 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
 def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Sequence[Joint] | None = None) -> Given:
     """Return a file that cannot be read as it is, read as was told of another one; as it is where that does not help.
 
-    Of an answer counts what this file has: its leg and convention, and the columns and units of those that are there.
+    Of an answer counts what this file has: its leg, convention and passive joints, and the columns and units of those
+    that are there.
     """
     from measurement.reading.mapped import factors_of
     from measurement.reading.read import open_table, read_as_told
@@ -88,7 +90,9 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
     for said in answers:
         columns = {name: column for name, column in said.columns.items() if names.issuperset(factors_of(column, names))}
         units = {name: unit for name, unit in said.units.items() if not columns or name in columns}
-        told = replace(given.told, columns=columns, units=units, leg=said.leg, convention=said.convention)
+        told = replace(
+            given.told, columns=columns, units=units, leg=said.leg, convention=said.convention, passive=said.passive
+        )
         try:
             recordings = read_as_told(given.path, told, joints)
         except ExoidError:
@@ -122,6 +126,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     def shown(column: RawColumn) -> str:
         return called.get(id(column), column.name)  # a product of columns is none of the table
 
+    drives = {f"tau{k}": joint.name for k, joint in enumerate(joints, start=1)}
     sides = legs(table, joints)
     guesses = {}
     for side in dict.fromkeys((told.leg if told.leg in sides else "", *sides)):
@@ -136,13 +141,14 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "name": given.name,
         "columns": [{"name": n, **_column(c)} for n, c in zip(names, table.columns, strict=True)],
         "wanted": [
-            {"name": name, "required": name in required(joints), "si": UNIT_OF[kind_of(name, joints)]}
+            {"name": name, "required": name in required(joints), "si": UNIT_OF[kind_of(name, joints)],
+             "joint": drives.get(name, ""), "said": _in_words(name, joints)}
             for name in canonical_columns(joints)
         ],
         "guess": guess,
         "sides": list(sides),
         "guesses": guesses,
-        "told": {"columns": dict(told.columns), "units": dict(told.units), "leg": told.leg},
+        "told": {**picked(told, "leg passive"), "columns": dict(told.columns), "units": dict(told.units)},
         "convention": told.convention,
         "conventions": [{"name": one.name, "what": one.what} for one in conventions_of_machine(tuple(joints)).values()],
         "error": None if given.error is None else error_json(given.error),
@@ -150,12 +156,32 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     }
 
 
+def _in_words(name: str, joints: Sequence[Joint]) -> str:
+    """Return what an angle, a torque, ... of a joint is called ("knee torque"), other columns by their names."""
+    from measurement.auditing.channels import WORDS
+    from measurement.reading.names import quantity_of
+
+    quantity = quantity_of(name)
+    number = name.removeprefix(quantity)
+    if quantity not in WORDS or not number:
+        return {"t": "time"}.get(name, name)
+    joint = joints[int(number) - 1]
+    return f"{joint.name} {WORDS[quantity][not joint.turns]}"
+
+
 def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None:
     """Keep a mapping for the next file with these columns."""
     from measurement.reading.mapping import remember as keep
 
-    folder.mkdir(parents=True, exist_ok=True)
-    keep(folder, table.names, told, replacing=True)
+    if told:
+        folder.mkdir(parents=True, exist_ok=True)
+        keep(folder, table.names, told, replacing=True)
+
+
+def told_of_all(given: Sequence[Given]) -> StatedMapping:
+    """Return what holds for a further file as well: the convention in which all files so far are read."""
+    found = {one.told.convention for one in given}
+    return StatedMapping(convention=found.pop() if len(found) == 1 else "")
 
 
 def keep_mappings(folder: Path, path: Path) -> None:

@@ -127,6 +127,7 @@ class Workspace:
         """Take in a file, to be read as soon as there is time."""
         with self.change:
             self._ids += 1
+            more = {"told": files.told_of_all(self.given), **more}
             one = Given(self._ids, self._free(files.shown_name(name)), path, _role(role), **more)
             self.given.append(one)
             self._begin_anew()
@@ -175,7 +176,7 @@ class Workspace:
         from measurement.reading.read import open_table
 
         old = self.find(id)
-        kept = {name: getattr(old.told, name) for name in ("join", "passive", "payloads", "only")}
+        kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only")}
         said = replace(told, **kept)
         one = files.read_given(replace(old, told=said), self.remembered, self.joints)
         if one.error is not None:
@@ -264,9 +265,7 @@ class Workspace:
         with self.change:
             used = [layer.name for layer in self.history.now.layers if layer.name.partition(":")[0] == effect.id]
             if used:
-                raise EffectError(
-                    f"{used[0]} is among the layers", where=effect.id, remedy="remove it before changing it"
-                )
+                raise EffectError(f"{used[0]} is among the layers", where=effect.id, remedy="remove it first")
             self.own[effect.id], self.own_texts[effect.id] = effect, entry
             if self.session is not None:
                 self.session = self.session.knowing(effect)

@@ -6,6 +6,7 @@ import { number } from "../format.js";
 import { doing } from "./status.js";
 
 const ROWS = 5;
+const IDLE = "\u0000no drive"; // no name of a column
 const SIDES = { left: "Left", right: "Right", ipsi: "Same side", contra: "Other side", both: "Both" };
 const offered = new Set();
 
@@ -14,7 +15,7 @@ let waiting = null;
 // A remedy of the command line, as it is done on the page.
 export function inPage(remedy) {
   return remedy.replace(/--leg (left|right|ipsi|contra)( or --leg \w+)*( \(two recordings\))?/, "press the leg that is meant")
-    .replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--verify/g, "“held out”");
+    .replace(/--map (\w+)=COLUMN/g, "choose one as $1").replace(/--map (\w+)=("[^"]*"|'[^']*'|[^\s,;]+)/g, "choose $2 as $1").replace(/--units (\S+)/g, "write the unit beside the column ($1)").replace(/--passive (\w+) where that joint has no drive/g, "choose “no drive” for the torque of the $1").replace(/first give --convention (\S+)/g, "first read them as $1").replace(/give --convention (\S+)/g, "read them as $1").replace(/--verify/g, "“held out”");
 }
 
 // A file that cannot be read as it is opens the dialog by itself, once; the dialog goes when the file could be read after all.
@@ -80,10 +81,12 @@ export async function openMapping(id) {
     }
   }
   async function send() {
-    const columns = Object.fromEntries(rows.filter((row) => row.column.value).map((row) => [row.name, row.column.value]));
-    const units = Object.fromEntries(rows.filter((row) => row.column.value && row.unit.value.trim()).map((row) => [row.name, row.unit.value.trim()]));
+    const named = rows.filter((row) => row.column.value && row.column.value !== IDLE);
+    const passive = rows.filter((row) => row.column.value === IDLE).map((row) => row.joint);
+    const columns = Object.fromEntries(named.map((row) => [row.name, row.column.value]));
+    const units = Object.fromEntries(named.filter((row) => row.unit.value.trim()).map((row) => [row.name, row.unit.value.trim()]));
     try {
-      await tell("map", { file: id, columns, units, leg: leg.value, convention: convention.value });
+      await tell("map", { file: id, columns, units, passive, leg: leg.value, convention: convention.value });
       dialog.close();
     } catch (problem) {
       showError(problem);
@@ -102,13 +105,14 @@ function choice(id, known, value) {
 }
 
 function wantedRow(wanted, table) {
-  const guess = table.guess[wanted.name];
+  const idle = wanted.joint && table.told.passive.includes(wanted.joint);
+  const guess = idle ? { column: IDLE } : table.guess[wanted.name];
   const id = `map-${wanted.name}`;
-  const column = choice(id, [["", wanted.required ? "choose …" : "not there"], ...table.columns.map((one) => [one.name, one.name])], guess ? guess.column : "");
+  const column = choice(id, [["", wanted.required ? "choose …" : "not there"], ...(wanted.joint ? [[IDLE, `no drive: the ${wanted.joint} swings freely`]] : []), ...table.columns.map((one) => [one.name, one.name])], guess ? guess.column : "");
   const unit = h("input", { type: "text", size: 9, "aria-label": `unit of ${wanted.name}`, "data-testid": `map-unit-${wanted.name}`, placeholder: wanted.si,
-    value: table.told.units[wanted.name] || (guess && guess.unit !== wanted.si ? guess.unit : "") });
-  const words = h("label", { for: id }, h("code", {}, wanted.name));
-  return { name: wanted.name, required: wanted.required, column, unit, element: h("div", { class: "row mapping-row" }, words, column, unit) };
+    value: table.told.units[wanted.name] || (guess && guess.unit && guess.unit !== wanted.si ? guess.unit : "") });
+  const words = h("label", { for: id, title: wanted.name }, wanted.said);
+  return { name: wanted.name, joint: wanted.joint, required: wanted.required, column, unit, element: h("div", { class: "row mapping-row" }, words, column, unit) };
 }
 
 function preview(table) {

@@ -5,6 +5,7 @@ import { button, h, refill, svg } from "../dom.js";
 import { percent, rms } from "../format.js";
 import { keep } from "../layout.js";
 import { view } from "../store.js";
+import { inPage } from "./mapping.js";
 import { doing } from "./status.js";
 import { sure, titleOf } from "./suspects.js";
 
@@ -34,7 +35,7 @@ export function drawVerdict() {
         verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "") : verdict.sentence, " ", verdict.sureness && sure(verdict.sureness)),
       h("div", { class: "said" }, verdict.headline && h("p", { class: "faint" }, verdict.sentence),
       (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
-        verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${verdict.next}` : verdict.next),
+        verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${inPage(verdict.next)}` : verdict.next),
         verdict.why && h("p", { class: "faint" }, verdict.why),
         (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
         (verdict.possible || []).map((text) => h("p", { class: "faint" }, `possible: ${text}`)))),
@@ -117,12 +118,22 @@ function bars(step, most) {
   return picture;
 }
 
+// The convention that the torques speak for, with its file where it is that one's alone.
+function otherReading(remedy) {
+  const text = /--convention (\S+)/.exec(remedy || "")?.[1].replace(/[.,;]$/, "");
+  if (!text) return null;
+  const file = view.state.files.find((one) => text.startsWith(`${one.name}=`));
+  return file ? { file: file.name, convention: text.slice(file.name.length + 1) } : { convention: text };
+}
+
 function discover(search) {
   const { auto, verdict } = view.state;
   if (!search.running) {
+    const other = verdict.kind === "check_channels" ? otherReading(verdict.next) : null;
     const words = verdict.proposed && verdict.accepted.length ? "Add what was found" : "Discover";
     return h("div", { class: "row wrap discover" },
-      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
+      other && button(`Read ${other.file || "all files"} as ${other.convention}`, () => doing(tell("read_as", other)), { "data-testid": "read-as", class: "primary" }),
+      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
       auto.running && h("span", { class: "faint", "data-testid": "judging" }, h("progress", { "aria-label": "judging" }), " judging …"),
       search.message && h("span", { class: "faint" }, search.message),
       h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " by itself"),
