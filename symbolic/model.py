@@ -133,9 +133,11 @@ class Model:
         self._take_joints()
 
     def _take_joints(self) -> None:
-        """Know the leg by its joints; on a base that moves it is another machine, of the same joints."""
+        """Know the leg by its joints; on a base that moves, and lying in a plane without gravity, it is another machine
+        of the same joints.
+        """
         joints = joints_of(self.joints)
-        if joints is LEG and self.moving_base:
+        if joints is LEG and (self.moving_base or self.gravity == 0.0):
             joints = (replace(LEG[0], length=self.thigh_length), *LEG[1:])
         object.__setattr__(self, "joints", joints)
 

@@ -89,7 +89,7 @@ class ThighLength(AsJson):
 
 def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     """Return the thigh length that the fitted recordings of `prepared` want; None for models that have none to tell,
-    and for recordings that keep another convention.
+    for recordings that keep another convention, and for others than those that were fitted.
 
     The torque sensors may have offsets of their own meanwhile, which would otherwise pass for weight.
     """
@@ -98,6 +98,8 @@ def wanted_thigh_length(fit: Fit, prepared: Prepared) -> ThighLength | None:
     if prepared.misread or model.chain or COUPLING not in names or loaded:
         return None
     weight = np.concatenate([_weight(one) for one in prepared.train], axis=1)[:, :, None]
+    if fit.recordings != tuple(one.name for one in prepared.train) or fit.data.tau.shape != weight.shape[:2]:
+        return None
     zeros = np.broadcast_to(np.eye(weight.shape[0])[:, None, :], (*weight.shape[:2], weight.shape[0]))
     with_zeros = _data(fit, zeros, "zero")
     data = _data(fit, np.concatenate([zeros, weight], axis=2), "zero")

@@ -178,3 +178,11 @@ def test_models_refuse_what_they_cannot_hold():
     with pytest.raises(EffectError, match=r"absorbed|no place"):
         model.with_effect("rotor_inertia", "hip")
     assert model.without("stribeck:knee").key() == Model.standard().key()
+
+
+def test_hip_and_knee_may_lie_in_a_plane_without_gravity(write):
+    text = 'name = "flat"\ngravity = 0\n[[joints]]\nname = "hip"\nlength = 0.40\n[[joints]]\nname = "knee"\n'
+    model = read_model(write(text))
+    assert model.gravity == 0.0 and model.joint_names == ("hip", "knee") and model.chain
+    assert len(model.inertial) == 3
+    assert read_model(write_model(model, write("").with_name("again.toml"))).chain == model.chain
