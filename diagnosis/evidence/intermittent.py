@@ -39,6 +39,11 @@ BEYOND = Threshold(
     "part of it, RMS, that curves and other numbers leave in a recording left out: a stop or a bump would be taken for "
     "contact",
 )
+FAR = Threshold(
+    15.0,
+    "times the error of the quiet part, RMS, that is as good as such a part: heavy contact whose strides are much "
+    "alike would be searched for effects",
+)
 TIMES = Threshold(3.0, "times that it comes and goes in half of the recordings: a load hung up once")
 ADVICE = (
     "measure it: a force plate or an instrumented treadmill (columns grf_x, grf_z), cuffs with force sensors (f1, f2), "
@@ -136,7 +141,7 @@ def intermittent(base: FittedModel) -> Intermittent | None:
     if np.mean([len(own) >= TIMES for own in episodes]) < 0.5:
         return None
     rest = [view.tau - view.columns @ x for view in views]
-    if not _beyond_curves(views, rest, acts, CLEAR * np.sqrt(level)):
+    if not _beyond_curves(views, rest, acts, float(np.sqrt(level))):
         return None
     weight = [(sample * np.sqrt(0.5 * view.one.rate))[:, None] for view in views]
     own = [part * w for part, w in zip(rest, weight, strict=True)]
@@ -222,10 +227,10 @@ def _episodes(acts: NDArray[np.bool_], rate: float) -> list[tuple[int, int]]:
 
 
 def _beyond_curves(
-    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], least: float
+    views: list[_View], rest: list[Float], acts: list[NDArray[np.bool_]], quiet: float
 ) -> bool:
     """Whether smooth curves in the angles and velocities beside other numbers of the model, fitted to the other
-    recordings, leave a good part of what acts at any joint where that is more than `least`.
+    recordings, leave a good part of what acts at any joint, or far more than the error of the `quiet` part.
     """
     q, dq = (np.concatenate([getattr(view.one.motion, name) for view in views]) for name in ("q", "dq"))
     ends = [(x.min(axis=0), x.max(axis=0)) for x in (q, dq)]
@@ -247,7 +252,8 @@ def _beyond_curves(
             there = acts[k][view.seen[joint]]
             square, whole = square + float(np.sum(left[there] ** 2)), whole + float(np.sum(own[k][there] ** 2))
             count += int(there.sum())
-        if whole > count * least**2 and square > BEYOND**2 * whole:
+        clear = whole > count * (CLEAR * quiet) ** 2
+        if clear and square > min(BEYOND**2 * whole, count * (FAR * quiet) ** 2):
             return True
     return False
 

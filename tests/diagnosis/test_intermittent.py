@@ -123,3 +123,17 @@ def test_a_light_foot_of_the_bench_is_suspected():
     runs = simulate_runs(3, seed=4, bench=Bench(duration=20.0, walk=Walk(load=150.0), measured=()))
     found = intermittent(fitted([run.recording for run in runs]))
     assert 0.55 < found.share < 0.75 and 1.2 < found.period < 1.8 and "upwards" in found.force
+
+
+@pytest.mark.shows("intermittent.FAR")
+def test_heavy_contact_is_contact_although_its_strides_are_much_alike(walks, monkeypatch):
+    base = fitted(walks)
+    monkeypatch.setattr(module, "BEYOND", 0.9)
+    assert intermittent(base) is not None
+    monkeypatch.setattr(module, "FAR", 100.0)
+    assert intermittent(base) is None
+
+
+def test_a_hard_stop_is_no_contact():
+    base = with_torque(lambda one, rng: np.outer(1000.0 * np.maximum(one.q[:, 0] - 0.45, 0.0), (1.0, 0.0)))
+    assert intermittent(base) is None
