@@ -10,8 +10,9 @@ from typing import Unpack
 import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.apart import OTHERS, apart, still_apart, why_apart
 from diagnosis.evidence.channels import doubts_after
-from diagnosis.evidence.fitted import fitted_model
+from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.own_sway import own_sway
 from diagnosis.evidence.soft_drive import soft_drive
 from diagnosis.evidence.timing import FilterOnTorque, filtered
@@ -72,9 +73,50 @@ def answer_of(
 ) -> Diagnosis:
     """Return what `discover` finds; `prepared` are the recordings where they are prepared already, `found` is called
     with the steps so far whenever the search has another one.
+
+    Recordings that are not of what the others are of are left out, and the others are answered.
     """
     began = time.perf_counter()
     tick, found = once(tick), found and once(found)
+    prepared = question.prepare(recordings, verify, tick) if prepared is None else prepared
+    odd: tuple[int, ...] = ()
+    if len(prepared.all) > OTHERS:
+        base = question.fitted(prepared)
+        odd = apart(base)
+    if not odd:
+        return _answer(question, recordings, verify, tick, prepared, found)
+    fitted = [one for k, one in enumerate(recordings) if k not in odd]
+    held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
+    if not fitted or (verify and not held):
+        return _answer(question, recordings, verify, tick, prepared, found)
+    of_others = _answer(question, fitted, held, _part(tick, 0.0, 0.5), None, found)
+    odd = still_apart(base, of_others.fit, odd)
+    if odd and of_others.accepted:
+        return _without(of_others, base, odd, began)
+    whole = _answer(question, recordings, verify, _part(tick, 0.5, 1.0), prepared, found)
+    nearest = max((one.explained_share for one in whole.possible), default=0.0)
+    if not odd or whole.accepted or of_others.verdict != "adequate" or nearest > question.rules.nearest:
+        return whole  # an effect that these alone show is one of the machine
+    return _without(of_others, base, odd, began)
+
+
+def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], began: float) -> Diagnosis:
+    """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
+    left_out = why_apart(base, answer.fit, odd)
+    sentence = " ".join([answer.sentence, *(f"{one.sentence}." for one in left_out)])
+    return replace(answer, sentence=sentence, left_out=left_out, seconds=time.perf_counter() - began)
+
+
+def _answer(
+    question: Question,
+    recordings: Sequence[Recording],
+    verify: Sequence[Recording],
+    tick: Progress,
+    prepared: Prepared | None,
+    found: Callable[[Sequence[Step]], None] | None,
+) -> Diagnosis:
+    """Return the answer of all these recordings together."""
+    began = time.perf_counter()
     rules, splits = question.rules, question.asked.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
     done = question.search(recordings, verify, whole, prepared, found)

@@ -57,6 +57,16 @@ class Question:
         """The thresholds that decide."""
         return self.asked.limited
 
+    def prepare(self, recordings: Sequence[Recording], verify: Sequence[Recording], tick: Progress) -> Prepared:
+        """Return the recordings as they are fitted."""
+        tick(0.02, "preparing the recordings")
+        asked = self.asked
+        return prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
+
+    def fitted(self, prepared: Prepared) -> FittedModel:
+        """Return the model as it was given, fitted to the recordings."""
+        return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+
     def search(
         self,
         recordings: Sequence[Recording],
@@ -67,10 +77,9 @@ class Question:
     ) -> Searched:
         """Prepare the recordings, unless they are, and search; `found` hears of every step."""
         asked, rules = self.asked, self.rules
-        tick(0.02, "preparing the recordings")
         if prepared is None:
-            prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
-        base = fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+            prepared = self.prepare(recordings, verify, tick)
+        base = self.fitted(prepared)
 
         def context_of(part: Prepared) -> SearchContext:
             library = build_library(self.model, part.all, own_effects(self.model, asked.extra))

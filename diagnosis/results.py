@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from diagnosis.evidence.agreement import Agreement
+from diagnosis.evidence.apart import Apart
 from diagnosis.evidence.consistency import Differing
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.model_error import ModelError
@@ -188,13 +189,14 @@ class Diagnosis(AsJson):
     to it, `sentence` says it to a technician. `model` and `fit` are the last of the `steps`; `noise_floor` (J,)
     N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
-    fitted to all the recordings as they were prepared. `forces` are the measured ones of the model.
+    fitted to all the recordings as they were prepared. `forces` are the measured ones of the model, `left_out`
+    recordings that are not of what the others are of.
     """
 
     JSON = (
         "schema verdict headline sureness joints rule sentence accepted suspects possible steps noise_floor "
         "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
-        "stopped_because parameters=fit.estimates{} forces thigh_length audit seconds"
+        "stopped_because parameters=fit.estimates{} forces left_out thigh_length audit seconds"
     )
     schema: ClassVar[str] = SCHEMA
 
@@ -222,6 +224,7 @@ class Diagnosis(AsJson):
     thigh_length: ThighLength | None = None
     given: FittedModel | None = field(default=None, repr=False)
     forces: tuple[ForceUse, ...] = ()
+    left_out: tuple[Apart, ...] = ()
 
     @property
     def unit(self) -> str:

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from diagnosis.evidence.apart import moved_numbers
 from diagnosis.evidence.channel_doubt import Doubt, left_share
 from diagnosis.evidence.fitted import FittedModel, fitted_model
 from diagnosis.evidence.intermittent import ADVICE, intermittent
@@ -278,12 +279,7 @@ def _another_machine(last: FittedModel, rules: Rules) -> Doubt | None:
     alone = fitted_model(identify(last.model, swapped.train, optimisers=()), swapped)
     if np.mean((alone.train_rms[known] / unseen[known]) ** 2) > rules.own_machine:
         return None
-    own = {e.name: e for e in alone.fit.estimates}
-    moved = [
-        f"{e.name} {e.value:.3g} and {own[e.name].value:.3g} {e.unit}"
-        for e in last.fit.estimates
-        if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
-    ]
+    moved = moved_numbers(last.fit, alone.fit)
     if not moved:  # a few seconds that both fit well, and neither knows the numbers: nothing says they differ
         return None
     errors = ", ".join(

@@ -1,0 +1,187 @@
+"""Which recordings are not of what the others are of: a torque that was stuck, another machine or load, other columns?
+
+A model fitted to the others explains each of them, and of the odd one leaves a large part of the torque, several times
+what it leaves of any other. An effect that the model lacks is in all recordings, more or less, and raises what is left
+of each. The oddest are taken away one after the other, until each of them stands out: one bad file spoils a fit to all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagnosis.evidence.fitted import FittedModel, fitted_model
+from ground.errors import NotEnoughDataError
+from ground.plain import AsJson
+from ground.thresholds import Threshold
+from ground.ties import index_of_least
+from measurement.finding import Finding
+from optimisation.fitting.fit import Fit
+from optimisation.fitting.identify import identify
+from optimisation.preparation.filtering import PreparedRecording
+from symbolic.motion import Float
+
+SHARE = Threshold(0.05, "part of a torque's variance left of a recording that is apart: other payloads are still told")
+TIMES = Threshold(3.0, "times the error of any other recording: a motion in which an effect is large is left out")
+OTHERS = 3
+"""Recordings that must agree with each other, at least."""
+MOST = 1 / 3
+"""Part of the recordings that may be apart: beyond, nobody knows which of them are right."""
+OWN = 0.25
+"""Part of the squared error that a fit of its own leaves, up to which it is told as another machine."""
+
+
+@dataclass(frozen=True)
+class Apart(AsJson):
+    """A recording that was left out of an answer, and why in words."""
+
+    JSON = "recording sentence"
+
+    recording: str
+    sentence: str
+
+
+def apart(base: FittedModel) -> tuple[int, ...]:
+    """Return which recordings (indices, fitted ones first) are apart from the others; () where none or too many are."""
+    grams = _Grams(base)
+    count = len(base.prepared.all)
+    out: list[int] = []
+    while len(out) + 1 <= MOST * count and count - len(out) - 1 >= OTHERS:
+        rest = [k for k in range(count) if k not in out]
+        without = [grams.errors([j for j in rest if j != k], [j for j in rest if j != k]) for k in rest]
+        worst = rest[index_of_least([float(np.nansum(one)) for one in without])]
+        out.append(worst)
+        rest.remove(worst)
+        left = grams.errors(rest, [*rest, *out])
+        if all(_plain(own, np.nan_to_num(left[: len(rest)]).max(axis=0)).any() for own in left[len(rest) :]):
+            return tuple(sorted(out))
+    return ()
+
+
+def still_apart(base: FittedModel, found: Fit, odd: Sequence[int]) -> tuple[int, ...]:
+    """Return which of the recordings `odd` the model that was found for the others does not explain either."""
+    left = _left_by(base, found, odd)
+    others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
+    return tuple(k for k, own in zip(odd, left[-len(odd) :], strict=True) if _plain(own, others).any())
+
+
+def why_apart(base: FittedModel, found: Fit, odd: Sequence[int]) -> tuple[Apart, ...]:
+    """Return what is to be said of the recordings that the model found for the others does not explain."""
+    left, power = _left_by(base, found, odd), _power(base)
+    others = np.nan_to_num(left[: -len(odd)]).max(axis=0)
+    out = []
+    for k, own in zip(odd, left[-len(odd) :], strict=True):
+        plain = _plain(own, others)
+        errors = ", ".join(
+            f"{np.sqrt(own[j] * power[j]):.3g} {joint.unit('tau')} at the {joint.name} "
+            f"({np.sqrt(own[j] / max(others[j], 1e-12)):.2g} times as much as of any other)"
+            for j, joint in enumerate(base.model.joints)
+            if plain[j]
+        )
+        out.append(_why(base, found, base.prepared.all[k], own, errors))
+    return tuple(out)
+
+
+def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, errors: str) -> Apart:
+    text = f"{one.name} is left out: what explains the others leaves {errors}"
+    read = next((f for f in base.prepared.misread if _is_of(f, one.name)), None)
+    if read is not None:
+        return Apart(one.name, f"{text}; {read.what} ({read.remedy})")
+    try:
+        alone = identify(found.model, (one,), optimisers=())
+    except NotEnoughDataError:
+        return Apart(one.name, text)
+    own = _shares(fitted_model(alone, replace(base.prepared, train=(one,), verify=())))[0]
+    if np.nansum(own) > OWN * np.nansum(shares):
+        return Apart(one.name, f"{text}, and fitted alone it is not explained either: look at its columns and sensors")
+    moved = ", ".join(moved_numbers(found, alone)[:4])
+    numbers = f" ({moved})" if moved else ""
+    text += f", and fitted alone it is explained, with numbers of its own{numbers}"
+    return Apart(one.name, f"{text}: another machine, load or gain of a sensor")
+
+
+def moved_numbers(first: Fit, second: Fit) -> list[str]:
+    """Return the numbers of two fits that differ by more than both intervals allow, in words."""
+    own = {e.name: e for e in second.estimates}
+    return [
+        f"{e.name} {e.value:.3g} and {own[e.name].value:.3g} {e.unit}".rstrip()
+        for e in first.estimates
+        if e.name in own and (e.high < own[e.name].low or own[e.name].high < e.low)
+    ]
+
+
+def _left_by(base: FittedModel, found: Fit, odd: Sequence[int]) -> Float:
+    """Return what share (R, J) of the torques a model found without the recordings `odd` leaves of the others, and of
+    these, which come last.
+    """
+    count, every = len(base.prepared.train), base.prepared.all
+    train, held = ([every[k] for k in part if k not in odd] for part in (range(count), range(count, len(every))))
+    return _shares(
+        fitted_model(found, replace(base.prepared, train=tuple(train), verify=(*held, *(every[k] for k in odd))))
+    )
+
+
+def _is_of(finding: Finding, name: str) -> bool:
+    return finding.where == name or finding.where.endswith((f"/{name}", f"/{name}.csv"))
+
+
+def _plain(own: Float, others: Float) -> NDArray[np.bool_]:
+    """Return at which joints (J,) far more is left of one recording, `own`, than of any other, `others`."""
+    known = np.nan_to_num(own)
+    return np.asarray((known > SHARE) & (known > TIMES**2 * others))
+
+
+def _power(base: FittedModel) -> Float:
+    """Return the variance (J,) of the torque of each joint, the median of the recordings; NaN for one without drive."""
+    rows = [
+        [tau[use].var() if driven and use.any() else np.nan for tau, use, driven in zip(*parts, strict=True)]
+        for parts in ((one.torque, one.used, one.driven) for one in base.prepared.all)
+    ]
+    known = np.array(rows)
+    known[~(known > 0.0)] = np.nan
+    out = [float(np.nanmedian(row)) if np.isfinite(row).any() else np.nan for row in known.T]
+    return np.array(out)
+
+
+def _shares(fitted: FittedModel) -> Float:
+    """Return the share (R, J) of the usual variance of a torque that is left of each recording."""
+    power = _power(fitted)
+    out = np.full((len(fitted.prepared.all), len(power)), np.nan)
+    for k, (one, residual) in enumerate(zip(fitted.prepared.all, fitted.residuals, strict=True)):
+        for j in range(len(power)):
+            if one.driven[j] and one.used[j].any():
+                out[k, j] = np.mean(residual[j, one.used[j]] ** 2) / power[j]
+    return out
+
+
+class _Grams:
+    """Sums over each recording and joint, from which a fit to any of the recordings and what it leaves follow."""
+
+    def __init__(self, base: FittedModel) -> None:
+        power, model = _power(base), base.model
+        self.gram, self.slope, self.square, self.count = [], [], [], []
+        for one, shape in zip(base.prepared.all, base.shapes, strict=True):
+            raw = model.columns(one.motion, shape, base.linear if model.needs_reference else None)
+            columns = one.smooth_columns(raw)
+            known = (one.used & one.driven[:, None]) / np.sqrt(power)[:, None]
+            known = np.nan_to_num(known)
+            rows, tau = columns * known[:, :, None], one.torque * known
+            self.gram.append(rows.swapaxes(1, 2) @ rows)
+            self.slope.append((rows.swapaxes(1, 2) @ tau[:, :, None])[:, :, 0])
+            self.square.append(np.sum(tau**2, axis=1))
+            self.count.append(np.count_nonzero(known, axis=1))
+
+    def errors(self, fitted: Sequence[int], asked: Sequence[int]) -> Float:
+        """Return the share (A, J) of the torques' variance that a fit to some recordings leaves of those `asked`."""
+        gram = sum(self.gram[k].sum(axis=0) for k in fitted)
+        slope = sum(self.slope[k].sum(axis=0) for k in fitted)
+        size = np.sqrt(np.maximum(np.diagonal(gram), 1e-300))
+        x = np.linalg.lstsq(gram / np.outer(size, size), slope / size, rcond=1e-10)[0] / size
+        out = []
+        for k in asked:
+            left = self.square[k] - 2.0 * self.slope[k] @ x + np.einsum("p,jpq,q->j", x, self.gram[k], x)
+            out.append(np.where(self.count[k] > 0, np.maximum(left, 0.0) / np.maximum(self.count[k], 1), np.nan))
+        return np.array(out)

@@ -1,0 +1,124 @@
+"""A bad file among several is named and left out, and the others are answered."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis import discover
+from diagnosis.evidence import apart as module
+from diagnosis.evidence.apart import apart
+from diagnosis.evidence.fitted import fitted_model
+from measurement.recording import Recording
+from optimisation.fitting.identify import identify
+from optimisation.preparation.prepare import prepare
+from symbolic.joints import Joint
+from symbolic.model import Model
+from symbolic.motion import Motion
+
+AXIS = Model("drive", joints=(Joint("axis"),))
+WITH = AXIS.with_effect("viscous_quadratic:axis")
+NUMBERS = np.array([0.3, 3.0, 1.2, 0.5])
+
+
+def drive(k, *, quadratic=0.0, numbers=NUMBERS, noise=0.05):
+    """Return 15 s of one joint that swings by two sines, the same machine in every recording."""
+    t, parts = np.arange(0.0, 15.0, 0.01), np.zeros((3, 1500, 1))
+    for size, pace, phase in ((0.8, 2.0 + 0.2 * k, 0.0), (0.4, 5.1 - 0.3 * k, float(k))):
+        sine, cosine = np.sin(pace * t + phase), np.cos(pace * t + phase)
+        parts[:, :, 0] += size * np.array([sine, pace * cosine, -(pace**2) * sine])
+    tau = WITH.torque(Motion(t, *parts), np.array([*numbers, quadratic]), None)
+    seen = tau + noise * np.random.default_rng(k).standard_normal(tau.shape)
+    return Recording(f"run_{k}", t, parts[0], seen, joints=AXIS.joints)
+
+
+def stuck(one):
+    return replace(one, tau=np.where(one.t[:, None] < 5.0, one.tau, one.tau[500]))
+
+
+def turned(one):
+    return replace(one, tau=-one.tau)
+
+
+def names(runs, held=0):
+    prepared = prepare(AXIS, runs[: len(runs) - held], runs[len(runs) - held :])
+    base = fitted_model(identify(AXIS, prepared.train, optimisers=()), prepared)
+    return [prepared.all[k].name for k in apart(base)]
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return [drive(k, quadratic=0.4) for k in range(5)]
+
+
+def test_nothing_is_apart_where_all_lack_the_same(runs):
+    assert names(runs) == [] and names(runs, 1) == []
+
+
+@pytest.mark.parametrize("spoil", [stuck, turned])
+@pytest.mark.parametrize("place", [1, 4])
+def test_a_spoilt_recording_is(runs, spoil, place):
+    spoilt = [spoil(one) if k == place else one for k, one in enumerate(runs)]
+    assert names(spoilt) == [f"run_{place}"] and names([*spoilt[1:], runs[0]], 2) == [f"run_{place}"]
+
+
+def test_of_three_recordings_nobody_knows_which(runs):
+    assert names([turned(runs[0]), *runs[1:3]]) == []
+
+
+def test_two_of_six_are_found_and_three_are_not(runs):
+    six = [*runs, drive(5, quadratic=0.4)]
+    assert names([turned(six[0]), stuck(six[1]), *six[2:]]) == ["run_0", "run_1"]
+    assert len(names([turned(six[0]), stuck(six[1]), turned(six[2]), *six[3:]])) < 3
+
+
+@pytest.mark.shows("apart.SHARE")
+def test_a_little_more_is_no_other_machine(monkeypatch):
+    alike = [drive(k, noise=0.01) for k in range(4)]
+    heavier = drive(4, numbers=NUMBERS * [1.05, 1.05, 1.0, 1.0], noise=0.01)
+    assert names([*alike, heavier]) == []
+    monkeypatch.setattr(module, "SHARE", 0.0005)
+    assert names([*alike, heavier]) == ["run_4"]
+
+
+@pytest.mark.shows("apart.TIMES")
+def test_a_motion_in_which_an_effect_is_large_is_not_apart(monkeypatch):
+    varied = [drive(k, quadratic=1.0) for k in range(4)]
+    assert names([*varied, drive(7, quadratic=1.0)]) == []
+    other = drive(7, quadratic=2.0)
+    assert names([*varied, other]) == ["run_7"]
+    monkeypatch.setattr(module, "TIMES", 30.0)
+    assert names([*varied, other]) == []
+
+
+def test_the_others_are_answered_and_it_is_named(runs):
+    found = discover(AXIS, [runs[0], stuck(runs[1]), *runs[2:4]], runs[4])
+    assert found.verdict == "missing" and [one.effect for one in found.accepted] == ["viscous_quadratic"]
+    (out,) = found.to_json()["left_out"]
+    assert out["recording"] == "run_1" and "fitted alone it is not explained either" in found.sentence
+
+
+def test_another_machine_is_told_by_its_numbers(runs):
+    found = discover(AXIS, [*runs[:3], drive(3, quadratic=0.4, numbers=NUMBERS * 2.0)], runs[4])
+    assert found.verdict == "missing" and "with numbers of its own" in found.sentence
+
+
+def test_an_effect_that_one_recording_alone_shows_is_no_bad_file():
+    stop = AXIS.with_effect("end_stop:axis")
+    assert stop.shapes  # its place
+    runs = [drive(k) for k in range(4)]
+    wide = runs[3]
+    beyond = np.maximum(1.6 * wide.q - 1.2, 0.0) - np.maximum(-1.6 * wide.q - 1.2, 0.0)
+    far = replace(wide, q=1.6 * wide.q, tau=wide.tau)
+    tau = AXIS.torque(_motion(far), NUMBERS, None) + 25.0 * beyond
+    runs[3] = replace(far, tau=tau + 0.05 * np.random.default_rng(7).standard_normal(tau.shape))
+    found = discover(AXIS, runs)
+    assert "run_3 is left out" not in found.sentence
+
+
+def _motion(one):
+    rate = 1.0 / (one.t[1] - one.t[0])
+    dq = np.gradient(one.q[:, 0], 1.0 / rate)[:, None]
+    return Motion(one.t, one.q, dq, np.gradient(dq[:, 0], 1.0 / rate)[:, None])
