@@ -8,6 +8,7 @@
     "change"       something differs from before: `differences`, `since`, `kind`
     "motion"       another motion shows an error that the model has had all along; nothing changed
     "unexplained"  the error grew, and nothing that is known explains it
+    "push"         a torque that nothing explains, for a second or two; nothing has changed
     "bad_samples"  samples that no sensor can have measured are passed over; or they are over
     "skipped"      a line that is no sample
     "columns"      a logger that began again says anew which column is which

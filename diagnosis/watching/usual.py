@@ -39,6 +39,8 @@ class Usual:
     detector: Detector
     scale: Float
     rms: Float
+    largest: Float = field(default_factory=lambda: np.zeros(1))
+    """The largest error (J,) in what was usual."""
     asked: Mapping[str, Asked] = field(default_factory=dict, repr=False)
     """{name: whatever may change}"""
 
@@ -85,4 +87,5 @@ def learned(
         chance.append(placebos(columns, block.residual, block, scale, settings.placebos, rng))
     detector = Detector.calibrated(found, chance, settings.block, settings.alarms_per_day)
     asked = {one.name: one for one in may.candidates if isinstance(one, Asked)}
-    return Usual(now, watched, detector, scale, now.train_rms, asked)
+    largest = np.max([np.max(np.abs(b.residual) * b.use, axis=1) for b in blocks], axis=0)
+    return Usual(now, watched, detector, scale, now.train_rms, largest, asked)

@@ -25,6 +25,7 @@ from diagnosis.watching.differences import MOST, QUICK
 from diagnosis.watching.events import Event
 from diagnosis.watching.memory import TOGETHER, Memory
 from diagnosis.watching.numbers import FollowedNumbers
+from diagnosis.watching.pushes import Pushes
 from diagnosis.watching.result import Differences
 from diagnosis.watching.scores import Scores
 from diagnosis.watching.settings import Settings
@@ -71,6 +72,7 @@ class Watcher:
         self.pending: Pending | None = None
         self.applied: list[Applied] = []
         self.lasting: list[Applied] = []
+        self.pushes = Pushes(self.model.joints)
         self.counts: dict[str, int] = {}
         self.found, self.begun = 0, -np.inf
 
@@ -100,14 +102,12 @@ class Watcher:
         for one in [one for one in self.applied if not one.refined]:
             events += self._refine(one)
         self._count(events)
-        return [*events, *self._count([self._summary()])]
-
-    def _summary(self) -> Event:
         seconds = 0.0 if self.stream.first is None else self.last - self.stream.first
         estimates = () if self.numbers is None else self.numbers.estimates()
-        return wording.summary_event(
+        summary = wording.summary_event(
             self.last, seconds, self.blocks, self.looked, self.found, self.counts, self.stream.lost, estimates
         )
+        return [*events, *self._count([summary])]
 
     @property
     def last(self) -> float:
@@ -128,11 +128,6 @@ class Watcher:
     def looked(self) -> bool:
         """Whether changes were looked for: what is usual was known at some time."""
         return self.counts.get("reference", 0) > 0
-
-    def heartbeat(self, silent: float) -> Event:
-        """Return that this is alive; no sample has come for `silent` s."""
-        known = self.reference is not None
-        return wording.heartbeat_event(self.last, self.blocks, known, self.changed, silent, self.stream.lost)
 
     def state(self) -> WatchState | None:
         """Return what has been learnt, None before anything has."""
@@ -167,6 +162,7 @@ class Watcher:
         leaving = self.memory.recent[0] if len(detector.recent) == SPANS[-1] else None
         self.memory.recent.append(one)
         found = detector.take(self.reference.scores(usual, block))
+        self.pushes.take(one, block, self.reference)
         if leaving is not None:
             self.memory.remember(self._as_usual(leaving), self.blocks)
         if self.pending is not None:
@@ -182,6 +178,8 @@ class Watcher:
         due = [c for c in self.applied if not c.refined and c.age + self.settings.least >= self.settings.sure]
         if due and self.pending is None:
             events += self._refine(due[0])
+        if self.pending is None:
+            events += self.pushes.events(self.last)
         return events + self._renewed()
 
     def _scores(self, one: Window) -> Scores:
@@ -192,7 +190,8 @@ class Watcher:
     def _as_usual(self, one: Window, but: Applied | None = None) -> Window:
         """Return a window without what has changed, `but` one of the changes."""
         assert self.reference is not None
-        return as_usual(one, self.reference.now, [c for c in (*self.lasting, *self.applied) if c is not but])
+        changes = [c for c in (*self.lasting, *self.applied) if c is not but]
+        return self.pushes.left_out(as_usual(one, self.reference.now, changes))
 
     def _suspected(self, one: Window, found: Deviation) -> Event:
         """Return that something may have changed, and at which joint the error has grown most."""
@@ -281,6 +280,9 @@ class Watcher:
             answer = self._ask(last)
         if answer.found and self.reference.explains(answer):
             return self._named(answer, pending, last)
+        if pushes := self.pushes.explain(self.reference, self.last, self._rescore):
+            self.pending = None
+            return pushes
         if answer.found or (float(np.max(self.reference.grown(answer.rms_after))) > NOTICED and not answer.old):
             pending.asked += 1
             pending.wait = max(1, pending.age // 2)
@@ -309,6 +311,7 @@ class Watcher:
         event = wording.change_event(self.last, answer, pending.found, "first", when)
         since = event.since or Onset(float(last[0].t[0]), float(last[0].t[0]), float(last[0].t[0]), False)
         self.applied.append(Applied(answer.found, since))
+        self.pushes.seen.clear()
         self.numbers.changed(answer.found, since)
         self._rescore()
         return [event]

@@ -89,11 +89,15 @@ class Report:
 
     def beat(self, came: int) -> None:
         """Say, every --heartbeat s of the wall clock, that the watch is alive; `came` samples since the last call."""
+        from diagnosis.watching.wording import heartbeat_event
+
         now = time.monotonic()
         self.came = now if came else self.came
         if self.args.heartbeat and now - self.beaten >= self.args.heartbeat:
             self.beaten = now
-            self._object(self.watcher.heartbeat(now - self.came).to_json())
+            one, known = self.watcher, self.watcher.reference is not None
+            lost, silent = one.stream.lost, now - self.came
+            self._object(heartbeat_event(one.last, one.blocks, known, one.changed, silent, lost).to_json())
 
     def _object(self, found: dict[str, Any]) -> None:
         found = {**found, "at": datetime.now(UTC).isoformat(timespec="milliseconds"), "device": self.device}
