@@ -19,12 +19,14 @@ from diagnosis.watching.differences import BeforeAfter
 from diagnosis.watching.estimator import Estimator, Pace
 from diagnosis.watching.front import FrontEnd, Samples
 from diagnosis.watching.memory import Memory
+from diagnosis.watching.pushes import Pushes
 from diagnosis.watching.result import Course, Differences
 from diagnosis.watching.scores import Scores, placebos
 from diagnosis.watching.settings import Settings
 from diagnosis.watching.usual import Usual
 from diagnosis.watching.watcher import Watcher
 from diagnosis.watching.window import window
+from symbolic.joints import LEG
 
 SEEDS = range(60)
 TWO = SimpleNamespace(parameters=[SimpleNamespace(name=name, unit="") for name in "ab"], inertial=())
@@ -209,9 +211,10 @@ def watching(answer: Differences) -> SimpleNamespace:
     detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None)
     one = SimpleNamespace(
         reference=Usual(None, None, detector, np.ones(1), np.ones(1)), settings=Settings(), pending=None,
-        memory=Memory(np.random.default_rng(0)),
+        memory=Memory(np.random.default_rng(0)), pushes=Pushes(LEG),
         _ask=lambda last: answer, applied=[], last=0.0, _as_usual=lambda window: window,
     )  # fmt: skip
+    one._rescore = lambda: None
     one._resized = lambda lasted: Watcher._resized(one, lasted)
     return one
 
