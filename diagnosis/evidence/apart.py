@@ -2,7 +2,7 @@
 
 A model fitted to the others explains each of them, and of the odd one leaves a large part of the torque, several times
 what it leaves of any other. An effect that the model lacks is in all recordings, more or less, and raises what is left
-of each. The oddest are taken away one after the other, until each of them stands out: one bad file spoils a fit to all.
+of each. The oddest are taken away one after the other, as many as all stand out together: one bad file spoils a fit to all.
 """
 
 from __future__ import annotations
@@ -49,6 +49,7 @@ def apart(base: FittedModel) -> tuple[int, ...]:
     grams = _Grams(base)
     count = len(base.prepared.all)
     out: list[int] = []
+    plain: tuple[int, ...] = ()
     while len(out) + 1 <= MOST * count and count - len(out) - 1 >= OTHERS:
         rest = [k for k in range(count) if k not in out]
         without = [grams.errors([j for j in rest if j != k], [j for j in rest if j != k]) for k in rest]
@@ -57,8 +58,8 @@ def apart(base: FittedModel) -> tuple[int, ...]:
         rest.remove(worst)
         left = grams.errors(rest, [*rest, *out])
         if all(_plain(own, np.nan_to_num(left[: len(rest)]).max(axis=0)).any() for own in left[len(rest) :]):
-            return tuple(sorted(out))
-    return ()
+            plain = tuple(sorted(out))
+    return plain
 
 
 def still_apart(base: FittedModel, found: Fit, odd: Sequence[int]) -> tuple[int, ...]:
