@@ -2,7 +2,8 @@
 
 A model fitted to the others explains each of them, and of the odd one leaves a large part of the torque, several times
 what it leaves of any other. An effect that the model lacks is in all recordings, more or less, and raises what is left
-of each. The oddest are taken away one after the other, as many as all stand out together: one bad file spoils a fit to all.
+of each. The oddest are taken away one after the other, as many as all stand out together: one bad file spoils
+a fit to all.
 """
 
 from __future__ import annotations

@@ -46,6 +46,7 @@ class Leg:
     chain = ()
     following_places = ()
     forces = ()
+    wearer = None
 
     @property
     def needs_reference(self):

@@ -94,6 +94,7 @@ class FakeComparison:
     audit: tuple[Finding, ...] = ()
     unseen: bool = True
     forces: tuple[Any, ...] = ()
+    strides: Any = None
     fit: Any = field(default_factory=FakeFit)
     rms: Any = field(default_factory=lambda: np.array([0.71, 0.53]))
     unit: str = "N·m"

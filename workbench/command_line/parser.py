@@ -68,7 +68,8 @@ class Parser(argparse.ArgumentParser):
             formatter.add_arguments([action for action in group._group_actions if action not in seldom])
             formatter.end_section()
         names = ", ".join(action.option_strings[-1] for action in seldom[len(HELP) :])
-        formatter.add_text("\n".join(textwrap.wrap(f"{self.prog} --help-all explains {names} as well", 78)))
+        text = f"{self.prog} --help-all explains {names} as well"
+        formatter.add_text("\n".join(textwrap.wrap(text, 78, break_on_hyphens=False)))
         return formatter.format_help()
 
     def _refuse_unknown(self, arguments: Sequence[str]) -> None:
