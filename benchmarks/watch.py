@@ -189,7 +189,8 @@ def memory(hours: float, rate: float, changes: bool) -> dict:
         if k == 4 or k % 60 == 59:
             seen.append(round(resident(), 1))
             detector = watcher.reference.detector
-            held = (watcher.recent, watcher.usual, watcher.leaving, detector.quiet, detector.recent)
+            kept = watcher.memory
+            held = (kept.recent, kept.usual, kept.leaving, detector.quiet, detector.recent)
             sizes.append([len(one) for one in held])
             print(json.dumps({"hours": (k + 1) / 60.0, "mb": seen[-1], "held": sizes[-1]}), file=sys.stderr, flush=True)
     return {"rate": rate, "hours": hours, "mb": seen, "held": sizes[-1], "events": watcher.counts}

@@ -102,7 +102,7 @@ def _why(base: FittedModel, found: Fit, one: PreparedRecording, shares: Float, e
     moved = ", ".join(moved_numbers(found, alone)[:4])
     numbers = f" ({moved})" if moved else ""
     text += f", and fitted alone it is explained, with numbers of its own{numbers}"
-    return Apart(one.name, f"{text}: another machine, load or gain of a sensor")
+    return Apart(one.name, f"{text}: another machine, a load (--payload) or gain of a sensor")
 
 
 def moved_numbers(first: Fit, second: Fit) -> list[str]:

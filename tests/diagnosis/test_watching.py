@@ -240,8 +240,8 @@ def test_what_changed_is_named_and_what_is_kept_does_not_grow(usual_run, name: s
     events = []
     for k in range(0, len(rows), 200):
         events += watcher.push(rows[k : k + 200])
-        assert len(watcher.recent) <= SPANS[-1]
-        assert len(watcher.usual) <= 12
+        assert len(watcher.memory.recent) <= SPANS[-1]
+        assert len(watcher.memory.usual) <= 12
         assert len(watcher.stream.waiting) < 800
     first = next(e for e in events if e.event == "change")
     assert first.names == (name,)
