@@ -78,48 +78,44 @@ def answer_of(
     """
     began = time.perf_counter()
     tick, found = once(tick), found and once(found)
-    prepared = question.prepare(recordings, verify, tick) if prepared is None else prepared
-    odd: tuple[int, ...] = ()
-    if len(prepared.all) > OTHERS:
-        base = question.fitted(prepared)
-        odd = apart(base)
-    if not odd:
-        return _answer(question, recordings, verify, tick, prepared, found)
+    base = question.fitted(recordings, verify, tick, prepared)
+    odd = apart(base) if len(base.prepared.all) > OTHERS else ()
     fitted = [one for k, one in enumerate(recordings) if k not in odd]
     held = [one for k, one in enumerate(verify, len(recordings)) if k not in odd]
-    if not fitted or (verify and not held):
-        return _answer(question, recordings, verify, tick, prepared, found)
-    of_others = _answer(question, fitted, held, _part(tick, 0.0, 0.5), None, found)
+    if not odd or not fitted or (verify and not held):
+        return _answer(question, base, recordings, verify, tick, found, began)
+    half = _part(tick, 0.0, 0.5)
+    of_others = _answer(question, question.fitted(fitted, held, half), fitted, held, half, found, began)
     odd = still_apart(base, of_others.fit, odd)
     if odd and of_others.accepted:
-        return _without(of_others, base, odd, began)
-    whole = _answer(question, recordings, verify, _part(tick, 0.5, 1.0), prepared, found)
+        return _without(of_others, base, odd)
+    whole = _answer(question, base, recordings, verify, _part(tick, 0.5, 1.0), found, began)
     nearest = max((one.explained_share for one in whole.possible), default=0.0)
     if not odd or whole.accepted or of_others.verdict != "adequate" or nearest > question.rules.nearest:
         return whole  # an effect that these alone show is one of the machine
-    return _without(of_others, base, odd, began)
+    return _without(of_others, base, odd)
 
 
-def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int], began: float) -> Diagnosis:
+def _without(answer: Diagnosis, base: FittedModel, odd: Sequence[int]) -> Diagnosis:
     """Return the answer of the other recordings, and what is to be said of those that are `odd`."""
     left_out = why_apart(base, answer.fit, odd)
     sentence = " ".join([answer.sentence, *(f"{one.sentence}." for one in left_out)])
-    return replace(answer, sentence=sentence, left_out=left_out, seconds=time.perf_counter() - began)
+    return replace(answer, sentence=sentence, left_out=left_out)
 
 
 def _answer(
     question: Question,
+    base: FittedModel,
     recordings: Sequence[Recording],
     verify: Sequence[Recording],
     tick: Progress,
-    prepared: Prepared | None,
     found: Callable[[Sequence[Step]], None] | None,
+    began: float,
 ) -> Diagnosis:
-    """Return the answer of all these recordings together."""
-    began = time.perf_counter()
+    """Return the answer of all these recordings together, to which `base` is fitted."""
     rules, splits = question.rules, question.asked.splits
     whole = _part(tick, 0.0, 0.5) if splits == ALL else tick
-    done = question.search(recordings, verify, whole, prepared, found)
+    done = question.search(base, whole, found)
     prepared, state = done.prepared, done.found.state
 
     def as_given(answer: Conclusion, possible: tuple[Possible, ...] = ()) -> Diagnosis:

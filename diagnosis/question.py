@@ -57,29 +57,25 @@ class Question:
         """The thresholds that decide."""
         return self.asked.limited
 
-    def prepare(self, recordings: Sequence[Recording], verify: Sequence[Recording], tick: Progress) -> Prepared:
-        """Return the recordings as they are fitted."""
-        tick(0.02, "preparing the recordings")
-        asked = self.asked
-        return prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
-
-    def fitted(self, prepared: Prepared) -> FittedModel:
-        """Return the model as it was given, fitted to the recordings."""
-        return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
-
-    def search(
+    def fitted(
         self,
         recordings: Sequence[Recording],
         verify: Sequence[Recording],
         tick: Progress,
         prepared: Prepared | None = None,
-        found: Callable[[Sequence[Step]], None] | None = None,
-    ) -> Searched:
-        """Prepare the recordings, unless they are, and search; `found` hears of every step."""
-        asked, rules = self.asked, self.rules
+    ) -> FittedModel:
+        """Return the model as it was given, fitted to the recordings, which are prepared unless they are."""
+        tick(0.02, "preparing the recordings")
         if prepared is None:
-            prepared = self.prepare(recordings, verify, tick)
-        base = self.fitted(prepared)
+            asked = self.asked
+            prepared = prepare(self.model, recordings, verify, cutoff=asked.cutoff, derivative=asked.derivative)
+        return fitted_model(identify(self.model, prepared.train, optimisers=()), prepared)
+
+    def search(
+        self, base: FittedModel, tick: Progress, found: Callable[[Sequence[Step]], None] | None = None
+    ) -> Searched:
+        """Search beside `base`, the model as it was `fitted`; `found` hears of every step."""
+        asked, rules, prepared = self.asked, self.rules, base.prepared
 
         def context_of(part: Prepared) -> SearchContext:
             library = build_library(self.model, part.all, own_effects(self.model, asked.extra))

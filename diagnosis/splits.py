@@ -35,7 +35,8 @@ def from_scratch(
         tick(number / len(splits), f"split {number + 1} of {len(splits)}, from scratch")
         fitted = [r for k, r in enumerate(everything) if k not in held_out]
         try:
-            state = question.search(fitted, [everything[k] for k in held_out], silent).found.state
+            base = question.fitted(fitted, [everything[k] for k in held_out], silent)
+            state = question.search(base, silent).found.state
         except NotEnoughDataError:  # these recordings alone do not determine the model: this split cannot tell
             continue
         count += 1
