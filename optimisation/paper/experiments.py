@@ -13,7 +13,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ground.engines.processes import in_processes
+from ground.engines.engine import Engine, completed
+from ground.engines.processes import processes
 from measurement.bench.leg import paper_leg
 from measurement.bench.simulation import Bench, BenchRun, run_bench
 from measurement.signals.conditioning import derivatives, low_pass
@@ -22,10 +23,12 @@ from optimisation.contest.motion import NARROW, WIDE, MotionContest, MotionEntra
 from optimisation.contest.problem import paper_contest
 from optimisation.contest.rivals import entrants, rivals
 from optimisation.contest.standings import Rivals
+from optimisation.contest.subject import ContestSubject
 from optimisation.excitation.design import design, evaluate
 from optimisation.excitation.result import Excitation
 from optimisation.excitation.settings import CRITERION_NAMES
 from optimisation.fitting.identify import identify
+from optimisation.fitting.settings import Search
 from optimisation.linear.certificate import Certificate, certify
 from optimisation.linear.problem import LinearData
 from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
@@ -109,6 +112,17 @@ class Experiments:
     seeds: int = SEEDS
 
     @cached_property
+    def engine(self) -> Engine:
+        """The processes that all experiments share, so that they start and compile once; `close` ends them."""
+        return processes()
+
+    def close(self, ended: bool = True) -> None:
+        """End the processes where there are any, in the middle of their work unless all has `ended`."""
+        engine = self.__dict__.pop("engine", None)
+        if engine is not None:
+            engine.close(ended)
+
+    @cached_property
     def leg(self) -> Model:
         """The eight-parameter model."""
         return Model.standard()
@@ -145,7 +159,8 @@ class Experiments:
     @cached_property
     def designs(self) -> Mapping[str, Excitation]:
         """{criterion: the motion that `exoid design` finds for it}; for the condition number with IPOPT beside it."""
-        found = dict(in_processes(_designed, CRITERION_NAMES, lambda name: (self.leg, name, self.seed)))
+        ended = completed(self.engine, _designed, CRITERION_NAMES, lambda name: (self.leg, name, self.seed))
+        found = {name: future.result() for name, future in ended}
         return {name: found[name] for name in CRITERION_NAMES}
 
     @cached_property
@@ -159,14 +174,14 @@ class Experiments:
         known = entrants(problem="excitation")
         names = [name for name in known if name.removesuffix("_penalty") in (name, *ENTRANTS)]
         competing = {name: known[name] for name in names}
-        return rivals(self.motions, seed=self.seed, seeds=self.seeds, competing=competing)
+        return self._competing(self.motions, competing)
 
     @cached_property
     def boxes(self) -> Rivals:
         """NFO with an infinite penalty in boxes of several sizes, and with rescaled motions."""
         done = {NARROW: "nfo_penalty", None: "nfo"}
         missing = {_within(half): _boxed(half) for half in BOXES if half not in done}
-        found = rivals(self.motions, seed=self.seed, seeds=self.seeds, competing=missing)
+        found = self._competing(self.motions, missing)
         both = {**found.outcomes, **{_within(half): self.on_motions.outcomes[name] for half, name in done.items()}}
         names = [_within(half) for half in (*BOXES, None)]
         return replace(found, searches={}, outcomes={name: both[name] for name in names})
@@ -182,13 +197,15 @@ class Experiments:
         }
         found = {}
         for loss, (problem, names) in tasks.items():
-            competing = {name: known[name] for name in names}
-            found[loss] = rivals(problem, seed=self.seed, seeds=self.seeds, competing=competing)
+            found[loss] = self._competing(problem, {name: known[name] for name in names})
         return MappingProxyType(found)
 
     @property
     def _all(self) -> range:
         return range(self.seed, self.seed + self.seeds)
+
+    def _competing(self, problem: ContestSubject, competing: Mapping[str, Search]) -> Rivals:
+        return rivals(problem, seed=self.seed, seeds=self.seeds, competing=competing, engine=self.engine)
 
     def _fits(self, wrong: Callable[[BenchRun, np.random.Generator], Float]) -> list[PaperFits]:
         found = []

@@ -89,11 +89,14 @@ def reproduce_paper(
         )
     chosen = _chosen({"figure": figure, "table": table, "equation": equation})
     experiments = Experiments(seed, seeds)
-    answered = []
-    for k, item in enumerate(chosen):
-        say(k / len(chosen), item.name)
-        module = importlib.import_module(f"{items.__name__}.{item.file}")
-        answered.append(Answered(item, module.answer(experiments)))
+    answered: list[Answered] = []
+    try:
+        for item in chosen:
+            say(len(answered) / len(chosen), item.name)
+            module = importlib.import_module(f"{items.__name__}.{item.file}")
+            answered.append(Answered(item, module.answer(experiments)))
+    finally:
+        experiments.close(ended=len(answered) == len(chosen))
     return Reproduced(tuple(answered), seed, seeds, time.perf_counter() - began)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ground.engines.engine import EngineError, completed
 from ground.folder import modules_in, names_in
 from optimisation.contest.motion import MotionEntrant, motion_contest
 from optimisation.contest.problem import paper_contest
@@ -87,7 +88,9 @@ def test_a_table_in_markdown_keeps_its_columns():
 
 @pytest.fixture(scope="module")
 def two():
-    return Experiments(seeds=2)
+    experiments = Experiments(seeds=2)
+    yield experiments
+    experiments.close()
 
 
 def test_a_power_in_a_formula_is_kept_in_the_terminal():
@@ -180,6 +183,15 @@ def test_what_competes_is_judged_by_what_it_found(two, monkeypatch):
     ahead = min(("nfo", "pso", "ga"), key=lambda name: ends[name])
     assert motions.holds == (HOLDS if ahead == "nfo" else FAILS) or ahead.upper() in motions.why
     assert {row[0] for row in motions.tables[0].rows} == {"NFO", "PSO", "GA", "DE", "CMA-ES"}
+    shared = few.engine
+    few.close()
+    with pytest.raises(EngineError, match="takes no more jobs"):
+        list(completed(shared, abs, [1], lambda one: (one,)))
+
+
+def test_what_needs_no_processes_starts_none(two):
+    two.close()
+    assert table_delta.answer(two) and "engine" not in two.__dict__
 
 
 def test_the_page_has_every_item_with_its_command():
