@@ -18,9 +18,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from symbolic.catalogue import catalogue  # noqa: E402
-from symbolic.joints import LEG  # noqa: E402
-from symbolic.term import places_of  # noqa: E402
+from exoid.symbolic.catalogue import catalogue  # noqa: E402
+from exoid.symbolic.joints import LEG  # noqa: E402
+from exoid.symbolic.term import places_of  # noqa: E402
 
 PREPARE = """
 import json, os, sys, time
@@ -29,48 +29,48 @@ def now():
     return time.perf_counter(), sum(os.times()[:4])
 """
 READ = """
-from measurement import read_recording
-from symbolic import Model
+from exoid.measurement import read_recording
+from exoid.symbolic import Model
 train, verify = ([read_recording(path) for path in group] for group in (train, verify))
 """
 ROWS = {
     "imports of compare": """
 began = now()
-import workbench.command
-from diagnosis import compare
-from measurement import read_recording
-from symbolic import Model
+import exoid.workbench.command
+from exoid.diagnosis import compare
+from exoid.measurement import read_recording
+from exoid.symbolic import Model
 """,
     "reading the files": """
-from measurement import read_recording
+from exoid.measurement import read_recording
 began = now()
 for path in (*train, *verify):
     read_recording(path)
 """,
     "choosing the cut-off": READ + """
-from optimisation import prepare
+from exoid.optimisation import prepare
 began = now()
 prepare(Model.standard(), train, verify)
 """,
     "compare": READ + """
-from diagnosis import compare
+from exoid.diagnosis import compare
 began = now()
 compare(Model.standard(), train, verify)
 """,
     "add": READ + """
-from diagnosis.extend import add
+from exoid.diagnosis.extend import add
 began = now()
 add(Model.standard(), "stribeck:knee", train, verify)
 """,
     "discover": READ + """
-from diagnosis import discover
+from exoid.diagnosis import discover
 began = now()
 found = discover(Model.standard(), train, verify)
 """,
 }
 REFIT = READ + """
-from optimisation import identify
-from optimisation import prepare
+from exoid.optimisation import identify
+from exoid.optimisation import prepare
 prepared = prepare(Model.standard(), train, verify, cutoff=5.0)
 model = Model.standard().with_effect({effect!r}, {joint!r})
 began = now()

@@ -31,13 +31,13 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.evidence.columns import Columns  # noqa: E402
-from diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
-from diagnosis.evidence.library import build_library  # noqa: E402
-from diagnosis.grading import match  # noqa: E402
-from diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
-from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
+from exoid.diagnosis.evidence.columns import Columns  # noqa: E402
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model  # noqa: E402
+from exoid.diagnosis.evidence.library import build_library  # noqa: E402
+from exoid.diagnosis.grading import match  # noqa: E402
+from exoid.diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
+from exoid.optimisation.fitting.identify import identify  # noqa: E402
+from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 
 MOST = 6
 THRESHOLDS = np.geomspace(0.01, 0.5, 12)
@@ -144,7 +144,7 @@ def run_case(case: Case) -> dict[str, Any]:
 
 def build_columns(candidate: Any, fitted: FittedModel) -> list[Columns]:
     """Return the columns of a candidate on every recording."""
-    from diagnosis.evidence.candidates import candidate_columns
+    from exoid.diagnosis.evidence.candidates import candidate_columns
 
     return [
         candidate_columns(candidate, rows, one, fitted)

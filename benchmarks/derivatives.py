@@ -22,14 +22,14 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from measurement.bench.leg import standard_leg  # noqa: E402
-from measurement.bench.sensors import Sensors  # noqa: E402
-from measurement.bench.simulation import Bench, run_bench  # noqa: E402 - the repository must be on the path first
-from measurement.signals.derivatives import METHODS  # noqa: E402
-from measurement.trajectories.trajectory import random_trajectory  # noqa: E402
-from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.prepare import prepare  # noqa: E402
-from symbolic.model import Model  # noqa: E402
+from exoid.measurement.bench.leg import standard_leg  # noqa: E402
+from exoid.measurement.bench.sensors import Sensors  # noqa: E402
+from exoid.measurement.bench.simulation import Bench, run_bench  # noqa: E402 - the repository must be on the path first
+from exoid.measurement.signals.derivatives import METHODS  # noqa: E402
+from exoid.measurement.trajectories.trajectory import random_trajectory  # noqa: E402
+from exoid.optimisation.fitting.identify import identify  # noqa: E402
+from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
 
 NOISES = (1e-4, 5e-4, 2e-3)
 """rad, standard deviation of each sample; 17 bits of a turn are 5e-5."""

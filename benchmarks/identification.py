@@ -24,11 +24,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from optimisation.contest.problem import Contest, paper_contest  # noqa: E402
-from optimisation.linear.problem import huber_problem  # noqa: E402
-from optimisation.optimiser import minimise  # noqa: E402
-from optimisation.optimisers.nfo import NFO  # noqa: E402
-from symbolic.codegen.fitness import fitness  # noqa: E402
+from exoid.optimisation.contest.problem import Contest, paper_contest  # noqa: E402
+from exoid.optimisation.linear.problem import huber_problem  # noqa: E402
+from exoid.optimisation.optimiser import minimise  # noqa: E402
+from exoid.optimisation.optimisers.nfo import NFO  # noqa: E402
+from exoid.symbolic.codegen.fitness import fitness  # noqa: E402
 
 INDIVIDUALS, GENERATIONS, REPEATS = 40, 400, 5
 BUDGET = INDIVIDUALS * GENERATIONS

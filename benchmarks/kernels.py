@@ -35,10 +35,10 @@ def seconds(function, repeats: int) -> float:
 
 
 def problem(samples: int):
-    from symbolic.codegen.fitness import fitness
-    from symbolic.codegen.kernel import compiled
-    from symbolic.model import Model
-    from symbolic.motion import Motion
+    from exoid.symbolic.codegen.fitness import fitness
+    from exoid.symbolic.codegen.kernel import compiled
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.motion import Motion
 
     rng = np.random.default_rng(1)
     motion = Motion(np.arange(samples) * 0.01, *(rng.normal(size=(samples, 2)) for _ in range(3)))
@@ -131,12 +131,12 @@ def growth(sizes: tuple[int, ...]) -> list[str]:
 START = """
 import time
 import numpy
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 model = Model.standard(){effects}
 began = time.perf_counter()
-from symbolic.codegen.fitness import fitness
-from symbolic.codegen.kernel import compiled
+from exoid.symbolic.codegen.fitness import fitness
+from exoid.symbolic.codegen.kernel import compiled
 made = compiled(model)
 motion = Motion(numpy.arange(9) * 0.01, *(numpy.random.default_rng(k).normal(size=(9, 2)) for k in range(3)))
 loss = fitness(made.columns(motion), numpy.ones((2, 9))).sse(numpy.ones((1, len(model.parameters))))

@@ -34,9 +34,9 @@ STAGES = ("import", "read", "prepare", "identify", "compare")
 
 def write(folder: Path, minutes: int, formats: list[str]) -> None:
     """Write the recording in each format; text goes out a minute at a time."""
-    from measurement.bench.sensors import Sensors
-    from measurement.bench.simulation import Bench, run_bench
-    from measurement.trajectories.trajectory import random_trajectory
+    from exoid.measurement.bench.sensors import Sensors
+    from exoid.measurement.bench.simulation import Bench, run_bench
+    from exoid.measurement.trajectories.trajectory import random_trajectory
 
     path = random_trajectory(np.random.default_rng(3), period=PERIOD)
     true = run_bench(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
@@ -79,9 +79,9 @@ def write_hours(folder: Path, hours: float, formats: list[str]) -> None:
     import pyarrow.csv
     import pyarrow.parquet
 
-    from measurement.bench.sensors import Sensors
-    from measurement.bench.simulation import Bench, run_bench
-    from measurement.trajectories.trajectory import random_trajectory
+    from exoid.measurement.bench.sensors import Sensors
+    from exoid.measurement.bench.simulation import Bench, run_bench
+    from exoid.measurement.trajectories.trajectory import random_trajectory
 
     path = random_trajectory(np.random.default_rng(3), period=PERIOD)
     true = run_bench(excitation=path, bench=Bench(duration=60.0, rate=RATE, sensors=Sensors.ideal()), seed=3)
@@ -120,11 +120,11 @@ def stage(name: str, path: Path) -> None:
 
     That of `compare` is all of it, from the file on.
     """
-    from diagnosis.compare import compare
-    from measurement.reading.read import read_recording, read_recordings
-    from optimisation.fitting.identify import identify
-    from optimisation.preparation.prepare import prepare
-    from symbolic.model import Model
+    from exoid.diagnosis.compare import compare
+    from exoid.measurement.reading.read import read_recording, read_recordings
+    from exoid.optimisation.fitting.identify import identify
+    from exoid.optimisation.preparation.prepare import prepare
+    from exoid.symbolic.model import Model
 
     said = ""
     began = time.perf_counter()
@@ -154,7 +154,7 @@ def command(arguments: list[str]) -> None:
     """Run one command as a user would, and print what it took."""
     began = time.perf_counter()
     process = subprocess.Popen(
-        [sys.executable, "-m", "workbench.command", *arguments, "--quiet"], cwd=ROOT, stdout=subprocess.DEVNULL
+        [sys.executable, "-m", "exoid.workbench.command", *arguments, "--quiet"], cwd=ROOT, stdout=subprocess.DEVNULL
     )
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

@@ -16,9 +16,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from measurement.bench.blind import write_runs  # noqa: E402 - the repository must be on the path first
-from measurement.bench.hidden import Hidden  # noqa: E402
-from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
+from exoid.measurement.bench.blind import write_runs  # noqa: E402 - the repository must be on the path first
+from exoid.measurement.bench.hidden import Hidden  # noqa: E402
+from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
 
 SHIPPED = ROOT / "workbench" / "demo_data"
 SEED = 20

@@ -20,7 +20,7 @@ SIZE = (900, 830)
 
 def main() -> None:
     """Run the demo and take both pictures."""
-    from workbench.command import main as exoid
+    from exoid.workbench.command import main as exoid
 
     with tempfile.TemporaryDirectory() as folder:
         exoid(["demo", "--out", folder, "--quiet"])

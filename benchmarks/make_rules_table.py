@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.thresholds import every_threshold  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.thresholds import every_threshold  # noqa: E402 - the repository must be on the path first
 
 PAGE = ROOT / "docs" / "statistics.md"
 BEGIN, END = "<!-- rules: written by benchmarks/make_rules_table.py -->", "<!-- end of rules -->"

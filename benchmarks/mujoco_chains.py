@@ -25,12 +25,12 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks.mujoco_leg import ask  # noqa: E402 - the repository must be on the path first
-from diagnosis.discover import discover  # noqa: E402
-from diagnosis.grading import match  # noqa: E402
-from measurement.recording import Recording  # noqa: E402
-from symbolic.joints import Joint  # noqa: E402
-from symbolic.model import Model  # noqa: E402
-from symbolic.motion import Motion  # noqa: E402
+from exoid.diagnosis.discover import discover  # noqa: E402
+from exoid.diagnosis.grading import match  # noqa: E402
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.symbolic.joints import Joint  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.motion import Motion  # noqa: E402
 
 Float = NDArray[np.float64]
 STEP, EVERY, SECONDS = 5e-4, 20, 30.0

@@ -25,10 +25,10 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
-from measurement.recording import Recording  # noqa: E402
-from measurement.trajectories.trajectory import random_trajectory  # noqa: E402
-from symbolic.model import Model  # noqa: E402
+from exoid.diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.measurement.trajectories.trajectory import random_trajectory  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
 
 STEP = 5e-4
 """s, of MuJoCo and of the controller."""

@@ -20,11 +20,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from optimisation.contest.problem import Contest, Outcome, paper_contest, race  # noqa: E402
-from optimisation.fitting.settings import Search  # noqa: E402
-from optimisation.linear.problem import Problem  # noqa: E402
-from optimisation.optimiser import minimise  # noqa: E402
-from optimisation.optimisers.nfo import NFO  # noqa: E402
+from exoid.optimisation.contest.problem import Contest, Outcome, paper_contest, race  # noqa: E402
+from exoid.optimisation.fitting.settings import Search  # noqa: E402
+from exoid.optimisation.linear.problem import Problem  # noqa: E402
+from exoid.optimisation.optimiser import minimise  # noqa: E402
+from exoid.optimisation.optimisers.nfo import NFO  # noqa: E402
 
 SEEDS = 20
 CLOSE = 1e-12

@@ -109,7 +109,7 @@ def _server() -> Iterator[tuple[str, float]]:
     began = time.perf_counter()
     words: list[Any] = [*sorted(DEMO.glob("train*.csv")), "--verify", *sorted(DEMO.glob("verify*.csv"))]
     process = subprocess.Popen(
-        [sys.executable, "-m", "workbench.command", "open", "--no-browser", "--quiet", *map(str, words)],
+        [sys.executable, "-m", "exoid.workbench.command", "open", "--no-browser", "--quiet", *map(str, words)],
         cwd=ROOT, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:

@@ -37,13 +37,13 @@ def main(files: list[Path]) -> None:
     from scipy.optimize import least_squares
     from scipy.signal import butter, sosfiltfilt
 
-    from measurement.reading.read import read_recording
-    from measurement.signals.conditioning import low_pass
-    from optimisation.fitting.assemble import assemble
-    from optimisation.fitting.identify import identify
-    from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-    from optimisation.preparation.prepare import prepare
-    from symbolic.model import Model
+    from exoid.measurement.reading.read import read_recording
+    from exoid.measurement.signals.conditioning import low_pass
+    from exoid.optimisation.fitting.assemble import assemble
+    from exoid.optimisation.fitting.identify import identify
+    from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+    from exoid.optimisation.preparation.prepare import prepare
+    from exoid.symbolic.model import Model
 
     model = Model.standard()
     recordings = [read_recording(file) for file in files]

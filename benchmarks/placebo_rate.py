@@ -23,17 +23,17 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.evidence.columns import Columns  # noqa: E402
-from diagnosis.evidence.fitted import fitted_model  # noqa: E402
-from diagnosis.evidence.library import build_library  # noqa: E402 - the repository must be on the path first
-from diagnosis.evidence.placebo import placebo  # noqa: E402
-from diagnosis.evidence.score import weigh  # noqa: E402
-from measurement.reading.read import read_recording  # noqa: E402
-from measurement.recording import Recording  # noqa: E402
-from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.prepare import prepare  # noqa: E402
-from symbolic.model import Model  # noqa: E402
-from symbolic.motion import Float  # noqa: E402
+from exoid.diagnosis.evidence.columns import Columns  # noqa: E402
+from exoid.diagnosis.evidence.fitted import fitted_model  # noqa: E402
+from exoid.diagnosis.evidence.library import build_library  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.evidence.placebo import placebo  # noqa: E402
+from exoid.diagnosis.evidence.score import weigh  # noqa: E402
+from exoid.measurement.reading.read import read_recording  # noqa: E402
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.optimisation.fitting.identify import identify  # noqa: E402
+from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.motion import Float  # noqa: E402
 
 NOMINAL = 0.05
 OWN_DRAWS = 199

@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
-from diagnosis.watching.window import LEAST_WEIGHT
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
-from workbench.updater import first_estimator
+from exoid.diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, FrontEnd, poles
+from exoid.diagnosis.watching.window import LEAST_WEIGHT
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
+from exoid.workbench.updater import first_estimator
 
 
 class Updater:

@@ -24,19 +24,19 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from ground.errors import ExpressionError  # noqa: E402
-from measurement.bench.hidden import parse_hidden  # noqa: E402
-from measurement.bench.leg import standard_leg  # noqa: E402
-from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402 - the repository must be on the path first
-from optimisation.fitting.assemble import Assembly, settle  # noqa: E402
-from optimisation.fitting.shapes import SAME, STARTS, ShapeMethod, search_shape  # noqa: E402
-from optimisation.linear.loss import huber  # noqa: E402
-from optimisation.linear.problem import LinearData  # noqa: E402
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse  # noqa: E402
-from optimisation.optimisers import optimisers  # noqa: E402
-from optimisation.preparation.prepare import prepare  # noqa: E402
-from symbolic.model import Model  # noqa: E402
-from symbolic.motion import Float  # noqa: E402
+from exoid.ground.errors import ExpressionError  # noqa: E402
+from exoid.measurement.bench.hidden import parse_hidden  # noqa: E402
+from exoid.measurement.bench.leg import standard_leg  # noqa: E402
+from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402 - the repository must be on the path first
+from exoid.optimisation.fitting.assemble import Assembly, settle  # noqa: E402
+from exoid.optimisation.fitting.shapes import SAME, STARTS, ShapeMethod, search_shape  # noqa: E402
+from exoid.optimisation.linear.loss import huber  # noqa: E402
+from exoid.optimisation.linear.problem import LinearData  # noqa: E402
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse  # noqa: E402
+from exoid.optimisation.optimisers import optimisers  # noqa: E402
+from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.motion import Float  # noqa: E402
 
 CASES: tuple[tuple[str, ...], ...] = (
     ("stribeck:knee=c=3,v_s=0.15",),

@@ -19,10 +19,10 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
-from measurement.bench.leg import random_leg  # noqa: E402
-from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
-from symbolic.model import Model  # noqa: E402
+from exoid.diagnosis.discover import discover  # noqa: E402 - the repository must be on the path first
+from exoid.measurement.bench.leg import random_leg  # noqa: E402
+from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
 
 SECONDS = (3.0, 6.0, 8.0, 12.0, 20.0)
 

@@ -25,13 +25,13 @@ def process(code: str):
 
 
 def main() -> None:
-    from diagnosis.discover import discover
-    from measurement.bench.simulation import Bench, run_bench
-    from measurement.reading.read import read_recording
-    from symbolic.model import Model
+    from exoid.diagnosis.discover import discover
+    from exoid.measurement.bench.simulation import Bench, run_bench
+    from exoid.measurement.reading.read import read_recording
+    from exoid.symbolic.model import Model
 
     bare = seconds(process("pass"))
-    helped = seconds(process("from workbench.command import main; main(['--help'])"))
+    helped = seconds(process("from exoid.workbench.command import main; main(['--help'])"))
     bench = seconds(lambda: run_bench(seed=2, bench=Bench(duration=20.0)), 3)
     data = ROOT / "workbench" / "demo_data"
     train = [read_recording(data / f"train_{k}.csv") for k in (1, 2, 3)]

@@ -25,18 +25,18 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from benchmarks import mujoco_leg  # noqa: E402 - the repository must be on the path first
-from diagnosis.evidence.fitted import fitted_model  # noqa: E402
-from measurement.bench.hidden import parse_hidden  # noqa: E402
-from measurement.bench.leg import standard_leg  # noqa: E402
-from measurement.bench.sensors import Sensors  # noqa: E402
-from measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
-from measurement.recording import Recording  # noqa: E402
-from measurement.signals.conditioning import quiet_noise  # noqa: E402
-from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
-from symbolic.joints import Joint  # noqa: E402
-from symbolic.model import Model  # noqa: E402
-from symbolic.motion import Float, Motion  # noqa: E402
+from exoid.diagnosis.evidence.fitted import fitted_model  # noqa: E402
+from exoid.measurement.bench.hidden import parse_hidden  # noqa: E402
+from exoid.measurement.bench.leg import standard_leg  # noqa: E402
+from exoid.measurement.bench.sensors import Sensors  # noqa: E402
+from exoid.measurement.bench.simulation import Bench, simulate_runs  # noqa: E402
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.measurement.signals.conditioning import quiet_noise  # noqa: E402
+from exoid.optimisation.fitting.identify import identify  # noqa: E402
+from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
+from exoid.symbolic.joints import Joint  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.motion import Float, Motion  # noqa: E402
 
 SIZE, SHARE = 8.0, 0.01
 """Standard deviations of the noise of a spike, and share of samples that are one."""

@@ -37,22 +37,22 @@ sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
 
 import blind  # noqa: E402 - the repository must be on the path first
 
-from diagnosis.discover import discover  # noqa: E402
-from diagnosis.grading import match  # noqa: E402
-from measurement.bench.blind import draw_hidden  # noqa: E402
-from measurement.bench.hidden import Hidden, true_model  # noqa: E402
-from measurement.bench.leg import Leg  # noqa: E402
-from measurement.reading.read import read_recording  # noqa: E402
-from measurement.recording import Recording  # noqa: E402
-from measurement.signals.conditioning import derivatives, low_pass, uniform_sampling  # noqa: E402
-from measurement.signals.masks import widen  # noqa: E402
-from optimisation.fitting.identify import identify  # noqa: E402
-from optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
-from optimisation.preparation.prepare import prepare  # noqa: E402
-from symbolic.catalogue import catalogue  # noqa: E402
-from symbolic.model import Model  # noqa: E402
-from symbolic.motion import Float, Motion  # noqa: E402
-from symbolic.quantity import JOINTS  # noqa: E402
+from exoid.diagnosis.discover import discover  # noqa: E402
+from exoid.diagnosis.grading import match  # noqa: E402
+from exoid.measurement.bench.blind import draw_hidden  # noqa: E402
+from exoid.measurement.bench.hidden import Hidden, true_model  # noqa: E402
+from exoid.measurement.bench.leg import Leg  # noqa: E402
+from exoid.measurement.reading.read import read_recording  # noqa: E402
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.measurement.signals.conditioning import derivatives, low_pass, uniform_sampling  # noqa: E402
+from exoid.measurement.signals.masks import widen  # noqa: E402
+from exoid.optimisation.fitting.identify import identify  # noqa: E402
+from exoid.optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
+from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
+from exoid.symbolic.catalogue import catalogue  # noqa: E402
+from exoid.symbolic.model import Model  # noqa: E402
+from exoid.symbolic.motion import Float, Motion  # noqa: E402
+from exoid.symbolic.quantity import JOINTS  # noqa: E402
 
 SMOOTH = 8.0
 """Cut-off in Hz of the angles along which an effect is computed; joints driven by motors hardly move faster."""

@@ -29,18 +29,18 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from diagnosis.discover import answer_of  # noqa: E402 - the repository must be on the path first
-from diagnosis.grading import match  # noqa: E402
-from diagnosis.question import Question  # noqa: E402
-from diagnosis.results import Diagnosis  # noqa: E402
-from diagnosis.rules import RULES, Rules  # noqa: E402
-from diagnosis.settings import DiscoverySettings  # noqa: E402
-from diagnosis.thresholds import every_threshold  # noqa: E402
-from diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
-from ground.suggest import did_you_mean  # noqa: E402
-from ground.thresholds import Rule, Threshold  # noqa: E402
-from measurement.recording import Recording  # noqa: E402
-from optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
+from exoid.diagnosis.discover import answer_of  # noqa: E402 - the repository must be on the path first
+from exoid.diagnosis.grading import match  # noqa: E402
+from exoid.diagnosis.question import Question  # noqa: E402
+from exoid.diagnosis.results import Diagnosis  # noqa: E402
+from exoid.diagnosis.rules import RULES, Rules  # noqa: E402
+from exoid.diagnosis.settings import DiscoverySettings  # noqa: E402
+from exoid.diagnosis.thresholds import every_threshold  # noqa: E402
+from exoid.diagnosis.trials.cases import KINDS, Case, cases, simulated, subject  # noqa: E402
+from exoid.ground.suggest import did_you_mean  # noqa: E402
+from exoid.ground.thresholds import Rule, Threshold  # noqa: E402
+from exoid.measurement.recording import Recording  # noqa: E402
+from exoid.optimisation.preparation.prepare import Prepared, prepare  # noqa: E402
 
 FACTORS = (0.5, 2.0)
 PREPARING = ("whole_seconds", "stretch_seconds", "searched_seconds")

@@ -29,15 +29,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.watch_rivals import Filtered, cusum, oracle
 from benchmarks.watched_leg import Truth, drawn, exact_rows
-from diagnosis.watching.acting import Applied
-from diagnosis.watching.events import Event
-from diagnosis.watching.result import Differences
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watcher import Watcher
-from diagnosis.watching.window import Window
-from measurement.bench.leg import standard_leg
-from symbolic.model import Model
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.acting import Applied
+from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.result import Differences
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.diagnosis.watching.window import Window
+from exoid.measurement.bench.leg import standard_leg
+from exoid.symbolic.model import Model
+from exoid.symbolic.quantity import Estimate
 
 HOUR = 3600.0
 STREAM = 2.0 * 3600.0

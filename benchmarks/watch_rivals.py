@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.watching.front import FrontEnd, Samples
-from diagnosis.watching.window import window
-from symbolic.model import Model
+from exoid.diagnosis.watching.front import FrontEnd, Samples
+from exoid.diagnosis.watching.window import window
+from exoid.symbolic.model import Model
 
 CUSUM = 12.0
 

@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from diagnosis.watching.front import CUTOFF
-from measurement.bench.deflection import at_encoders, rigid_torque
-from measurement.bench.equation import split_channel
-from measurement.bench.hidden import Hidden, true_model
-from measurement.bench.leg import standard_leg
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run_bench
-from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.catalogue import catalogue
-from symbolic.mechanics.payload import LINKS, Payload
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis.watching.front import CUTOFF
+from exoid.measurement.bench.deflection import at_encoders, rigid_torque
+from exoid.measurement.bench.equation import split_channel
+from exoid.measurement.bench.hidden import Hidden, true_model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.mechanics.payload import LINKS, Payload
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 LEAVE_OUT = ("drift", "base")
 """Families whose effects do not appear at a moment."""

@@ -13,31 +13,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.channels import OUTSIDE, channel_findings
-from diagnosis.evidence.curves import variables
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.remainder import Remainder, remainders
-from diagnosis.evidence.strides import Strides, strides_of
-from diagnosis.outside import ForceUse, force_uses
-from diagnosis.plots import against
-from diagnosis.torques import torques_over_time
-from diagnosis.where import Where, samples_of, where_it_sits
-from ground.calling import understood
-from ground.frames import pandas
-from ground.html import picture, table
-from ground.lazy import LentMethod
-from ground.plain import AsJson
-from measurement.finding import Finding
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, question_of
-from measurement.signals.methods import BUTTERWORTH
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
-from optimisation.preparation.noise import mean_square
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.channels import OUTSIDE, channel_findings
+from exoid.diagnosis.evidence.curves import variables
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.remainder import Remainder, remainders
+from exoid.diagnosis.evidence.strides import Strides, strides_of
+from exoid.diagnosis.outside import ForceUse, force_uses
+from exoid.diagnosis.plots import against
+from exoid.diagnosis.torques import torques_over_time
+from exoid.diagnosis.where import Where, samples_of, where_it_sits
+from exoid.ground.calling import understood
+from exoid.ground.frames import pandas
+from exoid.ground.html import picture, table
+from exoid.ground.lazy import LentMethod
+from exoid.ground.plain import AsJson
+from exoid.measurement.finding import Finding
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.thigh_length import ThighLength, wanted_thigh_length
+from exoid.optimisation.preparation.noise import mean_square
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -164,7 +164,7 @@ class Comparison(AsJson):
             + (table(("share", "where the error sits", "caution"), where) if where else "")
         )
 
-    report = LentMethod[Path]("workbench.report.result:write_result")
+    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
 
 
 @understood()
@@ -178,8 +178,8 @@ def compare(
 ) -> Comparison:
     """Fit `model` to `recordings` (or take a Fit as it is) and hold it against them and `verify`.
 
-    Both are what `measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses recordings that are
-    too short or do not determine the model.
+    Both are what `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses recordings
+    that are too short or do not determine the model.
     """
     model, recordings, verify = question_of(model, recordings, verify)
     leg: Model = model.model if isinstance(model, Fit) else pushed_model(model, (*recordings, *verify))

@@ -9,34 +9,34 @@ from typing import Unpack
 
 import numpy as np
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.apart import OTHERS, apart, still_apart, why_apart
-from diagnosis.evidence.channels import doubts_after
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.own_sway import own_sway
-from diagnosis.evidence.soft_drive import soft_drive
-from diagnosis.evidence.timing import FilterOnTorque, filtered
-from diagnosis.question import Question
-from diagnosis.results import Accepted, Diagnosis, Possible, Step
-from diagnosis.rules import Rules
-from diagnosis.search.context import SearchContext
-from diagnosis.search.doubt import DELAY
-from diagnosis.search.possible import agreements_of, possible_of
-from diagnosis.search.state import Extension, State
-from diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
-from diagnosis.splits import from_scratch
-from diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
-from diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
-from ground.engines.workers import once, with_copies
-from ground.progress import Progress, silent
-from ground.settings import spelt_out
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, question_of
-from measurement.recording import Recording
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared
-from symbolic.model import Model
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.apart import OTHERS, apart, still_apart, why_apart
+from exoid.diagnosis.evidence.channels import doubts_after
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.soft_drive import soft_drive
+from exoid.diagnosis.evidence.timing import FilterOnTorque, filtered
+from exoid.diagnosis.question import Question
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import DELAY
+from exoid.diagnosis.search.possible import agreements_of, possible_of
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.settings import ALL, DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
+from exoid.diagnosis.splits import from_scratch
+from exoid.diagnosis.verdict import Conclusion, behind, conclude, doubted, swayed
+from exoid.diagnosis.write_up import accepted_of, possible_beside, possible_with, write_up
+from exoid.ground.engines.workers import once, with_copies
+from exoid.ground.progress import Progress, silent
+from exoid.ground.settings import spelt_out
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
 
 
 @spelt_out(DiscoverySettings)
@@ -53,8 +53,8 @@ def discover(
 
     `verify` are recordings that are never fitted and must improve. The user's own effects that the model declares
     (`[[custom_effects]]` of its file) are suspected as those of the catalogue are. Recordings are what
-    `measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses those that are too short, too
-    slow or do not determine the model.
+    `exoid.measurement.reading.given` takes: recordings, paths, tables, one or many. Refuses those that are too short,
+    too slow or do not determine the model.
     """
     model, recordings, verify = question_of(model, recordings, verify)
     model = pushed_model(model.model if isinstance(model, Fit) else model, (*recordings, *verify))

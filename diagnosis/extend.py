@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.results import Step, steps_figure, steps_table
-from diagnosis.verdict import biased_parameters, sentence_of
-from ground.calling import understood
-from ground.errors import ExoidError
-from ground.frames import pandas
-from ground.html import bullets, lines, picture
-from ground.lazy import LentMethod
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, machine_of, model_of, question_of
-from measurement.signals.methods import BUTTERWORTH
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.codegen.kernel import compiled
-from symbolic.effect import Effect
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.results import Step, steps_figure, steps_table
+from exoid.diagnosis.verdict import biased_parameters, sentence_of
+from exoid.ground.calling import understood
+from exoid.ground.errors import ExoidError
+from exoid.ground.frames import pandas
+from exoid.ground.html import bullets, lines, picture
+from exoid.ground.lazy import LentMethod
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,7 +83,7 @@ class Waterfall(AsJson):
         fall = falling_text(self.steps, self.joints, self.unit)
         return steps_table(self.steps, self.noise_floor, self.joints, self.unit) + picture(self.plot(), fall)
 
-    report = LentMethod[Path]("workbench.report.result:write_result")
+    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class Addition(AsJson):
     def _repr_html_(self) -> str:
         return lines(strong=self.sentence) + self.waterfall._repr_html_() + bullets(self.biased)
 
-    report = LentMethod[Path]("workbench.report.result:write_result")
+    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
 
 
 def falling_text(steps: Sequence[Step], joints: Sequence[str], unit: str) -> str:
@@ -167,8 +167,8 @@ def add(
     """Extend `model` by `effect` ("stribeck:hip", or an Effect at `joint`), generate and compile its code, refit, and
     compare.
 
-    Recordings are what `measurement.reading.given` takes. Refuses effects that do not exist there or that the model has
-    already.
+    Recordings are what `exoid.measurement.reading.given` takes. Refuses effects that do not exist there or that the
+    model has already.
     """
     own = machine_of(model_of(model))
     if recordings is None or (isinstance(recordings, str) and recordings in own.joint_names):

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ground.errors import ExoidError
-from ground.plain import AsJson
-from measurement.bench.seal import Truth
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import AsJson
+from exoid.measurement.bench.seal import Truth
 
 SCHEMA = "exoid.discovery/"
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.pushes import force_alone
-from ground.plain import AsJson
-from symbolic.force import TORQUE, VERTICAL, WORLD, Force
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.pushes import force_alone
+from exoid.ground.plain import AsJson
+from exoid.symbolic.force import TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.quantity import Estimate
 
 FRAMES = {WORLD: "forwards and upwards", VERTICAL: "upwards"}
 """How the columns of a force are meant, in words; normal to its link otherwise."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.figures import (
+from exoid.ground.figures import (
     FAINT,
     INK,
     JOINT_MARKERS,
@@ -21,9 +21,9 @@ from ground.figures import (
     label,
     new_figure,
 )
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

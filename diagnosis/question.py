@@ -7,26 +7,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.channels import doubts_before
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.intermittent import intermittent
-from diagnosis.evidence.library import build_library
-from diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
-from diagnosis.evidence.stretches import searched_stretches
-from diagnosis.results import Step
-from diagnosis.rules import Rules
-from diagnosis.search.context import SearchContext
-from diagnosis.search.engine import Found, run_search
-from diagnosis.search.state import Extension, State
-from diagnosis.settings import DiscoverySettings
-from diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
-from ground.progress import Progress
-from measurement.recording import Recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.effect import Effect
-from symbolic.language.torque import is_transform
-from symbolic.model import Model
+from exoid.diagnosis.evidence.channels import doubts_before
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.intermittent import intermittent
+from exoid.diagnosis.evidence.library import build_library
+from exoid.diagnosis.evidence.soft_drive import SoftDrive, plainly_soft, seek_later
+from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.results import Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.engine import Found, run_search
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.settings import DiscoverySettings
+from exoid.diagnosis.verdict import Conclusion, check_channels, doubted, pushed, within_filter_error
+from exoid.ground.progress import Progress
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.model import Model
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,28 +10,28 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.apart import Apart
-from diagnosis.evidence.consistency import Differing
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.model_error import ModelError
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.outside import ForceUse
-from diagnosis.plots import falling_error, suspects
-from diagnosis.rules import RULES, Rules
-from diagnosis.sureness import MEANINGS, least_sure, meanings_of, sureness
-from diagnosis.torques import torques_over_time
-from ground.frames import pandas
-from ground.html import Bar, bullets, fold, lines, picture, table
-from ground.lazy import LentMethod
-from ground.plain import AsJson
-from measurement.finding import Finding
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.thigh_length import ThighLength
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS, Estimate
-from symbolic.wording import called
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.apart import Apart
+from exoid.diagnosis.evidence.consistency import Differing
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.model_error import ModelError
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.outside import ForceUse
+from exoid.diagnosis.plots import falling_error, suspects
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.sureness import MEANINGS, least_sure, meanings_of, sureness
+from exoid.diagnosis.torques import torques_over_time
+from exoid.ground.frames import pandas
+from exoid.ground.html import Bar, bullets, fold, lines, picture, table
+from exoid.ground.lazy import LentMethod
+from exoid.ground.plain import AsJson
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.thigh_length import ThighLength
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS, Estimate
+from exoid.symbolic.wording import called
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,7 +62,7 @@ class Suspect(AsJson):
     look_alikes: tuple[str, ...] = ()
     caution: str = ""
     sureness: str = ""
-    """How sure it is that it is missing (`diagnosis.sureness`); "" where it was not accepted."""
+    """How sure it is that it is missing (`exoid.diagnosis.sureness`); "" where it was not accepted."""
 
     @property
     def name(self) -> str:
@@ -107,7 +107,7 @@ class Accepted(AsJson):
 
     @property
     def sureness(self) -> str:
-        """How sure it is that it is missing, in one word (`diagnosis.sureness`)."""
+        """How sure it is that it is missing, in one word (`exoid.diagnosis.sureness`)."""
         return sureness(self.p_value, self.agreement, doubted=bool(self.look_alikes))
 
     @property
@@ -357,7 +357,7 @@ class Diagnosis(AsJson):
             models = {"before": self.given, "after": fitted_model(self.fit, self.given.prepared)}
         return picture(torques_over_time(models), f"Torque over time, measured, and of: {', '.join(models)}")
 
-    report = LentMethod[Path]("workbench.report.result:write_result")
+    report = LentMethod[Path]("exoid.workbench.report.result:write_result")
 
 
 def steps_figure(

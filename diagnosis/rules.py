@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from ground.thresholds import Rule
+from exoid.ground.thresholds import Rule
 
 
 def _rule(group: str, value: Any, prevents: str) -> Any:

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypedDict
 
-from diagnosis.rules import RULES, Rules
-from ground.settings import VerbSettings, setting
-from measurement.signals.methods import BUTTERWORTH, DERIVATIVES
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.settings import VerbSettings, setting
+from exoid.measurement.signals.methods import BUTTERWORTH, DERIVATIVES
 
 if TYPE_CHECKING:
-    from symbolic.effect import Effect
+    from exoid.symbolic.effect import Effect
 
 LINEARISED, ALL = "linearised", "all"
 """Ways to repeat the decision over splits of the recordings."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.score import Score
-from diagnosis.evidence.stability import splits_of
-from diagnosis.question import Question
-from diagnosis.results import Possible
-from diagnosis.write_up import estimates_in
-from ground.errors import NotEnoughDataError
-from ground.progress import Progress, silent
-from ground.ties import ascending
-from measurement.recording import Recording
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.stability import splits_of
+from exoid.diagnosis.question import Question
+from exoid.diagnosis.results import Possible
+from exoid.diagnosis.write_up import estimates_in
+from exoid.ground.errors import NotEnoughDataError
+from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import ascending
+from exoid.measurement.recording import Recording
+from exoid.symbolic.quantity import Estimate
 
 
 def from_scratch(

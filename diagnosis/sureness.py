@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.rules import RULES, Rules
-from ground.thresholds import Threshold
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.thresholds import Threshold
 
 RARE = Threshold(0.002, "share of placebos that do as well, at most, where one is very sure: one in twenty is not rare")
 AGREEING = Threshold(0.9, "share of splits that agree where one is very sure: the next recording may say otherwise")

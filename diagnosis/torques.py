@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.plots import over_time
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.plots import over_time
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

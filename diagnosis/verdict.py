@@ -8,29 +8,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.channel_doubt import Doubt
-from diagnosis.evidence.intermittent import ADVICE, Intermittent
-from diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
-from diagnosis.evidence.own_sway import OwnSway
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.evidence.soft_drive import SoftDrive
-from diagnosis.evidence.swinging import Swing, swinging
-from diagnosis.results import Accepted, Possible
-from diagnosis.rules import RULES, Rules
-from diagnosis.search.doubt import too_short
-from ground.ties import index_of_greatest, least_of
-from measurement.finding import Finding
-from optimisation.fitting.fit import Fit
-from symbolic.catalogue import every_effect, find_effect
-from symbolic.effect import Effect
-from symbolic.joints import Joint
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
-from symbolic.term import Term
-from symbolic.wording import called, number_called, number_said, title_of
+from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.intermittent import ADVICE, Intermittent
+from exoid.diagnosis.evidence.model_error import ModelError, model_error, sensor_noise
+from exoid.diagnosis.evidence.own_sway import OwnSway
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.evidence.soft_drive import SoftDrive
+from exoid.diagnosis.evidence.swinging import Swing, swinging
+from exoid.diagnosis.results import Accepted, Possible
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.doubt import too_short
+from exoid.ground.ties import index_of_greatest, least_of
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.symbolic.catalogue import every_effect, find_effect
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.term import Term
+from exoid.symbolic.wording import called, number_called, number_said, title_of
 
 if TYPE_CHECKING:
-    from diagnosis.evidence.fitted import FittedModel
+    from exoid.diagnosis.evidence.fitted import FittedModel
 
 
 @dataclass(frozen=True)

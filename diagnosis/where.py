@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.evidence.curves import signal_of, variables
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.remainder import Remainder
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from ground.ties import ascending
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.curves import signal_of, variables
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import ascending
+from exoid.symbolic.motion import Float
 
 Int = NDArray[np.int64]
 

@@ -6,29 +6,29 @@ import time
 from collections.abc import Sequence
 from itertools import pairwise
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.own_sway import ENTRY as SWAY
-from diagnosis.evidence.own_sway import OwnSway
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.evidence.score import Score, above_noise, share_of_own_joints
-from diagnosis.evidence.soft_drive import SoftDrive
-from diagnosis.evidence.stretches import searched
-from diagnosis.outside import force_uses
-from diagnosis.question import Searched, steps_of
-from diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
-from diagnosis.rules import Rules
-from diagnosis.search.doubt import too_short
-from diagnosis.search.state import Extension
-from diagnosis.verdict import Conclusion, biased_parameters, sentence_of
-from ground.ties import ascending
-from measurement.finding import Finding
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.thigh_length import wanted_thigh_length
-from optimisation.preparation.prepare import Prepared
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
-from symbolic.term import Term
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
+from exoid.diagnosis.evidence.own_sway import OwnSway
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.evidence.score import Score, above_noise, share_of_own_joints
+from exoid.diagnosis.evidence.soft_drive import SoftDrive
+from exoid.diagnosis.evidence.stretches import searched
+from exoid.diagnosis.outside import force_uses
+from exoid.diagnosis.question import Searched, steps_of
+from exoid.diagnosis.results import Accepted, Diagnosis, Possible, Step, Suspect
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.doubt import too_short
+from exoid.diagnosis.search.state import Extension
+from exoid.diagnosis.verdict import Conclusion, biased_parameters, sentence_of
+from exoid.ground.ties import ascending
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.term import Term
 
 
 def possible_beside(

@@ -29,17 +29,17 @@ check_own_packages()
 
 from typing import TYPE_CHECKING  # noqa: E402
 
-from ground.lazy import lend  # noqa: E402 - after the check: another package would fail without saying why
+from exoid.ground.lazy import lend  # noqa: E402 - after the check: another package would fail without saying why
 
 if TYPE_CHECKING:
-    from diagnosis import *  # noqa: F403
-    from ground.errors import ExoidError as ExoidError
-    from ground.figures import figure_style as figure_style
-    from ground.figures import label as label
-    from ground.figures import new_figure as new_figure
-    from measurement import *  # noqa: F403
-    from optimisation import *  # noqa: F403
-    from symbolic import *  # noqa: F403
-    from symbolic.mechanics.lagrange import mechanics as mechanics  # `symbolic.mechanics` is a folder
+    from exoid.diagnosis import *  # noqa: F403
+    from exoid.ground.errors import ExoidError as ExoidError
+    from exoid.ground.figures import figure_style as figure_style
+    from exoid.ground.figures import label as label
+    from exoid.ground.figures import new_figure as new_figure
+    from exoid.measurement import *  # noqa: F403
+    from exoid.optimisation import *  # noqa: F403
+    from exoid.symbolic import *  # noqa: F403
+    from exoid.symbolic.mechanics.lagrange import mechanics as mechanics  # `exoid.symbolic.mechanics` is a folder
 
 __all__ = lend(__name__)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from ground.import_path import leave_out_current_folder
+from exoid.ground.import_path import leave_out_current_folder
 
 leave_out_current_folder()
 
-from workbench.command import main  # noqa: E402 - what it imports is not to come from the current folder
+from exoid.workbench.command import main  # noqa: E402 - what it imports is not to come from the current folder
 
 if __name__ == "__main__":
     sys.exit(main())

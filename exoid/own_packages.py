@@ -31,7 +31,7 @@ from pathlib import Path  # noqa: E402
 OWN = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "workbench")
 MARK = {"ground": "Knows nothing of legs."}
 """Words in the `__init__.py` of a package that nobody else's has."""
-LENDS = "from ground.lazy import lend"
+LENDS = "from exoid.ground.lazy import lend"
 
 
 def check_own_packages() -> None:

@@ -18,7 +18,7 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
-from ground.inputs import read_input
+from exoid.ground.inputs import read_input
 
 if sys.platform != "win32":
     import grp

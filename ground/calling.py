@@ -9,8 +9,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ground.errors import ExoidError
-from ground.suggest import did_you_mean
+from exoid.ground.errors import ExoidError
+from exoid.ground.suggest import did_you_mean
 
 Called = TypeVar("Called", bound=Callable[..., Any])
 

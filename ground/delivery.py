@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
-from ground.inside import is_inside, refuse_links
+from exoid.ground.inside import is_inside, refuse_links
 
 PREFIX, SUFFIX = ".exoid-", ".part"
 ABANDONED = 86_400.0

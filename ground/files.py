@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from ground.delivery import deliver
-from ground.inputs import open_input
+from exoid.ground.delivery import deliver
+from exoid.ground.inputs import open_input
 
 
 def write_whole(

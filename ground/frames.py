@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ground.errors import ExoidError
+from exoid.ground.errors import ExoidError
 
 
 def pandas() -> Any:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ground.figures import png_uri, to_png
+from exoid.ground.figures import png_uri, to_png
 
 BAR = "rgba(86, 180, 233, 0.35)"
 """Sky blue through which text of any colour can be read."""

@@ -10,8 +10,8 @@ import stat
 from io import BufferedReader
 from pathlib import Path
 
-from ground.delivery import current
-from ground.inside import refuse_links
+from exoid.ground.delivery import current
+from exoid.ground.inside import refuse_links
 
 
 def open_input(path: str | Path, *, remember: bool = True, inside: str | Path | None = None) -> BufferedReader:

@@ -1,5 +1,5 @@
-"""Short names for notebooks (`from optimisation import identify`, `model.torque(motion, numbers)`) that cost nothing
-until they are used.
+"""Short names for notebooks (`from exoid.optimisation import identify`, `model.torque(motion, numbers)`) that cost
+nothing until they are used.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class LazyPackage(ModuleType):
         """Keep a short name a function although the import system sets the module of the same name.
 
         `identify` lives in `optimisation/fitting/identify.py`: whoever imports that file first would otherwise decide
-        whether `from optimisation import identify` gives the function or the module.
+        whether `from exoid.optimisation import identify` gives the function or the module.
         """
         if isinstance(value, ModuleType) and self._homes.get(name) == value.__name__:
             value = getattr(value, name)

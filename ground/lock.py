@@ -10,7 +10,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from ground.inside import refuse_links
+from exoid.ground.inside import refuse_links
 
 LOCK = ".lock"
 UNKNOWN = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from typing import Any, ClassVar, TypeVar
 
-from ground.calling import understood
-from ground.errors import ExoidError
-from ground.suggest import did_you_mean
+from exoid.ground.calling import understood
+from exoid.ground.errors import ExoidError
+from exoid.ground.suggest import did_you_mean
 
 Record = TypeVar("Record", bound="VerbSettings")
 Verb = TypeVar("Verb", bound=Callable[..., Any])

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ground.errors import ExoidError, ModelFileError, refused
-from ground.inputs import open_input
-from ground.suggest import did_you_mean
+from exoid.ground.errors import ExoidError, ModelFileError, refused
+from exoid.ground.inputs import open_input
+from exoid.ground.suggest import did_you_mean
 
 KeyPath = tuple[str | int, ...]
 

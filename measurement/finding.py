@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.plain import AsJson
+from exoid.ground.plain import AsJson
 
 SEVERITIES = ("refused", "warning", "repaired", "info")
 """Worst first. "repaired": mended without guessing and therefore only reported; "refused": cannot be used."""

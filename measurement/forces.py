@@ -11,14 +11,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading.outside import INTERACTION
-from measurement.recording import Recording
-from symbolic.force import TORQUE, VERTICAL, Force
-from symbolic.joints import Joint, is_leg
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.outside import INTERACTION
+from exoid.measurement.recording import Recording
+from exoid.symbolic.force import TORQUE, VERTICAL, Force
+from exoid.symbolic.joints import Joint, is_leg
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 CUFFS = {"hip": "thigh cuff", "knee": "shank cuff"}
 """What the cuffs of a leg are called."""

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from ground.ties import index_of_greatest
-from measurement.auditing.channels import step_of
-from measurement.finding import Finding
-from measurement.recording import Recording
-from measurement.signals.butterworth import band_pass_filter, both_ways
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.ground.ties import index_of_greatest
+from exoid.measurement.auditing.channels import step_of
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.butterworth import band_pass_filter, both_ways
+from exoid.symbolic.motion import Float
 
 Mask = NDArray[np.bool_]
 

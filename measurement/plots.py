@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.figures import LINE_STYLES, ROLE_COLOURS, figure_style, joint_colours, label, new_figure
-from symbolic.joints import Joint, names, units
-from symbolic.model import Limits
-from symbolic.motion import Float, Motion
+from exoid.ground.figures import LINE_STYLES, ROLE_COLOURS, figure_style, joint_colours, label, new_figure
+from exoid.symbolic.joints import Joint, names, units
+from exoid.symbolic.model import Limits
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

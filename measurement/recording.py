@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.calling import understood
-from ground.errors import RecordingError, refused
-from ground.files import write_whole
-from ground.frames import pandas
-from ground.html import bullets, lines, table
-from measurement.finding import Finding
-from measurement.plots import angles_and_torques
-from measurement.signals.spikes import spikes
-from symbolic.joints import LEG, UNNAMED, Joint, names
-from symbolic.mechanics.payload import Payload
-from symbolic.motion import Float, read_only
+from exoid.ground.calling import understood
+from exoid.ground.errors import RecordingError, refused
+from exoid.ground.files import write_whole
+from exoid.ground.frames import pandas
+from exoid.ground.html import bullets, lines, table
+from exoid.measurement.finding import Finding
+from exoid.measurement.plots import angles_and_torques
+from exoid.measurement.signals.spikes import spikes
+from exoid.symbolic.joints import LEG, UNNAMED, Joint, names
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.motion import Float, read_only
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -23,13 +23,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ground.frames import pandas
-from ground.html import table
-from ground.plain import AsJson
-from optimisation.budget import GENERATIONS, INDIVIDUALS
-from optimisation.fitting.plots import run_figure
-from optimisation.linear.problem import Problem
-from symbolic.motion import Float
+from exoid.ground.frames import pandas
+from exoid.ground.html import table
+from exoid.ground.plain import AsJson
+from exoid.optimisation.budget import GENERATIONS, INDIVIDUALS
+from exoid.optimisation.fitting.plots import run_figure
+from exoid.optimisation.linear.problem import Problem
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     import pandas as pd

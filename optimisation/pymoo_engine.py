@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from optimisation.optimiser import Box
-from symbolic.motion import Float
+from exoid.optimisation.optimiser import Box
+from exoid.symbolic.motion import Float
 
 
 class PymooRecipe:

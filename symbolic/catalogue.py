@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from ground.errors import EffectError, ExpressionError
-from ground.folder import names_in
-from ground.suggest import nearest
-from symbolic import effects
-from symbolic.effect import Effect
-from symbolic.joints import LEG, Joint
-from symbolic.term import Term, places_of
+from exoid.ground.errors import EffectError, ExpressionError
+from exoid.ground.folder import names_in
+from exoid.ground.suggest import nearest
+from exoid.symbolic import effects
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.term import Term, places_of
 
 FAMILIES = ("friction", "spring", "inertia", "gravity", "sensor", "drive", "drift", "contact", "base")
 """Families in the order in which the catalogue lists them."""

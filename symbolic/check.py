@@ -12,22 +12,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symbolic.codegen.kernel import compiled
-from symbolic.codegen.translate import casadi_from_sympy
-from symbolic.codegen.tree_columns import CONFIRMED
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
-from symbolic.mechanics.mechanism import leg
-from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
-from symbolic.mechanics.regressor import compare_with_printed, derive_regressor
-from symbolic.motion import Float, Motion
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.codegen.translate import casadi_from_sympy
+from exoid.symbolic.codegen.tree_columns import CONFIRMED
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.lagrange import Dynamics, energies, harmonic, mechanics
+from exoid.symbolic.mechanics.mechanism import leg
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
+from exoid.symbolic.mechanics.regressor import compare_with_printed, derive_regressor
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
-    from symbolic.mechanics.mechanism import Mechanism
-    from symbolic.model import Model
+    from exoid.symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.model import Model
 
 SEED = 20260
 STATES = 200

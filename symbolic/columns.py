@@ -15,8 +15,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from symbolic.codegen.kernel import compiled
-from symbolic.evaluation import (
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.evaluation import (
     apply_transforms,
     base_places,
     carrying,
@@ -31,14 +31,14 @@ from symbolic.evaluation import (
     transformed_torque,
     vector,
 )
-from symbolic.language.deflection import STATES
-from symbolic.language.torque import is_transform, part_of, torques, uses_feedback, uses_slopes
-from symbolic.motion import Float, Motion
-from symbolic.waves import FEW, Waves
+from exoid.symbolic.language.deflection import STATES
+from exoid.symbolic.language.torque import is_transform, part_of, torques, uses_feedback, uses_slopes
+from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.waves import FEW, Waves
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
-    from symbolic.term import Term
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Term
 
 
 def model_columns(model: Model, motion: Motion, shape: Float | None = None, reference: Float | None = None) -> Float:

@@ -7,15 +7,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import EffectError, ExoidError
-from symbolic.catalogue import FAMILIES, every_effect
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.joints import LEG, Joint
-from symbolic.model import check_custom
-from symbolic.quantity import JOINTS
+from exoid.ground.errors import EffectError, ExoidError
+from exoid.symbolic.catalogue import FAMILIES, every_effect
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.model import check_custom
+from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
-    from ground.toml_reader import Table
+    from exoid.ground.toml_reader import Table
 
 FIELDS = (
     "id", "joint", "torque", "coefficients", "shape", "explains", "title", "family", "tells_apart", "reference",

@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from ground.calling import understood
-from ground.errors import EffectError
-from ground.html import code, lines, table
-from symbolic.effect_declaration import check_effect
+from exoid.ground.calling import understood
+from exoid.ground.errors import EffectError
+from exoid.ground.html import code, lines, table
+from exoid.symbolic.effect_declaration import check_effect
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 

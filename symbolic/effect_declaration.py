@@ -1,8 +1,8 @@
 """Whether an effect keeps what it declares: known names, units that fit, ordered bounds, linear in its coefficients.
 
-Every Effect (`symbolic.effect`, above this file) is checked here when it is made, in a file of the catalogue, from a
-model file or in a notebook. A torque is evaluated with one coefficient at one and the others at zero, so it has to be
-linear *and* homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (linearity.py).
+Every Effect (`exoid.symbolic.effect`, above this file) is checked here when it is made, in a file of the catalogue,
+from a model file or in a notebook. A torque is evaluated with one coefficient at one and the others at zero, so it has
+to be linear *and* homogeneous in them: c * x is, c * x + 1, c**2 * x and abs(c) * x are not (linearity.py).
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from ground.errors import EffectError, ExpressionError
-from symbolic.language.deflection import deflected
-from symbolic.language.dimensions import check_dimensions
-from symbolic.language.linearity import check_proportional
-from symbolic.language.tokens import refusal
-from symbolic.language.tree import OPERATORS, Call, Node
-from symbolic.language.words import MODEL_TORQUE, RESERVED, read_text, stem_of, word_dimension
-from symbolic.quantity import JOINTS
-from symbolic.units import FORCE, TORQUE, dimension
+from exoid.ground.errors import EffectError, ExpressionError
+from exoid.symbolic.language.deflection import deflected
+from exoid.symbolic.language.dimensions import check_dimensions
+from exoid.symbolic.language.linearity import check_proportional
+from exoid.symbolic.language.tokens import refusal
+from exoid.symbolic.language.tree import OPERATORS, Call, Node
+from exoid.symbolic.language.words import MODEL_TORQUE, RESERVED, read_text, stem_of, word_dimension
+from exoid.symbolic.quantity import JOINTS
+from exoid.symbolic.units import FORCE, TORQUE, dimension
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _ID = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,59}")

@@ -14,17 +14,17 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError
-from ground.lazy import LentMethod
-from symbolic.codegen.equation import Expressions, model_expressions
-from symbolic.codegen.layout import BASE_STATE
-from symbolic.codegen.translate import sympy_from_casadi
-from symbolic.language.torque import is_transform
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.mechanism import Mechanism, positive, real
-from symbolic.mechanics.regressor import Regressor, derive_regressor
-from symbolic.model import Model
-from symbolic.term import Parameter
+from exoid.ground.errors import ExoidError
+from exoid.ground.lazy import LentMethod
+from exoid.symbolic.codegen.equation import Expressions, model_expressions
+from exoid.symbolic.codegen.layout import BASE_STATE
+from exoid.symbolic.codegen.translate import sympy_from_casadi
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.mechanism import Mechanism, positive, real
+from exoid.symbolic.mechanics.regressor import Regressor, derive_regressor
+from exoid.symbolic.model import Model
+from exoid.symbolic.term import Parameter
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -82,7 +82,7 @@ class Equations:
         """{letter: matrix}, in the order in which they are read."""
         return {"M": self.M, "C": self.C, "G": self.G, "J": self.J, "Y": self.Y}
 
-    text = LentMethod[str]("symbolic.writing_equations:equations_text")
+    text = LentMethod[str]("exoid.symbolic.writing_equations:equations_text")
 
     def _repr_latex_(self) -> str:
         return self.text("latex")

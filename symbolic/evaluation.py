@@ -12,14 +12,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from symbolic.language.lower import to_numpy
-from symbolic.language.torque import Torque, is_transform, torques
-from symbolic.language.tree import Call
-from symbolic.motion import Float, Motion
+from exoid.symbolic.language.lower import to_numpy
+from exoid.symbolic.language.torque import Torque, is_transform, torques
+from exoid.symbolic.language.tree import Call
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
-    from symbolic.term import Term
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Term
 
 
 def column_count(model: Model) -> int:

@@ -15,9 +15,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ground.errors import EffectError
-from symbolic.joints import Joint, ancestors, is_leg
-from symbolic.term import Parameter
+from exoid.ground.errors import EffectError
+from exoid.symbolic.joints import Joint, ancestors, is_leg
+from exoid.symbolic.term import Parameter
 
 NORMAL, WORLD, VERTICAL, TORQUE = "normal", "world", "vertical", "torque"
 FRAMES = {NORMAL: 1, WORLD: 2, VERTICAL: 1, TORQUE: 1}

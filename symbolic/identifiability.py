@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.cache import cache_folder, read_trusted
-from ground.errors import EffectError
-from ground.files import sha256, write_whole
-from symbolic.catalogue import catalogue
-from symbolic.codegen.equation import model_expressions
-from symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
-from symbolic.codegen.precise import evaluate_precisely, in_span
-from symbolic.language.lower import to_text
-from symbolic.memory import memory_operations
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
-from symbolic.term import Term, places_of
+from exoid.ground.cache import cache_folder, read_trusted
+from exoid.ground.errors import EffectError
+from exoid.ground.files import sha256, write_whole
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.codegen.equation import model_expressions
+from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, model_data, term_content
+from exoid.symbolic.codegen.precise import evaluate_precisely, in_span
+from exoid.symbolic.language.lower import to_text
+from exoid.symbolic.memory import memory_operations
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
+from exoid.symbolic.term import Term, places_of
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 LARGEST_CACHE = 50_000_000
 """Bytes of what is kept of one model; it has some ten thousand."""

@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ground.errors import EffectError
+from exoid.ground.errors import EffectError
 
 KINDS = ("revolute", "prismatic")
 BASE = "base"

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symbolic.evaluation import feedback, motion_words, shape_values, shaped, signs
-from symbolic.language.instant import Operation, split_memory
-from symbolic.language.lower import to_numpy
-from symbolic.language.operators import MEMORY
-from symbolic.language.torque import torques
-from symbolic.language.words import FEEDBACK
-from symbolic.motion import Float, Motion
+from exoid.symbolic.evaluation import feedback, motion_words, shape_values, shaped, signs
+from exoid.symbolic.language.instant import Operation, split_memory
+from exoid.symbolic.language.lower import to_numpy
+from exoid.symbolic.language.operators import MEMORY
+from exoid.symbolic.language.torque import torques
+from exoid.symbolic.language.words import FEEDBACK
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
-    from symbolic.term import Term
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Term
 
 
 def memory_operations(model: Model) -> list[tuple[Term, int, Operation]]:

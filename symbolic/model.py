@@ -4,8 +4,8 @@
 
 with Φ1..Φ4 of the rigid leg first, Coulomb and viscous friction of hip and knee next, then where measured forces act,
 as far as that is not known, then the numbers of each term. A model is a value: `with_effect` and `without` return
-another one. What is computed from it lies above: `symbolic.columns`, `symbolic.codegen`; some of that is lent to the
-model as methods, found at their first use.
+another one. What is computed from it lies above: `exoid.symbolic.columns`, `exoid.symbolic.codegen`; some of that is
+lent to the model as methods, found at their first use.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.calling import understood
-from ground.errors import EffectError
-from ground.html import lines, table
-from ground.lazy import LentMethod, LentProperty
-from symbolic.catalogue import find_effect
-from symbolic.effect import Effect
-from symbolic.force import Force, channels_of, check_forces
-from symbolic.joints import LEG, Joint, check_joints, names, units
-from symbolic.language.torque import check_units
-from symbolic.mechanics.body import Body
-from symbolic.mechanics.friction import friction_parameters
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
-from symbolic.term import Parameter, ShapeParameter, Term, places_of
+from exoid.ground.calling import understood
+from exoid.ground.errors import EffectError
+from exoid.ground.html import lines, table
+from exoid.ground.lazy import LentMethod, LentProperty
+from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.force import Force, channels_of, check_forces
+from exoid.symbolic.joints import LEG, Joint, check_joints, names, units
+from exoid.symbolic.language.torque import check_units
+from exoid.symbolic.mechanics.body import Body
+from exoid.symbolic.mechanics.friction import friction_parameters
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
+from exoid.symbolic.term import Parameter, ShapeParameter, Term, places_of
 
 if TYPE_CHECKING:
-    from symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.mechanics.mechanism import Mechanism
 
 INERTIAL = ("Phi1", "Phi2", "Phi3", "Phi4")
 """Base parameters of the rigid leg, kg·m²; what they are made of is derived in regressor.py."""
@@ -229,7 +229,7 @@ class Model:
                 Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, None)
                 for name in INERTIAL
             )
-        from symbolic.mechanics.base_parameters import base_parameters
+        from exoid.symbolic.mechanics.base_parameters import base_parameters
 
         found = enumerate(base_parameters(self.chain, self.gravity, self.moving_base), 1)
         return tuple(
@@ -240,7 +240,7 @@ class Model:
     @property
     def mixture(self) -> Float:
         """Base parameters (P, J, 3) of inertia, first moment and mass of every link, about its upper joint."""
-        from symbolic.mechanics.base_parameters import leg_mixture, tree_mixture
+        from exoid.symbolic.mechanics.base_parameters import leg_mixture, tree_mixture
 
         if not self.chain:
             return leg_mixture(self.thigh_length)
@@ -286,8 +286,8 @@ class Model:
     @property
     def mechanism(self) -> Mechanism:
         """The mechanism in symbols, with the changes its derived terms make; lengths are numbers, but for the leg's."""
-        from symbolic.mechanics.mechanism import leg, machine
-        from symbolic.mechanics.rigid import changed
+        from exoid.symbolic.mechanics.mechanism import leg, machine
+        from exoid.symbolic.mechanics.rigid import changed
 
         return changed(machine(self.chain) if self.chain else leg(), self.derived)[0]
 
@@ -296,16 +296,16 @@ class Model:
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
         return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
-    columns = LentMethod[Float]("symbolic.columns:model_columns")
-    whole_columns = LentMethod[Float]("symbolic.columns:whole_columns")
-    torque = LentMethod[Float]("symbolic.columns:model_torque")
-    moving_torque = LentMethod[MovingTorque]("symbolic.columns:moving_torque")
-    following_columns = LentMethod[Float]("symbolic.columns:following_columns")
-    needs_reference = LentProperty[bool]("symbolic.columns:needs_reference")
-    reference_places = LentProperty[tuple[int, ...]]("symbolic.columns:reference_places")
-    following_places = LentProperty[tuple[int, ...]]("symbolic.columns:following_places")
-    held_places = LentProperty[tuple[int, ...]]("symbolic.columns:held_places")
-    key = LentMethod[str]("symbolic.codegen.fingerprint:model_key")
+    columns = LentMethod[Float]("exoid.symbolic.columns:model_columns")
+    whole_columns = LentMethod[Float]("exoid.symbolic.columns:whole_columns")
+    torque = LentMethod[Float]("exoid.symbolic.columns:model_torque")
+    moving_torque = LentMethod[MovingTorque]("exoid.symbolic.columns:moving_torque")
+    following_columns = LentMethod[Float]("exoid.symbolic.columns:following_columns")
+    needs_reference = LentProperty[bool]("exoid.symbolic.columns:needs_reference")
+    reference_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:reference_places")
+    following_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:following_places")
+    held_places = LentProperty[tuple[int, ...]]("exoid.symbolic.columns:held_places")
+    key = LentMethod[str]("exoid.symbolic.codegen.fingerprint:model_key")
 
     def _repr_html_(self) -> str:
         size = f"gravity {self.gravity:g} m/s²"

@@ -14,16 +14,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
-from ground.files import write_whole
-from ground.toml_reader import Table, read_toml
-from symbolic.custom_effect import read_custom_effect
-from symbolic.effect import Effect
-from symbolic.force import Force
-from symbolic.joints import LEG, Joint, check_joints, is_leg
-from symbolic.mechanics.body import BodyError
-from symbolic.model import TABLE_1, UNLIMITED, Limits, Model
-from symbolic.quantity import JOINTS, Estimate
+from exoid.ground.errors import EffectError, ExoidError, ExpressionError, ModelFileError
+from exoid.ground.files import write_whole
+from exoid.ground.toml_reader import Table, read_toml
+from exoid.symbolic.custom_effect import read_custom_effect
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import LEG, Joint, check_joints, is_leg
+from exoid.symbolic.mechanics.body import BodyError
+from exoid.symbolic.model import TABLE_1, UNLIMITED, Limits, Model
+from exoid.symbolic.quantity import JOINTS, Estimate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

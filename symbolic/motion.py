@@ -25,7 +25,7 @@ class Motion:
 
     `sign` (N, J) is sgn(dq) unless given: near standstill a measured velocity is noise, and whoever
     prepares a measurement knows how much of the sign can be believed. `payload` (4,) is what known masses
-    that hung on the leg add to Φ1..Φ4 in kg·m² (`symbolic.mechanics.payload`), None where there were none. `base`
+    that hung on the leg add to Φ1..Φ4 in kg·m² (`exoid.symbolic.mechanics.payload`), None where there were none. `base`
     (N, 5) is how a measured base moves: angle rad, its derivatives, acceleration forwards and upwards m/s². `force`
     (N, C) are measured external forces, in the order of the model's `channels`, N or N·m.
     """

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.suggest import nearest
-from symbolic.joints import JOINT_NAME, TAKEN, Joint
-from symbolic.model import Limits, Model
-from symbolic.motion import Float
-from symbolic.robot_file import MOVING, RobotFile, RobotFileError, RobotJoint, numbers_of
+from exoid.ground.suggest import nearest
+from exoid.symbolic.joints import JOINT_NAME, TAKEN, Joint
+from exoid.symbolic.model import Limits, Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.robot_file import MOVING, RobotFile, RobotFileError, RobotJoint, numbers_of
 
 PARALLEL = 1e-3
 """rad within which directions count as the same."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ground.plain import AsJson
+from exoid.ground.plain import AsJson
 
 JOINTS = ("hip", "knee")
 """Joint names in the order of every axis of length J = 2."""

@@ -17,9 +17,9 @@ from xml.parsers import expat
 
 import numpy as np
 
-from ground.errors import ExoidError, refused
-from ground.inputs import open_input
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError, refused
+from exoid.ground.inputs import open_input
+from exoid.symbolic.motion import Float
 
 LARGEST = 20_000_000
 """Bytes of a URDF; meshes are in files of their own."""

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ground.errors import EffectError
-from symbolic.effect import Effect, Shape
-from symbolic.joints import LEG, LEVER, SLIDING, Joint, parents
-from symbolic.language.deflection import deflected
-from symbolic.quantity import JOINTS
+from exoid.ground.errors import EffectError
+from exoid.symbolic.effect import Effect, Shape
+from exoid.symbolic.joints import LEG, LEVER, SLIDING, Joint, parents
+from exoid.symbolic.language.deflection import deflected
+from exoid.symbolic.quantity import JOINTS
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-from ground.errors import EffectError, ExpressionError
-from ground.suggest import nearest
-from symbolic.language.parser import parse
-from symbolic.language.tree import Binary, Name, Node, Number
+from exoid.ground.errors import EffectError, ExpressionError
+from exoid.ground.suggest import nearest
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.tree import Binary, Name, Node, Number
 
 BASE = ("m", "kg", "s", "A", "K")
 LONGEST = 60

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 FEW = 8
 """Trial values from which on waves are turned from one to the next."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from ground.errors import EffectError
-from symbolic.catalogue import find_effect
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.ground.errors import EffectError
+from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 CHOICE = re.compile(r"([+-]?\d+(?:\.\d+)?): ([^,;]+)")
 """A choice in what a shape explains: "+1: at large angles"."""

@@ -8,8 +8,8 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ground.text import in_comment
-from symbolic.equations import EquationError, Equations
+from exoid.ground.text import in_comment
+from exoid.symbolic.equations import EquationError, Equations
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.recording import Recording
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.measurement.recording import Recording
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 BETA = np.array([1.8, 0.4, 0.5, 0.2, 4.0, 2.0, 3.0, 1.2])
 """Φ1..Φ4, then Coulomb and viscous friction of hip and knee, of a plausible leg."""

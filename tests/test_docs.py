@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.command import main, verb_parser
+from exoid.workbench.command import main, verb_parser
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted(p for p in (ROOT / "docs").glob("*.md") if "```sh" in p.read_text(encoding="utf-8"))
@@ -143,8 +143,8 @@ def test_the_table_of_thresholds_is_written_from_the_rules():
 
 
 def test_the_page_on_the_paper_says_what_the_check_says():
-    from symbolic.check import check_equations
-    from symbolic.model import Model
+    from exoid.symbolic.check import check_equations
+    from exoid.symbolic.model import Model
 
     page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
     printed = " ".join(str(line) for line in check_equations(Model.standard()))

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import exoid
-from ground.engines.processes import alone
-from workbench.commands.demo import DATA
+from exoid.ground.engines.processes import alone
+from exoid.workbench.commands.demo import DATA
 
 NAMES = ("t", "q1", "q2", "tau1", "tau2")
 MAGNET = {"torque": "c * dtheta * abs(dtheta)", "coefficients": {"c": exoid.Coefficient("N·m·s²/rad²")}}
@@ -158,7 +158,7 @@ def test_a_model_is_the_same_machine_in_another_process(bench):
 
 
 def test_an_error_inside_is_not_taken_for_a_wrong_call():
-    from ground.calling import understood
+    from exoid.ground.calling import understood
 
     @understood({"old": "new"})
     def adds(new: int) -> int:

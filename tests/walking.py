@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.recording import Recording
+from exoid.measurement.recording import Recording
 from tests.newton_euler import Leg, torque
 
 LEG = Leg(m=(6.5, 4.0), inertia=(0.12, 0.06), along=(0.18, 0.2))

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ground.text import in_comment
-from optimisation.linear.links import LinkInertia, nearest_links
-from symbolic.term import Term
-from workbench.identified import ExportError, Ready
+from exoid.ground.text import in_comment
+from exoid.optimisation.linear.links import LinkInertia, nearest_links
+from exoid.symbolic.term import Term
+from exoid.workbench.identified import ExportError, Ready
 
 OFF_AXIS = {"com_offset": None, "com_offset_thigh": 0, "com_offset_shank": 1}
 """Effects that are a mass beside a link's axis, and the link, None where the joint says it."""

@@ -16,14 +16,14 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType, ModuleType
 
-from ground.delivery import together
-from ground.errors import ExoidError
-from ground.folder import names_in
-from ground.suggest import did_you_mean
-from ground.text import printable
-from workbench import commands
-from workbench.command_line.parser import Parser, UsageError
-from workbench.terminal.encoding import install
+from exoid.ground.delivery import together
+from exoid.ground.errors import ExoidError
+from exoid.ground.folder import names_in
+from exoid.ground.suggest import did_you_mean
+from exoid.ground.text import printable
+from exoid.workbench import commands
+from exoid.workbench.command_line.parser import Parser, UsageError
+from exoid.workbench.terminal.encoding import install
 
 DONE, NEGATIVE, BAD_INPUT, INTERNAL_ERROR, INTERRUPTED, TERMINATED = 0, 1, 2, 70, 130, 143
 
@@ -173,8 +173,8 @@ def _dispatch(arguments: Sequence[str]) -> int:
     except SystemExit as stop:  # argparse leaves this way after --help
         return int(stop.code or 0)
     args.command_line = ["exoid", *arguments]
-    from workbench.command_line.deliver import check_places
-    from workbench.command_line.guard import protect_inputs
+    from exoid.workbench.command_line.deliver import check_places
+    from exoid.workbench.command_line.guard import protect_inputs
 
     with together() as delivery:
         protect_inputs(args, delivery)

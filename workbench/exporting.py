@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-from ground.folder import names_in
-from workbench import export
+from exoid.ground.folder import names_in
+from exoid.workbench import export
 
 
 def formats() -> tuple[str, ...]:

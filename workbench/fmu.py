@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from diagnosis.watching.estimator_c import filled
-from symbolic.codegen.compiler import CompilerError, find_compiler
-from symbolic.units import BASE, dimension
+from exoid.diagnosis.watching.estimator_c import filled
+from exoid.symbolic.codegen.compiler import CompilerError, find_compiler
+from exoid.symbolic.units import BASE, dimension
 
 VERSIONS = ("2.0", "3.0")
 INPUT, STATE, RATE, OUTPUT = "input", "state", "rate", "output"

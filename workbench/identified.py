@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ground.errors import ExoidError
-from symbolic.model import Model
-from symbolic.model_file import Numbers, read_model, read_numbers
-from workbench.reserved import is_taken
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers, read_model, read_numbers
+from exoid.workbench.reserved import is_taken
 
 
 class ExportError(ExoidError):
@@ -97,8 +97,8 @@ def ready(model: Model, numbers: Numbers, where: str = "") -> Ready:
     """Put `numbers` into `model`; ExportError for a number that is missing or not finite."""
     import casadi as ca
 
-    from symbolic.codegen.code import functions
-    from symbolic.codegen.equation import model_expressions
+    from exoid.symbolic.codegen.code import functions
+    from exoid.symbolic.codegen.equation import model_expressions
 
     linear = _complete([p.name for p in model.parameters], numbers.linear, "parameters", where)
     if model.wearer is not None:  # a controller moves both

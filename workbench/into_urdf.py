@@ -14,13 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
-from optimisation.linear.links import LinkInertia, tree_of
-from symbolic.joints import parents
-from symbolic.motion import Float
-from symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
-from symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
-from workbench.bodies import friction_of, left_out, links_of
-from workbench.identified import ExportError, Ready
+from exoid.optimisation.linear.links import LinkInertia, tree_of
+from exoid.symbolic.joints import parents
+from exoid.symbolic.motion import Float
+from exoid.symbolic.planar_machine import PlanarMachine, moving_with, plain_name, planar_machine
+from exoid.symbolic.robot_file import RobotFile, RobotJoint, numbers_of, origin_of, parse_robot, read_bytes
+from exoid.workbench.bodies import friction_of, left_out, links_of
+from exoid.workbench.identified import ExportError, Ready
 
 START_TAG = re.compile(rb"<[^\s/>]+(?:\s+[^\s=>]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*\s*(/?)>")
 SAME_LENGTH = 1e-6

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from optimisation.paper.item import Answered, PaperPicture
-    from optimisation.paper.reproduce import Reproduced
+    from exoid.optimisation.paper.item import Answered, PaperPicture
+    from exoid.optimisation.paper.reproduce import Reproduced
 
 DPI = 90
 HEADS = {"figure": "Figures", "table": "Tables", "equation": "Equations"}
@@ -65,7 +65,7 @@ def anchor(one: Answered) -> str:
 
 def pictures_in(found: Reproduced) -> dict[str, bytes]:
     """Return {file name: PNG} of all pictures."""
-    from ground.figures import to_png
+    from exoid.ground.figures import to_png
 
     return {name: to_png(picture.figure, dpi=DPI) for one in found.answered for name, picture in _named(one)}
 

@@ -1,5 +1,5 @@
 """The recursive estimator in C99: a struct, no allocation, no dependency but math.h; the numbers of
-`diagnosis.watching.estimator` step by step.
+`exoid.diagnosis.watching.estimator` step by step.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.watching.estimator import (
+from exoid.diagnosis.watching.estimator import (
     FORGOTTEN,
     FORGOTTEN_LEAST,
     LEAST_BLOCKS,
@@ -15,17 +15,17 @@ from diagnosis.watching.estimator import (
     Estimator,
     constants,
 )
-from diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, filled
-from diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
-from diagnosis.watching.window import LEAST_WEIGHT
-from ground.text import in_comment
-from measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
-from optimisation.preparation.filtering import STICK
-from symbolic.codegen.instructions import PLAIN, scalar_c
-from symbolic.model import Model, require_no_force, require_still_base
-from symbolic.model_file import Numbers
-from symbolic.motion import Float
-from workbench.identified import ExportError
+from exoid.diagnosis.watching.estimator_c import ESTIMATION, FIELDS, FORGETTING, filled
+from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORDER, SIGN_WIDTH, SPIKE, Filters
+from exoid.diagnosis.watching.window import LEAST_WEIGHT
+from exoid.ground.text import in_comment
+from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
+from exoid.optimisation.preparation.filtering import STICK
+from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
+from exoid.symbolic.model import Model, require_no_force, require_still_base
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Float
+from exoid.workbench.identified import ExportError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,7 +94,7 @@ def _columns(model: Model, numbers: Numbers) -> Any:
     """Return the CasADi function of all columns (J · P,), row by row, at the identified numbers."""
     import casadi as ca
 
-    from symbolic.codegen.equation import model_expressions
+    from exoid.symbolic.codegen.equation import model_expressions
 
     x = model_expressions(model)
     if x.memories:

@@ -33,7 +33,7 @@ from benchmarks.arena.cases import draw, folder, names  # noqa: E402 - the repos
 from benchmarks.arena.referee import page, right  # noqa: E402
 from benchmarks.arena.task import Left  # noqa: E402
 from benchmarks.baselines import read_lines  # noqa: E402
-from ground.errors import ExoidError  # noqa: E402
+from exoid.ground.errors import ExoidError  # noqa: E402
 
 MARK = "<!-- made by: python -m benchmarks.arena FOLDER --page docs/arena.md -->"
 

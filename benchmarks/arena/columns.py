@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from benchmarks.arena.task import Task
-from diagnosis.evidence.candidates import candidate_columns
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.library import build_library
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import candidate_columns
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.library import build_library
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 NODES = 10
 """Trial values of each entry's shape, evenly among those that exoid tries."""

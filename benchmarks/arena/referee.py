@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.arena.cases import kind_of
-from diagnosis.grading import match
+from exoid.diagnosis.grading import match
 
 SAME = (
     ("com_offset_shank", "encoder_offset_knee"),

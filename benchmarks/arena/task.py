@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from measurement.recording import Recording
-from measurement.signals.conditioning import derivatives, low_pass
-from optimisation.preparation.filtering import reaches
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.conditioning import derivatives, low_pass
+from exoid.optimisation.preparation.filtering import reaches
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 BAND = 4.0
 """Hz below which a predicted torque is judged; angles of the motion asked are filtered at twice this."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from diagnosis.rules import Rules
+from exoid.diagnosis.rules import Rules
 
 
 @dataclass(frozen=True)

@@ -14,16 +14,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from ground.errors import NotEnoughDataError
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from ground.ties import index_of_least
-from measurement.finding import Finding
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.ground.errors import NotEnoughDataError
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.motion import Float
 
 SHARE = Threshold(0.05, "part of a torque's variance left of a recording that is apart: other payloads are still told")
 TIMES = Threshold(3.0, "times the error of any other recording: a motion in which an effect is large is left out")

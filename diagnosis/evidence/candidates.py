@@ -16,22 +16,22 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns, LateColumns
-from diagnosis.evidence.fitted import FittedModel
-from ground.errors import ExpressionError
-from measurement.signals.butterworth import WaveProducts
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.columns import derived_columns, slopes_of, transformed
-from symbolic.evaluation import carrying, motion_words, torque_values
-from symbolic.language.deflection import SLOPES
-from symbolic.language.lower import to_numpy
-from symbolic.language.torque import Torque, is_transform, part_of, torques
-from symbolic.language.tree import Binary, Call, Name
-from symbolic.language.words import FEEDBACK
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
-from symbolic.term import Term
-from symbolic.waves import Waves
+from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.ground.errors import ExpressionError
+from exoid.measurement.signals.butterworth import WaveProducts
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.columns import derived_columns, slopes_of, transformed
+from exoid.symbolic.evaluation import carrying, motion_words, torque_values
+from exoid.symbolic.language.deflection import SLOPES
+from exoid.symbolic.language.lower import to_numpy
+from exoid.symbolic.language.torque import Torque, is_transform, part_of, torques
+from exoid.symbolic.language.tree import Binary, Call, Name
+from exoid.symbolic.language.words import FEEDBACK
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.term import Term
+from exoid.symbolic.waves import Waves
 
 TANGENT_STEP = 1e-3
 """Step of a tangent, as a share of the range of the number."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True)

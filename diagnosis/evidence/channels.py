@@ -13,20 +13,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.apart import moved_numbers
-from diagnosis.evidence.channel_doubt import Doubt, left_share
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.intermittent import ADVICE, intermittent
-from diagnosis.evidence.pushes import turned_force
-from diagnosis.evidence.timing import late_torque
-from diagnosis.rules import RULES, Rules
-from ground.errors import NotEnoughDataError
-from measurement.finding import Finding
-from optimisation.fitting.identify import identify
-from optimisation.fitting.thigh_length import wanted_thigh_length
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.apart import moved_numbers
+from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.intermittent import ADVICE, intermittent
+from exoid.diagnosis.evidence.pushes import turned_force
+from exoid.diagnosis.evidence.timing import late_torque
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.errors import NotEnoughDataError
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
 
 OUTSIDE = "outside"
 """What the finding is called that something outside the machine acts: nothing is then said of the machine's numbers."""

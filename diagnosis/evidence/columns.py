@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from measurement.signals.butterworth import WaveProducts
-from symbolic.joints import LEG
-from symbolic.motion import Float
+from exoid.measurement.signals.butterworth import WaveProducts
+from exoid.symbolic.joints import LEG
+from exoid.symbolic.motion import Float
 
 AT_ONCE = 32
 """Nodes of late columns that are computed at once."""

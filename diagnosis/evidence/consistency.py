@@ -2,7 +2,7 @@
 
 One model is fitted to all recordings. Then each of its parameters (a load that was not named changes inertias), and the
 offset of each torque sensor, may for once differ in one recording; all else is refitted. A difference that is neither
-within the interval (valid under autocorrelation, `optimisation.linear.uncertainty`; widened for the number of
+within the interval (valid under autocorrelation, `exoid.optimisation.linear.uncertainty`; widened for the number of
 questions) nor too small to matter is named: something was changed between the recordings, or the effect is not what it
 seems.
 """
@@ -14,15 +14,15 @@ from statistics import NormalDist
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
-from diagnosis.evidence.gram import weighted_fit
-from diagnosis.rules import Rules
-from ground.plain import AsJson
-from optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
-from symbolic.joints import UNITS
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, robust_weight
+from exoid.diagnosis.evidence.gram import weighted_fit
+from exoid.diagnosis.rules import Rules
+from exoid.ground.plain import AsJson
+from exoid.optimisation.linear.uncertainty import FIXED_B, block_length, block_outer
+from exoid.symbolic.joints import UNITS
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.candidates import own_torques
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.splines import spline_columns
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
-from symbolic.joints import LEG, UNITS, Joint
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import own_torques
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.splines import spline_columns
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.joints import LEG, UNITS, Joint
+from exoid.symbolic.motion import Float
 
 _WORDS = {"q": ("angle", "position"), "dq": ("velocity", "velocity"), "ddq": ("acceleration", "acceleration")}
 

@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
-from diagnosis.rules import RULES, Rules
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.local_shape import shapes_for
-from optimisation.fitting.shapes import slope_by_shape
-from optimisation.linear.loss import huber, huber_terms
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared, judged_anew
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.local_shape import shapes_for
+from exoid.optimisation.fitting.shapes import slope_by_shape
+from exoid.optimisation.linear.loss import huber, huber_terms
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared, judged_anew
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 SLOPE_STEP = 1e-3
 """Step of the derivative by a shape parameter, as a share of its range."""

@@ -18,11 +18,11 @@ from functools import cached_property
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
-from diagnosis.evidence.shifts import draw_shifts, spectra_of, upper_pairs
-from diagnosis.rules import RULES, Rules
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gram import Fits, Gain, Gram, HeldOut, inverse_of, largest_eigenvalue
+from exoid.diagnosis.evidence.shifts import draw_shifts, spectra_of, upper_pairs
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.symbolic.motion import Float
 
 TOGETHER = 20_000
 """Values of columns that are multiplied at once: more no longer fit into a processor's cache."""

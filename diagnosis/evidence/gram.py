@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,20 +14,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.model_error import sensor_noise
-from diagnosis.evidence.splines import spline_columns
-from ground.thresholds import Threshold
-from ground.ties import index_of_greatest
-from measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
-from optimisation.preparation.filtering import EDGE, PreparedRecording
-from optimisation.preparation.noise import torque_noise
-from symbolic.evaluation import carrying
-from symbolic.force import Force
-from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import STILL, BaseMotion
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.model_error import sensor_noise
+from exoid.diagnosis.evidence.splines import spline_columns
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_greatest
+from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
+from exoid.optimisation.preparation.noise import torque_noise
+from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
+from exoid.symbolic.motion import Float
 
 CLEAR = Threshold(
     6.0,

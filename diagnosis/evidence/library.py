@@ -9,17 +9,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, feeds_back, fill_columns, late_columns
-from diagnosis.evidence.columns import Columns, LateColumns
-from diagnosis.evidence.fitted import FittedModel
-from ground.engines.workers import shared
-from optimisation.fitting.shapes import from_unit
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.catalogue import catalogue
-from symbolic.effect import Effect, Shape
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.term import Term, places_of
+from exoid.diagnosis.evidence.candidates import Candidate, feeds_back, fill_columns, late_columns
+from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.ground.engines.workers import shared
+from exoid.optimisation.fitting.shapes import from_unit
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect import Effect, Shape
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term, places_of
 
 FINE = 50
 """Nodes from which on columns that depend on the model's numbers are not computed at every step."""

@@ -13,15 +13,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, candidate_columns
-from diagnosis.evidence.columns import Columns, stacked
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.gram import Gram
-from diagnosis.evidence.score import Score, weigh
-from ground.ties import TIED, least_of
-from optimisation.fitting.shapes import from_unit, to_unit
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gram
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.ground.ties import TIED, least_of
+from exoid.optimisation.fitting.shapes import from_unit, to_unit
+from exoid.symbolic.motion import Float
 
 
 def refine(evidence: Evidence, score: Score, fitted: FittedModel) -> tuple[Score, list[Columns]]:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.repeats import Repeats, repeats
-from diagnosis.rules import RULES, Rules
-from ground.plain import AsJson
-from ground.ties import index_of_greatest
-from optimisation.preparation.prepare import Prepared
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.repeats import Repeats, repeats
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.plain import AsJson
+from exoid.ground.ties import index_of_greatest
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True)

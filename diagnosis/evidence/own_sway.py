@@ -17,17 +17,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, candidate_columns
-from diagnosis.evidence.fitted import FittedModel, pooled_rms
-from diagnosis.evidence.gain import RecordingEvidence
-from diagnosis.evidence.swinging import advice_at, swinging
-from diagnosis.rules import RULES, Rules
-from ground.ties import least_of
-from optimisation.fitting.phases import phases_of
-from symbolic.catalogue import find_effect
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
-from symbolic.term import Term, places_of
+from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
+from exoid.diagnosis.evidence.gain import RecordingEvidence
+from exoid.diagnosis.evidence.swinging import advice_at, swinging
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.ties import least_of
+from exoid.optimisation.fitting.phases import phases_of
+from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
+from exoid.symbolic.term import Term, places_of
 
 ENTRY = "base_motion"
 NEAR, FINE = 0.25, 4

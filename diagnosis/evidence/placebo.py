@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.gram import Gram
-from diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gram
+from exoid.diagnosis.evidence.score import Score, admissible, groups_of, own_nodes
 
 AT_ONCE = 12
 """Nodes that are tried in one piece of work."""

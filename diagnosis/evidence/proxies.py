@@ -10,19 +10,19 @@ from functools import partial
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, candidate_columns
-from diagnosis.evidence.columns import Columns, stacked
-from diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.look_alikes import block_losses
-from diagnosis.evidence.remainder import CurveData, curve_data_per_recording
-from diagnosis.evidence.score import weigh
-from ground.engines.workers import first_passing
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.joints import UNITS
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.curves import may_move, signal_of, splines_along, tried_curves, variables
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import block_losses
+from exoid.diagnosis.evidence.remainder import CurveData, curve_data_per_recording
+from exoid.diagnosis.evidence.score import weigh
+from exoid.ground.engines.workers import first_passing
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.joints import UNITS
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 BUMP_LEVELS = np.linspace(0.06, 0.94, 23)
 """Quantiles of a path at which bumps are tried."""

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.channel_doubt import Doubt
-from diagnosis.evidence.fitted import FittedModel
-from ground.thresholds import Threshold
-from optimisation.linear.factor import factorise
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.force import TORQUE, Force
-from symbolic.mechanics.newton_euler import STILL, BaseMotion
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.channel_doubt import Doubt
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.ground.thresholds import Threshold
+from exoid.optimisation.linear.factor import factorise
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.force import TORQUE, Force
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 TURNED = Threshold(
     -0.5,

@@ -13,18 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.library import Library
-from diagnosis.evidence.look_alikes import placed, refine
-from diagnosis.evidence.placebo import as_good, p_value, searches
-from diagnosis.evidence.score import Score, harmless, weigh
-from diagnosis.evidence.stability import Splits
-from ground.engines.workers import share_out, shared
-from ground.progress import Progress, silent
-from ground.ties import ascending
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.library import Library
+from exoid.diagnosis.evidence.look_alikes import placed, refine
+from exoid.diagnosis.evidence.placebo import as_good, p_value, searches
+from exoid.diagnosis.evidence.score import Score, harmless, weigh
+from exoid.diagnosis.evidence.stability import Splits
+from exoid.ground.engines.workers import share_out, shared
+from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import ascending
 
 
 def rank(

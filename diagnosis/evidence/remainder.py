@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.curves import Splines, may_move, splines_along, tried_curves, variables
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.gram import Gain
-from diagnosis.plots import curve
-from diagnosis.rules import RULES, Rules
-from ground.engines.workers import share_out
-from ground.html import bullets, lines
-from ground.ties import ascending, index_of_greatest
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.curves import Splines, may_move, splines_along, tried_curves, variables
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gain
+from exoid.diagnosis.plots import curve
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.engines.workers import share_out
+from exoid.ground.html import bullets, lines
+from exoid.ground.ties import ascending, index_of_greatest
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

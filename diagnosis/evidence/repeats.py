@@ -7,9 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from ground.ties import index_of_least
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.ground.ties import index_of_least
+from exoid.symbolic.motion import Float
 
 ALIKE = 0.05
 """Motions are the same where their angles differ by less than this part of their standard deviation."""

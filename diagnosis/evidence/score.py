@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns, LateColumns
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.gram import Gain, Gram
-from diagnosis.rules import Rules
-from ground.ties import TIED, index_of_greatest, tied
-from symbolic.effect import Coefficient, Shape
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns, LateColumns
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Gain, Gram
+from exoid.diagnosis.rules import Rules
+from exoid.ground.ties import TIED, index_of_greatest, tied
+from exoid.symbolic.effect import Coefficient, Shape
+from exoid.symbolic.motion import Float
 
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""

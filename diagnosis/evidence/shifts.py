@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.rules import Rules
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.rules import Rules
+from exoid.symbolic.motion import Float
 
 
 def spectra_of(columns: Columns, node: int) -> list[tuple[np.ndarray, np.ndarray]]:

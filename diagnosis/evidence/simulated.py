@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from measurement.signals.conditioning import derivatives, low_pass
-from optimisation.fitting.identify import identify
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.measurement.signals.conditioning import derivatives, low_pass
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.motion import Float
 
 SMOOTHER = 0.5
 """Part of a recording's band that the motion which plays the truth has: the rest of it may be noise already."""

@@ -22,23 +22,23 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from diagnosis.evidence.model_error import fitted_seconds
-from diagnosis.evidence.swinging import swinging
-from diagnosis.rules import RULES, Rules
-from ground.engines.workers import postpone, share_out
-from ground.minimum import minimum
-from ground.ties import least_of
-from measurement.signals.compiled import solved_banded
-from optimisation.fitting.identify import identify
-from optimisation.linear.factor import factorise
-from symbolic.catalogue import find_effect
-from symbolic.columns import slopes_of
-from symbolic.evaluation import carrying
-from symbolic.language.deflection import STATES
-from symbolic.language.torque import is_transform
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from exoid.diagnosis.evidence.model_error import fitted_seconds
+from exoid.diagnosis.evidence.swinging import swinging
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.engines.workers import postpone, share_out
+from exoid.ground.minimum import minimum
+from exoid.ground.ties import least_of
+from exoid.measurement.signals.compiled import solved_banded
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.linear.factor import factorise
+from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.columns import slopes_of
+from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.language.deflection import STATES
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 ENTRY = "motor_elasticity"
 SOFTEST, STIFFEST, TRIED = 0.3, 6.0, 8

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 
 def spline_columns(x: Float, knots: Float, order: int = 3) -> Float:

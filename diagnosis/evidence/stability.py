@@ -15,15 +15,15 @@ from math import comb
 
 import numpy as np
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.gram import Fits, inverse_of
-from diagnosis.evidence.score import Score, admissible
-from diagnosis.rules import Rules
-from ground.ties import order_of
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.gram import Fits, inverse_of
+from exoid.diagnosis.evidence.score import Score, admissible
+from exoid.diagnosis.rules import Rules
+from exoid.ground.ties import order_of
+from exoid.symbolic.motion import Float
 
 MOST_AGAINST = 3
 """Splits whose recordings are named where they disagree."""

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.rules import RULES, Rules
-from measurement.finding import Finding
-from measurement.signals.conditioning import response_seconds
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
-from symbolic.motion import Motion
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.measurement.finding import Finding
+from exoid.measurement.signals.conditioning import response_seconds
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Motion
 
 
 def searched_stretches(prepared: Prepared, rules: Rules = RULES) -> Prepared:

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.plots import over_the_stride
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from ground.ties import index_of_least
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.joints import Joint
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.plots import over_the_stride
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.curves import split_variable, variables
-from diagnosis.evidence.remainder import Remainder, Suggestion
-from ground.ties import ascending, index_of_least, least_of
-from symbolic.joints import UNITS
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.curves import split_variable, variables
+from exoid.diagnosis.evidence.remainder import Remainder, Suggestion
+from exoid.ground.ties import ascending, index_of_least, least_of
+from exoid.symbolic.joints import UNITS
+from exoid.symbolic.motion import Float
 
 PLACES, WIDTHS = np.linspace(0.02, 0.98, 25), np.geomspace(0.01, 0.9, 9)
 """Where between its bounds a number is tried first: the place of a curve, and its width."""

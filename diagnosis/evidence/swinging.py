@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from ground.ties import index_of_greatest, least_of
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.ground.ties import index_of_greatest, least_of
+from exoid.symbolic.motion import Float
 
 SLOWEST = 0.3
 """Hz; below, drifts and the motion itself."""

@@ -9,16 +9,16 @@ from types import MappingProxyType
 
 import numpy as np
 
-from diagnosis.evidence.channel_doubt import Doubt, left_share
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.rules import RULES, Rules
-from ground.engines.workers import share_out
-from ground.ties import index_of_least, least_of
-from measurement.signals.spikes import without_spikes
-from optimisation.linear.factor import factorise
-from symbolic.evaluation import carrying
-from symbolic.language.torque import is_transform
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.ground.engines.workers import share_out
+from exoid.ground.ties import index_of_least, least_of
+from exoid.measurement.signals.spikes import without_spikes
+from exoid.optimisation.linear.factor import factorise
+from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.motion import Float
 
 DELAYS = (-0.5, -0.35, -0.25, -0.18, -0.13, -0.1, -0.06, -0.03, 0.03, 0.06, 0.1, 0.13, 0.18, 0.25, 0.35, 0.5)
 """Delays of the torque that are tried, s."""

@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.gain import Evidence, RecordingEvidence
-from diagnosis.evidence.look_alikes import columns_at, look_alikes
-from diagnosis.evidence.score import Score, weigh
-from diagnosis.search.containing import EXACT, contains, is_within
-from diagnosis.search.context import SearchContext
-from diagnosis.search.doubt import on_bound, undetermined
-from diagnosis.search.state import Extension
-from ground.ties import ascending, least_of
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
+from exoid.diagnosis.evidence.look_alikes import columns_at, look_alikes
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.search.containing import EXACT, contains, is_within
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import on_bound, undetermined
+from exoid.diagnosis.search.state import Extension
+from exoid.ground.ties import ascending, least_of
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

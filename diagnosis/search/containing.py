@@ -7,13 +7,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.score import Score
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import Extension
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import Extension
+from exoid.symbolic.motion import Float
 
 EXACT = 1e-8
 """Share of a squared torque up to which two are the same but for rounding."""

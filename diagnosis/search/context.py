@@ -8,28 +8,28 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.library import Library
-from diagnosis.evidence.look_alikes import columns_at, refine
-from diagnosis.evidence.model_error import noise_with
-from diagnosis.evidence.own_sway import ENTRY as SWAY
-from diagnosis.evidence.own_sway import own_sway
-from diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
-from diagnosis.evidence.repeats import repeats
-from diagnosis.evidence.score import Score, weigh
-from diagnosis.evidence.simulated import made_by_itself
-from diagnosis.rules import RULES, Rules
-from diagnosis.search.doubt import Objection, doubt
-from diagnosis.search.state import Extension, State
-from ground.progress import Progress, silent
-from ground.ties import least_of
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.library import Library
+from exoid.diagnosis.evidence.look_alikes import columns_at, refine
+from exoid.diagnosis.evidence.model_error import noise_with
+from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
+from exoid.diagnosis.evidence.own_sway import own_sway
+from exoid.diagnosis.evidence.ranking import agreed, rank, weigh_all, with_chance
+from exoid.diagnosis.evidence.repeats import repeats
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.evidence.simulated import made_by_itself
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.doubt import Objection, doubt
+from exoid.diagnosis.search.state import Extension, State
+from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import least_of
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 Ranked = tuple[Evidence, list[Score]]
 DRAWN = 2

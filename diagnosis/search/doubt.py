@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.model_error import fitted_seconds
-from diagnosis.rules import Rules
-from diagnosis.search.state import Extension
-from ground.ties import index_of_greatest
-from measurement.signals.masks import widen
-from optimisation.fitting.shapes import to_unit
-from optimisation.preparation.prepare import Prepared
-from symbolic.language.torque import is_transform
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.model_error import fitted_seconds
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.state import Extension
+from exoid.ground.ties import index_of_greatest
+from exoid.measurement.signals.masks import widen
+from exoid.optimisation.fitting.shapes import to_unit
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.language.torque import is_transform
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 BESIDE = 0.05
 """Seconds beside samples that are left out, since a joint may stick there, in which slow friction still shows."""

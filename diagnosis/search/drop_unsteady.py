@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from diagnosis.evidence.stability import Splits
-from diagnosis.search.context import SearchContext
-from diagnosis.search.doubt import on_bound, undetermined
-from diagnosis.search.state import State
-from ground.ties import least_of
+from exoid.diagnosis.evidence.stability import Splits
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.doubt import on_bound, undetermined
+from exoid.diagnosis.search.state import State
+from exoid.ground.ties import least_of
 
 
 def drop_unsteady(context: SearchContext, state: State) -> State:

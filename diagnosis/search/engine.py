@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from diagnosis.evidence.score import Score
-from diagnosis.search.context import SearchContext
-from diagnosis.search.drop_unsteady import drop_unsteady
-from diagnosis.search.exchange import exchange
-from diagnosis.search.forward import forward
-from diagnosis.search.prune import prune
-from diagnosis.search.state import Extension, State
-from diagnosis.search.take_back import left_over, take_back
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.drop_unsteady import drop_unsteady
+from exoid.diagnosis.search.exchange import exchange
+from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.prune import prune
+from exoid.diagnosis.search.state import Extension, State
+from exoid.diagnosis.search.take_back import left_over, take_back
 
 BACKWARD = (prune, exchange)
 """Moves after each way forward, in this order."""

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from diagnosis.evidence.score import Score
-from diagnosis.search.choice import refitted, shortlist
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import Extension, State
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.search.choice import refitted, shortlist
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import Extension, State
 
 
 def exchange(context: SearchContext, state: State) -> State:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from diagnosis.search.choice import choose
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import State
+from exoid.diagnosis.search.choice import choose
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import State
 
 
 def forward(context: SearchContext, state: State) -> State:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.ranking import with_chance
-from diagnosis.evidence.score import Score
-from diagnosis.evidence.stability import Splits
-from diagnosis.results import Possible
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import State
-from ground.ties import ascending
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.ranking import with_chance
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.stability import Splits
+from exoid.diagnosis.results import Possible
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import State
+from exoid.ground.ties import ascending
+from exoid.symbolic.quantity import Estimate
 
 DRAWS_AT_LEVEL = 10
 """Placebos that may do better at the level of significance: so many draws tell a level well enough for a list."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import State
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import State
 
 
 def prune(context: SearchContext, state: State) -> State:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.evidence.score import Score, harmless
-from diagnosis.rules import RULES, Rules
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.evidence.score import Score, harmless
+from exoid.diagnosis.rules import RULES, Rules
 
 
 @dataclass(frozen=True, eq=False)

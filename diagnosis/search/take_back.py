@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.columns import stacked
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.proxies import BetterCurve, beaten
-from diagnosis.evidence.remainder import Remainder, remainders, significant
-from diagnosis.evidence.suggestions import suggest
-from diagnosis.rules import Rules
-from diagnosis.search.context import SearchContext, as_fitted
-from diagnosis.search.doubt import too_short
-from diagnosis.search.state import Extension, State
+from exoid.diagnosis.evidence.columns import stacked
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
+from exoid.diagnosis.evidence.remainder import Remainder, remainders, significant
+from exoid.diagnosis.evidence.suggestions import suggest
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext, as_fitted
+from exoid.diagnosis.search.doubt import too_short
+from exoid.diagnosis.search.state import Extension, State
 
 
 def take_back(context: SearchContext, state: State) -> State:

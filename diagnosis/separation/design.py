@@ -16,31 +16,31 @@ from typing import Unpack
 
 import numpy as np
 
-from diagnosis.separation.distance import Distances, Rival, planned, residual_noise
-from diagnosis.separation.indistinguishable import Same, same_torques
-from diagnosis.separation.result import Separation
-from diagnosis.separation.settings import SeparationOptions, SeparationSettings
-from ground.errors import ExoidError
-from ground.progress import Progress, silent
-from ground.settings import spelt_out
-from ground.ties import least_of, order_of
-from measurement.bench.simulation import bench_machine
-from measurement.reading.given import Given, question_of
-from measurement.trajectories.extremes import bounds, uses
-from measurement.trajectories.trajectory import Fourier, random_trajectory
-from optimisation.excitation.criteria import Noise
-from optimisation.excitation.design import space_of
-from optimisation.excitation.space import MotionSpace
-from optimisation.fitting.identify import identify
-from optimisation.fitting.nominal import nominal
-from optimisation.linear.problem import Problem
-from optimisation.optimiser import minimise
-from optimisation.optimisers.nfo import NFO
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.model import Model, require_still_base
-from symbolic.model_file import Numbers
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.diagnosis.separation.distance import Distances, Rival, planned, residual_noise
+from exoid.diagnosis.separation.indistinguishable import Same, same_torques
+from exoid.diagnosis.separation.result import Separation
+from exoid.diagnosis.separation.settings import SeparationOptions, SeparationSettings
+from exoid.ground.errors import ExoidError
+from exoid.ground.progress import Progress, silent
+from exoid.ground.settings import spelt_out
+from exoid.ground.ties import least_of, order_of
+from exoid.measurement.bench.simulation import bench_machine
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.trajectories.extremes import bounds, uses
+from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.optimisation.excitation.design import space_of
+from exoid.optimisation.excitation.space import MotionSpace
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.nominal import nominal
+from exoid.optimisation.linear.problem import Problem
+from exoid.optimisation.optimiser import minimise
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.model import Model, require_still_base
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 CUTOFF = 6.0
 """Hz of the filter a designed motion is evaluated with where no recordings choose one."""

@@ -19,22 +19,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import ExpressionError, NotEnoughDataError
-from ground.plain import AsJson
-from measurement.signals.conditioning import ORDER
-from measurement.signals.masks import widen
-from measurement.trajectories.trajectory import Fourier
-from optimisation.excitation.criteria import Noise
-from optimisation.fitting.assemble import Assembly, settle
-from optimisation.fitting.shapes import from_unit, search_shape
-from optimisation.linear.loss import Bool
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import solve_sse
-from optimisation.linear.uncertainty import block_length, block_outer
-from optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, PreparedRecording, reaches
-from symbolic.joints import LEG, Joint
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.ground.errors import ExpressionError, NotEnoughDataError
+from exoid.ground.plain import AsJson
+from exoid.measurement.signals.conditioning import ORDER
+from exoid.measurement.signals.masks import widen
+from exoid.measurement.trajectories.trajectory import Fourier
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.optimisation.fitting.assemble import Assembly, settle
+from exoid.optimisation.fitting.shapes import from_unit, search_shape
+from exoid.optimisation.linear.loss import Bool
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import solve_sse
+from exoid.optimisation.linear.uncertainty import block_length, block_outer
+from exoid.optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, PreparedRecording, reaches
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 RATE = 100.0
 """Hz at which a designed motion is sampled when it is evaluated."""

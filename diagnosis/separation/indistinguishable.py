@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ground.errors import ExoidError
-from ground.plain import AsJson
-from symbolic.identifiability import Tangents, structural_look_alikes, tangents
-from symbolic.mechanics.payload import Payload
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import AsJson
+from exoid.symbolic.identifiability import Tangents, structural_look_alikes, tangents
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 MASS, REACH = 2.0, 0.30
 """kg and m down the last link of the known load that is tried."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.figures import FAINT, OKABE_ITO, figure_style, joint_colours, label, new_figure
-from symbolic.joints import LEG, Joint, names, units
-from symbolic.motion import Motion
+from exoid.ground.figures import FAINT, OKABE_ITO, figure_style, joint_colours, label, new_figure
+from exoid.symbolic.joints import LEG, Joint, names, units
+from exoid.symbolic.motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.separation.distance import Rival
-from diagnosis.separation.indistinguishable import Same
-from diagnosis.separation.plots import separation_figure
-from ground.frames import pandas
-from ground.html import code
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from measurement.trajectories.extremes import Use
-from measurement.trajectories.trajectory import Fourier
-from measurement.trajectories.trajectory_file import trajectory_content
-from optimisation.excitation.criteria import Noise
-from symbolic.model import Model
+from exoid.diagnosis.separation.distance import Rival
+from exoid.diagnosis.separation.indistinguishable import Same
+from exoid.diagnosis.separation.plots import separation_figure
+from exoid.ground.frames import pandas
+from exoid.ground.html import code
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.trajectories.extremes import Use
+from exoid.measurement.trajectories.trajectory import Fourier
+from exoid.measurement.trajectories.trajectory_file import trajectory_content
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.symbolic.model import Model
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ground.settings import setting
-from optimisation.excitation.settings import OFFSETS, MotionOptions, MotionSettings
+from exoid.ground.settings import setting
+from exoid.optimisation.excitation.settings import OFFSETS, MotionOptions, MotionSettings
 
 
 class SeparationOptions(MotionOptions, total=False):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ground.errors import EffectError
-from ground.plain import AsJson
+from exoid.ground.errors import EffectError
+from exoid.ground.plain import AsJson
 
 
 @dataclass(frozen=True)

@@ -12,19 +12,19 @@ from functools import cached_property
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel, pooled_rms
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.library import Library
-from diagnosis.evidence.look_alikes import look_alikes
-from diagnosis.evidence.placebo import placebo
-from diagnosis.evidence.ranking import agreed, mark_significant
-from diagnosis.evidence.score import Score, weigh
-from diagnosis.rules import RULES, Rules
-from diagnosis.sureness import sureness
-from ground.ties import ascending
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel, pooled_rms
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.library import Library
+from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.placebo import placebo
+from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.sureness import sureness
+from exoid.ground.ties import ascending
+from exoid.symbolic.motion import Float
 
 FIRST_DRAWS = 99
 """Placebos of the first look at a candidate; all that the rules ask for come after."""

@@ -17,25 +17,25 @@ from typing import Unpack
 
 import numpy as np
 
-from diagnosis.compare import Comparison, compare_prepared
-from diagnosis.discover import answer_of
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.library import Library, build_library
-from diagnosis.evidence.model_error import ModelError, model_error
-from diagnosis.evidence.stretches import origins, searched_stretches
-from diagnosis.question import Question, own_effects
-from diagnosis.results import Diagnosis, Step
-from diagnosis.rules import Rules
-from diagnosis.session.ranking import Ranking
-from diagnosis.settings import DiscoveryOptions, DiscoverySettings
-from ground.progress import Progress, silent
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, question_of
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.effect import Effect
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.compare import Comparison, compare_prepared
+from exoid.diagnosis.discover import answer_of
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.library import Library, build_library
+from exoid.diagnosis.evidence.model_error import ModelError, model_error
+from exoid.diagnosis.evidence.stretches import origins, searched_stretches
+from exoid.diagnosis.question import Question, own_effects
+from exoid.diagnosis.results import Diagnosis, Step
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.session.ranking import Ranking
+from exoid.diagnosis.settings import DiscoveryOptions, DiscoverySettings
+from exoid.ground.progress import Progress, silent
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 Names = Sequence[str]
 

@@ -24,8 +24,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.trials.chains import CHAINS
-from diagnosis.trials.machines import (
+from exoid.diagnosis.trials.chains import CHAINS
+from exoid.diagnosis.trials.machines import (
     CONVENTION,
     CONVENTIONS,
     MACHINES,
@@ -33,21 +33,21 @@ from diagnosis.trials.machines import (
     kept_in,
     without_knee_drive,
 )
-from diagnosis.trials.people import PEOPLE, bench_of
-from measurement.bench.blind import draw_hidden, relative_size
-from measurement.bench.hidden import Hidden, true_model
-from measurement.bench.leg import Leg, random_leg
-from measurement.bench.machine import Machine, random_machine
-from measurement.bench.simulation import BenchError, BenchRun, simulate_runs
-from measurement.signals.conditioning import low_pass
-from measurement.signals.masks import widen
-from measurement.trajectories.trajectory import random_trajectory
-from optimisation.preparation.filtering import STICK, reaches
-from symbolic.catalogue import catalogue
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.model import Model
-from symbolic.motion import Motion
-from symbolic.term import Term, places_of
+from exoid.diagnosis.trials.people import PEOPLE, bench_of
+from exoid.measurement.bench.blind import draw_hidden, relative_size
+from exoid.measurement.bench.hidden import Hidden, true_model
+from exoid.measurement.bench.leg import Leg, random_leg
+from exoid.measurement.bench.machine import Machine, random_machine
+from exoid.measurement.bench.simulation import BenchError, BenchRun, simulate_runs
+from exoid.measurement.signals.conditioning import low_pass
+from exoid.measurement.signals.masks import widen
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.optimisation.preparation.filtering import STICK, reaches
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
+from exoid.symbolic.term import Term, places_of
 
 KINDS = ("single", "small", "pair", "none", "outside", *MACHINES, PASSIVE, CONVENTION, *CHAINS, *PEOPLE)
 VISIBLE = (0.25, 1.2)

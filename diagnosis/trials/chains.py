@@ -12,8 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from symbolic.joints import Joint
-from symbolic.model import Limits, Model
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Limits, Model
 
 
 def _vary(rng: np.random.Generator, *values: float) -> tuple[float, ...]:

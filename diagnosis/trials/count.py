@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.grading import match
-from diagnosis.rules import RULES
-from diagnosis.trials.cases import KINDS, OUTSIDE
-from diagnosis.trials.chains import CHAINS
-from diagnosis.trials.machines import CONVENTION
-from diagnosis.trials.people import PEOPLE, SUSPECTED, UNMEASURED, WALKING
+from exoid.diagnosis.grading import match
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.trials.cases import KINDS, OUTSIDE
+from exoid.diagnosis.trials.chains import CHAINS
+from exoid.diagnosis.trials.machines import CONVENTION
+from exoid.diagnosis.trials.people import PEOPLE, SUSPECTED, UNMEASURED, WALKING
 
 
 def matched(line: Mapping[str, Any]) -> tuple[int, int]:

@@ -18,11 +18,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from measurement.bench.leg import Leg
-from measurement.bench.simulation import BenchRun
-from measurement.reading.conventions import combined_map, conventions
-from measurement.signals.conditioning import low_pass
-from symbolic.motion import Float
+from exoid.measurement.bench.leg import Leg
+from exoid.measurement.bench.simulation import BenchRun
+from exoid.measurement.reading.conventions import combined_map, conventions
+from exoid.measurement.signals.conditioning import low_pass
+from exoid.symbolic.motion import Float
 
 LEFT = 0.06
 """N·m that the noise of the bench's torque sensor (0.5 N·m at 100 Hz) leaves below SLOW."""

@@ -17,11 +17,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from measurement.bench.simulation import Bench, BenchRun
-from measurement.bench.walk import Walk
-from measurement.bench.wearer import Wearer
-from measurement.reading.selection import swings
-from measurement.recording import Recording
+from exoid.measurement.bench.simulation import Bench, BenchRun
+from exoid.measurement.bench.walk import Walk
+from exoid.measurement.bench.wearer import Wearer
+from exoid.measurement.reading.selection import swings
+from exoid.measurement.recording import Recording
 
 
 def _walk(rng: np.random.Generator) -> Bench:

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.discover import discover
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.results import Diagnosis
-from diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, subject, visible
-from diagnosis.trials.people import UNMEASURED, as_measured, as_read
-from measurement.bench.blind import relative_size
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import BenchRun
-from measurement.recording import Recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.results import Diagnosis
+from exoid.diagnosis.trials.cases import SHOWN_SUSPECTS, Case, simulated, subject, visible
+from exoid.diagnosis.trials.people import UNMEASURED, as_measured, as_read
+from exoid.measurement.bench.blind import relative_size
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import BenchRun
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 
 
 def run_case(name: str) -> dict[str, Any]:

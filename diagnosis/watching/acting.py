@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.watching.course import Onset
-from diagnosis.watching.result import ChangeFound
-from diagnosis.watching.window import Window
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.watching.course import Onset
+from exoid.diagnosis.watching.result import ChangeFound
+from exoid.diagnosis.watching.window import Window
+from exoid.symbolic.motion import Float
 
 
 @dataclass(eq=False)

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.watching.scores import Scores
-from ground.thresholds import Threshold
-from symbolic.motion import Float
+from exoid.diagnosis.watching.scores import Scores
+from exoid.ground.thresholds import Threshold
+from exoid.symbolic.motion import Float
 
 SPANS = (1, 2, 6, 24)
 """Blocks that are looked at together: a jump, a small one, a slow one."""

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.rules import Rules
-from diagnosis.watching.differences import BeforeAfter
-from diagnosis.watching.memory import TOGETHER
-from diagnosis.watching.result import Differences
-from diagnosis.watching.window import Window, joined_windows, prepared
-from ground.thresholds import Threshold
-from symbolic.effect import Effect
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.watching.differences import BeforeAfter
+from exoid.diagnosis.watching.memory import TOGETHER
+from exoid.diagnosis.watching.result import Differences
+from exoid.diagnosis.watching.window import Window, joined_windows, prepared
+from exoid.ground.thresholds import Threshold
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.motion import Float
 
 LEAST_SHARE = Threshold(
     0.02, "least share of the weighted unseen loss that a name explains: a burst resembles something for some seconds"

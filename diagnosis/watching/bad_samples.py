@@ -1,6 +1,6 @@
 """Samples that no sensor can have measured: they are passed over, and named, before anything is made of them.
 
-The limits are those of files (`measurement.reading.limits`). Beyond them, a stamp that leaves the clock must be
+The limits are those of files (`exoid.measurement.reading.limits`). Beyond them, a stamp that leaves the clock must be
 followed by others that go on from it, or it is the stamp that is wrong.
 """
 
@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.watching.events import Event, clock
-from diagnosis.watching.front import LONGEST_HOLE
-from ground.errors import RecordingError
-from ground.thresholds import Threshold
-from measurement.reading.limits import FASTEST, LASTING, credible
-from symbolic.motion import Float
+from exoid.diagnosis.watching.events import Event, clock
+from exoid.diagnosis.watching.front import LONGEST_HOLE
+from exoid.ground.errors import RecordingError
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.reading.limits import FASTEST, LASTING, credible
+from exoid.symbolic.motion import Float
 
 CONFIRMED = Threshold(5.0, "samples that go on from a jump of the clock before it is believed: one wrong stamp is none")
 OVER = 5.0

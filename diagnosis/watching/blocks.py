@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.watching.bad_samples import Gate
-from diagnosis.watching.events import clock
-from diagnosis.watching.front import CUTOFF, FrontEnd, Samples
-from diagnosis.watching.window import Window, window
-from symbolic.motion import Float
+from exoid.diagnosis.watching.bad_samples import Gate
+from exoid.diagnosis.watching.events import clock
+from exoid.diagnosis.watching.front import CUTOFF, FrontEnd, Samples
+from exoid.diagnosis.watching.window import Window, window
+from exoid.symbolic.motion import Float
 
 LEAD = 2.0
 """s before each block in which its filters and operators with memory settle."""

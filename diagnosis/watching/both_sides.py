@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale, robust_weight
-from diagnosis.evidence.gram import weighted_fit
-from diagnosis.rules import Rules
-from optimisation.linear.uncertainty import covariance
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale, robust_weight
+from exoid.diagnosis.evidence.gram import weighted_fit
+from exoid.diagnosis.rules import Rules
+from exoid.optimisation.linear.uncertainty import covariance
+from exoid.symbolic.motion import Float
 
 PARTS = 4
 """Parts at least into which each side is cut, so that some can be held out."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.watching.result import Course
-from ground.thresholds import Threshold
-from ground.ties import index_of_least
-from symbolic.motion import Float
+from exoid.diagnosis.watching.result import Course
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least
+from exoid.symbolic.motion import Float
 
 SURE = Threshold(
     6.0,

@@ -17,31 +17,31 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.look_alikes import look_alikes
-from diagnosis.evidence.placebo import placebo
-from diagnosis.evidence.ranking import agreed, mark_significant
-from diagnosis.evidence.score import Score, weigh
-from diagnosis.question import own_effects
-from diagnosis.rules import RULES, Rules
-from diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
-from diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, questions
-from diagnosis.watching.result import ChangeFound, Course, Differences
-from ground.calling import understood
-from ground.thresholds import Threshold
-from ground.ties import ascending
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, question_of
-from measurement.signals.methods import BUTTERWORTH
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.effect import Effect
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, pooled_rms
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import look_alikes
+from exoid.diagnosis.evidence.placebo import placebo
+from exoid.diagnosis.evidence.ranking import agreed, mark_significant
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.question import own_effects
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.watching.both_sides import CommonFit, cut_evidence, replace_blocks, with_columns
+from exoid.diagnosis.watching.questions import FARTHEST, NEAREST, Acting, Asked, questions
+from exoid.diagnosis.watching.result import ChangeFound, Course, Differences
+from exoid.ground.calling import understood
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import ascending
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 OLD_ERROR = Threshold(
     0.05,

@@ -11,8 +11,8 @@ last sample, the time update of the same filter. What was learnt about the other
 rest on it.
 
 Intervals are those of sums of scores over blocks of time, longer than residuals remember (the sandwich of
-`optimisation.linear.uncertainty`, in recursive form), with Student's quantile for as many blocks as are remembered of
-each parameter.
+`exoid.optimisation.linear.uncertainty`, in recursive form), with Student's quantile for as many blocks as are
+remembered of each parameter.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ import numpy as np
 from scipy.linalg.lapack import dgeqrf, dtrtri
 from scipy.stats import t as student
 
-from diagnosis.watching.estimator_c import kernel, layout
-from ground.thresholds import Threshold
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.estimator_c import kernel, layout
+from exoid.ground.thresholds import Threshold
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 ROBUST = Threshold(2.0, "scales beyond which a residual counts linearly: a burst would move the numbers")
 CREDIT = Threshold(20.0, "samples' worth of forgetting that may be saved up: a long rest would be followed by a jump")

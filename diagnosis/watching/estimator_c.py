@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import EXACT
+from exoid.symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import EXACT
 
 
 def filled(text: str, values: Mapping[str, Any]) -> str:

@@ -22,10 +22,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from diagnosis.watching.course import Onset
-from diagnosis.watching.result import Differences
-from ground.plain import plain_dict
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.course import Onset
+from exoid.diagnosis.watching.result import Differences
+from exoid.ground.plain import plain_dict
+from exoid.symbolic.quantity import Estimate
 
 SCHEMA = "exoid.watch/1"
 ALARMS = ("change", "unexplained")

@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.signal import sosfilt
 
-from ground.errors import ExoidError
-from ground.thresholds import Threshold
-from optimisation.preparation.filtering import STICK, WORKING_RATE
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.ground.thresholds import Threshold
+from exoid.optimisation.preparation.filtering import STICK, WORKING_RATE
+from exoid.symbolic.motion import Float
 
 Bool = np.ndarray
 

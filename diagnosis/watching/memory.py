@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.watching.alarm import SPANS
-from diagnosis.watching.window import Window, joined_windows
+from exoid.diagnosis.watching.alarm import SPANS
+from exoid.diagnosis.watching.window import Window, joined_windows
 
 TOGETHER = 2
 """Quiet blocks that are kept as one recording: placebos shift within a recording, and short ones hardly move."""

@@ -12,15 +12,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.watching.alarm import SPANS
-from diagnosis.watching.course import Onset
-from diagnosis.watching.estimator import Estimator, Pace
-from diagnosis.watching.questions import LOAD, Acting
-from diagnosis.watching.result import ChangeFound
-from diagnosis.watching.window import Window
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.watching.alarm import SPANS
+from exoid.diagnosis.watching.course import Onset
+from exoid.diagnosis.watching.estimator import Estimator, Pace
+from exoid.diagnosis.watching.questions import LOAD, Acting
+from exoid.diagnosis.watching.result import ChangeFound
+from exoid.diagnosis.watching.window import Window
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.figures import figure_style, new_figure
-from symbolic.motion import Float
+from exoid.ground.figures import figure_style, new_figure
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.gain import RecordingEvidence
-from diagnosis.watching.events import Event, clock
-from diagnosis.watching.usual import Usual
-from diagnosis.watching.window import Window
-from ground.thresholds import Threshold
-from symbolic.joints import Joint
+from exoid.diagnosis.evidence.gain import RecordingEvidence
+from exoid.diagnosis.watching.events import Event, clock
+from exoid.diagnosis.watching.usual import Usual
+from exoid.diagnosis.watching.window import Window
+from exoid.ground.thresholds import Threshold
+from exoid.symbolic.joints import Joint
 
 STRONG = Threshold(15.0, "times the usual error from which a torque can be a push: bursts of a torque sensor would be")
 BEYOND = Threshold(2.0, "times the largest usual error from which it can be one: what usually is missed would be")

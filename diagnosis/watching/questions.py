@@ -11,17 +11,17 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.evidence.candidates import Candidate, candidate_columns
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.library import Library, build_library
-from optimisation.preparation.prepare import PreparedRecording
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.language.torque import torques
-from symbolic.mechanics.payload import LINKS, Payload
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.diagnosis.evidence.candidates import Candidate, candidate_columns
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.library import Library, build_library
+from exoid.optimisation.preparation.prepare import PreparedRecording
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.language.torque import torques
+from exoid.symbolic.mechanics.payload import LINKS, Payload
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 ALL_ALONG = " (all along)"
 PLACES = (0.1, 0.2, 0.3, 0.4)

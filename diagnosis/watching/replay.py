@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.watching.events import Event
-from diagnosis.watching.plots import numbers_figure
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watcher import Watcher
-from ground.errors import RecordingError
-from ground.html import bullets
-from ground.plain import AsJson
-from measurement.reading.given import Given, machine_of, model_of, one_recording
-from symbolic.effect import Effect
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.plots import numbers_figure
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.ground.errors import RecordingError
+from exoid.ground.html import bullets
+from exoid.ground.plain import AsJson
+from exoid.measurement.reading.given import Given, machine_of, model_of, one_recording
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

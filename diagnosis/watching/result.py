@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.watching.plots import errors_figure
-from diagnosis.watching.questions import Acting
-from ground.frames import pandas
-from ground.html import bullets, lines, table
-from ground.plain import AsJson
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.plots import errors_figure
+from exoid.diagnosis.watching.questions import Acting
+from exoid.ground.frames import pandas
+from exoid.ground.html import bullets, lines, table
+from exoid.ground.plain import AsJson
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.evidence.gain import RecordingEvidence, robust_weight
-from ground.thresholds import Threshold
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.gain import RecordingEvidence, robust_weight
+from exoid.ground.thresholds import Threshold
+from exoid.symbolic.motion import Float
 
 SHIFT = Threshold(1.0, "s, shortest shift of a placebo: one that is nearly the column itself")
 

@@ -15,21 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.watching.acting import Applied
-from diagnosis.watching.alarm import SPANS
-from diagnosis.watching.course import Onset
-from diagnosis.watching.estimator import Estimator
-from diagnosis.watching.front import Filters, Samples
-from diagnosis.watching.numbers import FollowedNumbers
-from diagnosis.watching.questions import Acting
-from diagnosis.watching.result import ChangeFound
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.usual import Usual
-from diagnosis.watching.window import Window, window
-from ground.errors import ExoidError
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.watching.acting import Applied
+from exoid.diagnosis.watching.alarm import SPANS
+from exoid.diagnosis.watching.course import Onset
+from exoid.diagnosis.watching.estimator import Estimator
+from exoid.diagnosis.watching.front import Filters, Samples
+from exoid.diagnosis.watching.numbers import FollowedNumbers
+from exoid.diagnosis.watching.questions import Acting
+from exoid.diagnosis.watching.result import ChangeFound
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.usual import Usual
+from exoid.diagnosis.watching.window import Window, window
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 SCHEMA = "exoid.watch.state/1"
 SAME_RATE = 1e-3

@@ -7,20 +7,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.gain import RecordingEvidence
-from diagnosis.watching.alarm import Detector
-from diagnosis.watching.questions import Asked, questions
-from diagnosis.watching.result import Differences
-from diagnosis.watching.scores import Scores, placebos, scores
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watched import Watched
-from diagnosis.watching.window import Window, prepared
-from ground.thresholds import Threshold
-from optimisation.fitting.identify import identify
-from symbolic.effect import Effect
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.gain import RecordingEvidence
+from exoid.diagnosis.watching.alarm import Detector
+from exoid.diagnosis.watching.questions import Asked, questions
+from exoid.diagnosis.watching.result import Differences
+from exoid.diagnosis.watching.scores import Scores, placebos, scores
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watched import Watched
+from exoid.diagnosis.watching.window import Window, prepared
+from exoid.ground.thresholds import Threshold
+from exoid.optimisation.fitting.identify import identify
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 GROWN = Threshold(
     1.5,

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.extend import Waterfall, fit_in_turn
-from diagnosis.watching.events import Event
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watcher import Watcher
-from ground.errors import ExoidError
-from measurement.reading.columns import required
-from measurement.reading.frames import is_table
-from measurement.reading.given import machine_of, model_of, one_recording
-from measurement.recording import Recording
-from optimisation.fitting.fit import Fit
-from symbolic.effect import Effect
-from symbolic.model import Model
+from exoid.diagnosis.extend import Waterfall, fit_in_turn
+from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.ground.errors import ExoidError
+from exoid.measurement.reading.columns import required
+from exoid.measurement.reading.frames import is_table
+from exoid.measurement.reading.given import machine_of, model_of, one_recording
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.fit import Fit
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
 
 PORTION = 500
 """Samples that are handed on at a time."""

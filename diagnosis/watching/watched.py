@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.evidence.candidates import fed_back, tangent_nodes, unfiltered_columns
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.watching.questions import PLACES, Asked, Questions
-from diagnosis.watching.window import Window
-from symbolic.columns import torque_words
-from symbolic.evaluation import carrying, motion_words, signs
-from symbolic.language.plan import TextPlan
-from symbolic.language.torque import Torque, is_transform, part_of, torques
-from symbolic.language.words import FEEDBACK
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.diagnosis.evidence.candidates import fed_back, tangent_nodes, unfiltered_columns
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.watching.questions import PLACES, Asked, Questions
+from exoid.diagnosis.watching.window import Window
+from exoid.symbolic.columns import torque_words
+from exoid.symbolic.evaluation import carrying, motion_words, signs
+from exoid.symbolic.language.plan import TextPlan
+from exoid.symbolic.language.torque import Torque, is_transform, part_of, torques
+from exoid.symbolic.language.words import FEEDBACK
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 NODES = 1
 """Values of the shapes of an effect that are watched: an alarm only has to see it, a name is searched finely."""

@@ -14,30 +14,30 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from diagnosis.rules import Rules
-from diagnosis.watching import wording
-from diagnosis.watching.acting import Applied, already, as_usual
-from diagnosis.watching.alarm import SPANS, Deviation, Pending
-from diagnosis.watching.asking import asked_of, differences_of
-from diagnosis.watching.blocks import Blocks
-from diagnosis.watching.course import Onset
-from diagnosis.watching.differences import MOST, QUICK
-from diagnosis.watching.events import Event
-from diagnosis.watching.memory import TOGETHER, Memory
-from diagnosis.watching.numbers import FollowedNumbers
-from diagnosis.watching.pushes import Pushes
-from diagnosis.watching.result import Differences
-from diagnosis.watching.scores import Scores
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.state import WatchState
-from diagnosis.watching.usual import GROWN, Usual, learned
-from diagnosis.watching.window import Window, joined_windows
-from ground.errors import ExoidError
-from ground.thresholds import Threshold
-from measurement.reading.columns import required
-from symbolic.effect import Effect
-from symbolic.model import Model, require_no_force, require_still_base
-from symbolic.motion import Float
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.watching import wording
+from exoid.diagnosis.watching.acting import Applied, already, as_usual
+from exoid.diagnosis.watching.alarm import SPANS, Deviation, Pending
+from exoid.diagnosis.watching.asking import asked_of, differences_of
+from exoid.diagnosis.watching.blocks import Blocks
+from exoid.diagnosis.watching.course import Onset
+from exoid.diagnosis.watching.differences import MOST, QUICK
+from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.memory import TOGETHER, Memory
+from exoid.diagnosis.watching.numbers import FollowedNumbers
+from exoid.diagnosis.watching.pushes import Pushes
+from exoid.diagnosis.watching.result import Differences
+from exoid.diagnosis.watching.scores import Scores
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.state import WatchState
+from exoid.diagnosis.watching.usual import GROWN, Usual, learned
+from exoid.diagnosis.watching.window import Window, joined_windows
+from exoid.ground.errors import ExoidError
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.reading.columns import required
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model, require_no_force, require_still_base
+from exoid.symbolic.motion import Float
 
 JUST_BEFORE = 6
 """Windows just before a change that are compared with what is after it, beside the usual ones."""

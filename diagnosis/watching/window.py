@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
-from ground.thresholds import Threshold
-from optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
-from symbolic.joints import Joint
-from symbolic.motion import Float, Motion
+from exoid.diagnosis.watching.front import COMMON_ORDER, SIGN_WIDTH, Filters, Samples, poles
+from exoid.ground.thresholds import Threshold
+from exoid.optimisation.preparation.prepare import CutoffChoice, Prepared, PreparedRecording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float, Motion
 
 LEAST_WEIGHT = Threshold(
     0.3,

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.watching.alarm import Deviation
-from diagnosis.watching.course import Onset, onset
-from diagnosis.watching.events import Event, clock
-from diagnosis.watching.front import FrontEnd
-from diagnosis.watching.result import Differences
-from diagnosis.watching.window import Window
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.watching.alarm import Deviation
+from exoid.diagnosis.watching.course import Onset, onset
+from exoid.diagnosis.watching.events import Event, clock
+from exoid.diagnosis.watching.front import FrontEnd
+from exoid.diagnosis.watching.result import Differences
+from exoid.diagnosis.watching.window import Window
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 SILENT = 5.0
 """s without a sample from which that is said."""

@@ -22,9 +22,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ground.engines.workers import PROCESSES
-from ground.import_path import environment_of_workers
-from ground.plain import AsJson
+from exoid.ground.engines.workers import PROCESSES
+from exoid.ground.import_path import environment_of_workers
+from exoid.ground.plain import AsJson
 
 MOST_JOBS = 500
 """Jobs after which a process is replaced, so that whatever leaks stays small."""

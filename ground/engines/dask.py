@@ -6,8 +6,8 @@ import contextlib
 import logging
 from typing import Any
 
-from ground.engines.engine import Engine, EngineError, not_installed
-from ground.import_path import workers_import_alike
+from exoid.ground.engines.engine import Engine, EngineError, not_installed
+from exoid.ground.import_path import workers_import_alike
 
 PATIENCE = 30.0
 """Seconds to wait for a scheduler, and for its first worker."""

@@ -7,7 +7,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from ground.errors import ExoidError
+from exoid.ground.errors import ExoidError
 
 Job = TypeVar("Job")
 AHEAD = 2

@@ -1,11 +1,11 @@
-"""This machine: as many workers as it has cores, each with a process of its own (`ground.engines.cell`)."""
+"""This machine: as many workers as it has cores, each with a process of its own (`exoid.ground.engines.cell`)."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
-from ground.engines.cell import close_cells
-from ground.engines.engine import Engine
+from exoid.ground.engines.cell import close_cells
+from exoid.ground.engines.engine import Engine
 
 
 def local(jobs: int = 0) -> Engine:

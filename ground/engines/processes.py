@@ -10,9 +10,9 @@ from concurrent.futures import Executor, Future
 from multiprocessing import resource_tracker as of_python
 from typing import Any
 
-from ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
-from ground.engines.engine import AHEAD, Engine, Job, completed
-from ground.import_path import SAFE, workers_import_alike
+from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
+from exoid.ground.engines.engine import AHEAD, Engine, Job, completed
+from exoid.ground.import_path import SAFE, workers_import_alike
 
 IDLE = 10.0
 """Seconds after which a process without work ends, also when nobody is left to end it."""

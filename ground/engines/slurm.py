@@ -11,10 +11,10 @@ from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
-from ground.engines.engine import Engine, EngineError, not_installed
-from ground.errors import refused
-from ground.import_path import environment_of_workers, workers_import_alike
-from ground.inside import refuse_links
+from exoid.ground.engines.engine import Engine, EngineError, not_installed
+from exoid.ground.errors import refused
+from exoid.ground.import_path import environment_of_workers, workers_import_alike
+from exoid.ground.inside import refuse_links
 
 POLL = 0.5
 """Seconds between two looks at whether tasks have ended."""

@@ -26,7 +26,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, ParamSpec
 
-from ground.errors import ExoidError
+from exoid.ground.errors import ExoidError
 
 PROCESSES = "EXOID_PROCESSES"
 MOST = 4

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-from ground.folder import modules_in
-from measurement.auditing import checks
-from measurement.finding import SEVERITIES, Finding
-from measurement.recording import Recording
+from exoid.ground.folder import modules_in
+from exoid.measurement.auditing import checks
+from exoid.measurement.finding import SEVERITIES, Finding
+from exoid.measurement.recording import Recording
 
 Check = Callable[[Recording], list[Finding]]
 

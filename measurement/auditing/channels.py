@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from measurement.finding import row_ranges
-from measurement.reading.angles import sampled
-from measurement.recording import Recording, force_unit
-from symbolic.joints import Joint
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.finding import row_ranges
+from exoid.measurement.reading.angles import sampled
+from exoid.measurement.recording import Recording, force_unit
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float
 
 FORCE = "force"
 """Key of all forces from outside together."""

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.minimum import minimum
-from ground.thresholds import Threshold
-from ground.ties import ascending, index_of_least, order_of, tied
-from measurement.auditing.channels import place
-from measurement.auditing.hypotheses import (
+from exoid.ground.minimum import minimum
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import ascending, index_of_least, order_of, tied
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.hypotheses import (
     BEAM,
     RATIOS,
     ConventionHypothesis,
@@ -30,14 +30,14 @@ from measurement.auditing.hypotheses import (
     stages,
     turning_joints,
 )
-from measurement.auditing.in_part import acts_in_part
-from measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
-from measurement.auditing.rough import Smooth
-from measurement.finding import Finding
-from measurement.reading.conventions import combined_map, conventions
-from measurement.recording import Recording
-from symbolic.force import Force
-from symbolic.joints import Joint, is_leg, parents
+from exoid.measurement.auditing.in_part import acts_in_part
+from exoid.measurement.auditing.power_left import power_left, quiet_torques, smoothed_groups, undone
+from exoid.measurement.auditing.rough import Smooth
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.conventions import combined_map, conventions
+from exoid.measurement.recording import Recording
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint, is_leg, parents
 
 CHECK = "convention"
 GOOD = Threshold(

@@ -9,10 +9,17 @@ from itertools import product
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.rough import Smooth
-from measurement.reading.conventions import Convention, Map, combined_map, conventions, conventions_of_machine, gear
-from symbolic.joints import LEG, Joint, is_leg
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.rough import Smooth
+from exoid.measurement.reading.conventions import (
+    Convention,
+    Map,
+    combined_map,
+    conventions,
+    conventions_of_machine,
+    gear,
+)
+from exoid.symbolic.joints import LEG, Joint, is_leg
 
 FEW, MOST = 2, 4
 """Readings of few names are tried first; those of more only where the recordings as they stand leave `WRONG`."""

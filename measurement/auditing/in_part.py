@@ -12,10 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
-from measurement.auditing.non_negative import non_negative
-from measurement.auditing.rough import Smooth, machine_columns
-from measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis
+from exoid.measurement.auditing.non_negative import non_negative
+from exoid.measurement.auditing.rough import Smooth, machine_columns
+from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
 
 WINDOW = 0.12
 """s, of a window: a swing has several."""

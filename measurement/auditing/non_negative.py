@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 ROUNDING = 1e-10
 """Relative slope up to which a number stays at zero."""

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from measurement.auditing.hypotheses import ConventionHypothesis
-from measurement.auditing.non_negative import non_negative
-from measurement.auditing.rough import Smooth, machine_columns, smooth
-from measurement.reading.conventions import Map, combined_map, conventions
-from measurement.recording import Recording
-from symbolic.force import Force
-from symbolic.joints import Joint, parents
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis
+from exoid.measurement.auditing.non_negative import non_negative
+from exoid.measurement.auditing.rough import Smooth, machine_columns, smooth
+from exoid.measurement.reading.conventions import Map, combined_map, conventions
+from exoid.measurement.recording import Recording
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint, parents
+from exoid.symbolic.motion import Float
 
 QUIET = Threshold(
     0.1,

@@ -19,17 +19,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from measurement.auditing.non_negative import non_negative
-from measurement.forces import usual_forces
-from measurement.reading.angles import running_median
-from measurement.recording import Recording
-from measurement.signals.butterworth import both_ways, low_pass_filter
-from measurement.signals.masks import widen
-from symbolic.force import Force
-from symbolic.joints import LEG, Joint, is_leg, parents
-from symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
-from symbolic.mechanics.pushed import pushed_torques
-from symbolic.motion import Float
+from exoid.measurement.auditing.non_negative import non_negative
+from exoid.measurement.forces import usual_forces
+from exoid.measurement.reading.angles import running_median
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
+from exoid.measurement.signals.masks import widen
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import LEG, Joint, is_leg, parents
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, link_torques
+from exoid.symbolic.mechanics.pushed import pushed_torques
+from exoid.symbolic.motion import Float
 
 CUTOFF = 5.0
 """Hz. Low on purpose: noise of the second derivative pulls inertias to zero."""

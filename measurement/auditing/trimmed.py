@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from ground.ties import index_of_least, order_of
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least, order_of
+from exoid.symbolic.motion import Float
 
 PART = Threshold(0.2, "part of the time that must be free of it: swing is a third of a stride, less what filters smear")
 SECTORS = 12

@@ -12,16 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from measurement.bench.hidden import Hidden, true_model
-from measurement.bench.leg import Leg
-from measurement.bench.machine import Machine
-from measurement.bench.seal import write_seal
-from measurement.bench.simulation import BenchRun, bench_machine
-from measurement.recording import write_recording
-from measurement.trajectories.trajectory import random_trajectory
-from symbolic.effect import Effect, Shape
-from symbolic.model import Model
-from symbolic.term import Term, places_of
+from exoid.measurement.bench.hidden import Hidden, true_model
+from exoid.measurement.bench.leg import Leg
+from exoid.measurement.bench.machine import Machine
+from exoid.measurement.bench.seal import write_seal
+from exoid.measurement.bench.simulation import BenchRun, bench_machine
+from exoid.measurement.recording import write_recording
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.symbolic.effect import Effect, Shape
+from exoid.symbolic.model import Model
+from exoid.symbolic.term import Term, places_of
 
 SEAL = "truth.seal"
 """File name of the seal beside blind recordings."""

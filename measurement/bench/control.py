@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.figures import figure_style, new_figure
-from ground.frames import pandas
-from ground.html import lines, table
-from ground.plain import AsJson, plain_dict
-from measurement.bench.hidden import Hidden, TrueModel, true_model
-from measurement.bench.leg import Leg
-from measurement.bench.machine import Machine
-from measurement.bench.simulation import Bench, bench_machine, run_bench
-from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.ground.figures import figure_style, new_figure
+from exoid.ground.frames import pandas
+from exoid.ground.html import lines, table
+from exoid.ground.plain import AsJson, plain_dict
+from exoid.measurement.bench.hidden import Hidden, TrueModel, true_model
+from exoid.measurement.bench.leg import Leg
+from exoid.measurement.bench.machine import Machine
+from exoid.measurement.bench.simulation import Bench, bench_machine, run_bench
+from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

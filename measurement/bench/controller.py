@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import ExoidError
-from measurement.bench.leg import Leg
-from measurement.bench.machine import Machine
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.leg import Leg
+from exoid.measurement.bench.machine import Machine
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from measurement.bench.hidden import TrueModel
-from symbolic.columns import model_torque, rigid_model
-from symbolic.language.deflection import SLOW
-from symbolic.language.lower import to_numpy
-from symbolic.language.operators import slow
-from symbolic.language.parser import parse
-from symbolic.motion import Float, Motion
+from exoid.measurement.bench.hidden import TrueModel
+from exoid.symbolic.columns import model_torque, rigid_model
+from exoid.symbolic.language.deflection import SLOW
+from exoid.symbolic.language.lower import to_numpy
+from exoid.symbolic.language.operators import slow
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.motion import Float, Motion
 
 
 def at_encoders(true: TrueModel, mechanical: TrueModel, link: Motion) -> Motion:

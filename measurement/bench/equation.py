@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from measurement.bench.hidden import TrueModel
-from measurement.bench.plant import REMEMBERED, step_function
-from symbolic.codegen.equation import model_expressions
-from symbolic.language.torque import torques
-from symbolic.language.tree import OPERATORS, Call
-from symbolic.language.words import MODEL_TORQUE
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.term import Term
+from exoid.measurement.bench.hidden import TrueModel
+from exoid.measurement.bench.plant import REMEMBERED, step_function
+from exoid.symbolic.codegen.equation import model_expressions
+from exoid.symbolic.language.torque import torques
+from exoid.symbolic.language.tree import OPERATORS, Call
+from exoid.symbolic.language.words import MODEL_TORQUE
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.term import Term
 
 
 def belongs_to_channel(term: Term) -> bool:

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import EffectError
-from symbolic.effect import Effect
-from symbolic.model import Model
+from exoid.ground.errors import EffectError
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.model import Model
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
 

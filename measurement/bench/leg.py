@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ground.errors import ExoidError
-from symbolic.mechanics.payload import Payload
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.mechanics.payload import Payload
 
 KNEE = -0.925
 """rad: the knee in the middle of its range."""

@@ -11,12 +11,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from symbolic.columns import model_torque
-from symbolic.joints import ancestors
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.payload import Payload
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.symbolic.columns import model_torque
+from exoid.symbolic.joints import ancestors
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 MASS, LIGHTER, LENGTH = 4.0, 0.65, 0.30
 """kg of the first link, the share of it that the next one has, and m of a link that carries nothing."""

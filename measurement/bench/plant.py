@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from symbolic.codegen.equation import Expressions
+    from exoid.symbolic.codegen.equation import Expressions
 
 NEWTON_STEPS = 5
 """Corrections of `a` per step. Two leave 1e-9 N·m on smooth motion; friction that grows with load needs five.

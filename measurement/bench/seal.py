@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ground.delivery import where
-from ground.errors import ExoidError, refused
-from ground.files import sha256_file, write_whole
-from ground.inputs import read_input
-from ground.plain import AsJson
+from exoid.ground.delivery import where
+from exoid.ground.errors import ExoidError, refused
+from exoid.ground.files import sha256_file, write_whole
+from exoid.ground.inputs import read_input
+from exoid.ground.plain import AsJson
 
 NOTE = "Sealed truth of blind recordings. Diagnose first; then: exoid reveal"
 KIND = "exoid seal 1"

@@ -13,9 +13,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ground.errors import ExoidError
-from symbolic.force import VERTICAL, WORLD, Force
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.force import VERTICAL, WORLD, Force
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True)

@@ -18,26 +18,26 @@ from typing import Any
 
 import numpy as np
 
-from ground.calling import understood
-from ground.errors import EffectError, ExoidError
-from measurement.bench.controller import Controller
-from measurement.bench.deflection import at_encoders, rigid_torque
-from measurement.bench.equation import split_channel, stepper
-from measurement.bench.hidden import Hidden, TrueModel, hidden_in, true_model
-from measurement.bench.leg import Leg, standard_leg
-from measurement.bench.machine import Machine, standard_machine
-from measurement.bench.seal import HiddenTruth, Truth
-from measurement.bench.sensors import Sensors
-from measurement.bench.sway import ACCELERATION_NOISE, base_motion
-from measurement.bench.walk import Gait, Walk
-from measurement.bench.wearer import Wearer, borne, pushed_leg, pushes, recorded, sensed, switch
-from measurement.reading.selection import swings
-from measurement.recording import Recording
-from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.effect import Effect
-from symbolic.joints import is_leg
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.ground.calling import understood
+from exoid.ground.errors import EffectError, ExoidError
+from exoid.measurement.bench.controller import Controller
+from exoid.measurement.bench.deflection import at_encoders, rigid_torque
+from exoid.measurement.bench.equation import split_channel, stepper
+from exoid.measurement.bench.hidden import Hidden, TrueModel, hidden_in, true_model
+from exoid.measurement.bench.leg import Leg, standard_leg
+from exoid.measurement.bench.machine import Machine, standard_machine
+from exoid.measurement.bench.seal import HiddenTruth, Truth
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.sway import ACCELERATION_NOISE, base_motion
+from exoid.measurement.bench.walk import Gait, Walk
+from exoid.measurement.bench.wearer import Wearer, borne, pushed_leg, pushes, recorded, sensed, switch
+from exoid.measurement.reading.selection import swings
+from exoid.measurement.recording import Recording
+from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.symbolic.effect import Effect
+from exoid.symbolic.joints import is_leg
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 STEP = 1e-3
 """s. Longest inner step; the control loop runs at the same rate, as drives do."""

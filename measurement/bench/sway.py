@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 TILT, CARRIED = 0.12, 0.8
 """rad and m/s²: typical amplitude of the base's angle and of its acceleration."""

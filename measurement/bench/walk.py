@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import ExoidError
-from symbolic.motion import Float, Motion
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.motion import Float, Motion
 
 HIP = (27.0, 25.0, 18.0, 8.0, -3.0, -10.0, -5.0, 12.0, 25.0, 29.0)
 KNEE = (-4.0, -17.0, -18.0, -11.0, -7.0, -14.0, -38.0, -61.0, -50.0, -18.0)

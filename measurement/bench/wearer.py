@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import ExoidError
-from ground.suggest import did_you_mean
-from measurement.bench.walk import Gait
-from symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.ground.errors import ExoidError
+from exoid.ground.suggest import did_you_mean
+from exoid.measurement.bench.walk import Gait
+from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.finding import Finding
-from measurement.reading.names import recognise
-from measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.raw import RawColumn, RawTable
 
 FRAMES = frozenset({"frame", "frames", "framenumber", "item", "sample", "samples", "samplenumber", "index"})
 NAMED = re.compile(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 Index = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.errors import RecordingError
-from ground.suggest import nearest
-from measurement.reading.mapped import DIMENSIONLESS, listed, mapped, numbered
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
-from measurement.reading.outside import CONTACT, force_columns, outside_columns
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
-from symbolic.joints import LEG, MOST, UNNAMED, Joint
+from exoid.ground.errors import RecordingError
+from exoid.ground.suggest import nearest
+from exoid.measurement.reading.mapped import DIMENSIONLESS, listed, mapped, numbered
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
+from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
+from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
 
 LEGS = ("left", "right", "ipsi", "contra")
 SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}

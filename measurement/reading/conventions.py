@@ -18,11 +18,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from ground.suggest import did_you_mean
-from measurement.recording import Recording
-from symbolic.joints import LEG, Joint, ancestors, is_leg, names
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.ground.suggest import did_you_mean
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import LEG, Joint, ancestors, is_leg, names
+from exoid.symbolic.motion import Float
 
 Rows = tuple[tuple[float, ...], ...]
 DEGREE = math.pi / 180.0

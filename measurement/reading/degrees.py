@@ -12,16 +12,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.auditing.checks.units import EACH, ROUND, TURNS
-from measurement.auditing.checks.velocity import WRONG
-from measurement.auditing.convention import better_reading
-from measurement.reading.angles import sampled
-from measurement.reading.columns import Assigned
-from measurement.reading.draft import Draft
-from measurement.reading.names import words_in
-from measurement.reading.units import DEGREE
-from measurement.recording import Recording
-from symbolic.joints import Joint
+from exoid.measurement.auditing.checks.units import EACH, ROUND, TURNS
+from exoid.measurement.auditing.checks.velocity import WRONG
+from exoid.measurement.auditing.convention import better_reading
+from exoid.measurement.reading.angles import sampled
+from exoid.measurement.reading.columns import Assigned
+from exoid.measurement.reading.draft import Draft
+from exoid.measurement.reading.names import words_in
+from exoid.measurement.reading.units import DEGREE
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
 
 LIMBS = frozenset({"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
 BEFORE_GEAR = frozenset({"motor", "drive", "actuator", "encoder", "enc", "counts", "ticks", "raw", "rotor"})

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from measurement.finding import Finding, row_ranges
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
+from exoid.measurement.finding import Finding, row_ranges
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading.raw import RawTable, named_column, table_from_arrays
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.raw import RawTable, named_column, table_from_arrays
 
 FRAMES = ("pandas.DataFrame", "polars.DataFrame", "polars.LazyFrame", "pyarrow.Table")
 

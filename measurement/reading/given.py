@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from ground.errors import ExoidError, RecordingError
-from measurement.reading.frames import is_table
-from measurement.reading.read import read_recording, read_recordings
-from measurement.recording import Recording
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.model_file import read_model
+from exoid.ground.errors import ExoidError, RecordingError
+from exoid.measurement.reading.frames import is_table
+from exoid.measurement.reading.read import read_recording, read_recordings
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import read_model
 
 Given: TypeAlias = Recording | str | Path | Mapping[str, Any] | Iterable[Any]
 """A recording, a path, folder, pattern or archive, a DataFrame, a mapping {name: array}, an array with the columns t,

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Protocol
 
-from ground.errors import RecordingError
-from measurement.reading.sniff import BOMS
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.sniff import BOMS
 
 POLL = 0.05
 """s between looks at a file that may grow."""

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading import clock
-from measurement.reading.columns import SI, UNIT_OF, assign, canonical_columns
-from measurement.reading.lag import Lag, lag_between
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.names import kind_of
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.resample import onto
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading import clock
+from exoid.measurement.reading.columns import SI, UNIT_OF, assign, canonical_columns
+from exoid.measurement.reading.lag import Lag, lag_between
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.names import kind_of
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.resample import onto
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
 
 ABSOLUTE_MOST = 2.0
 """s: how far physics looks around clocks that both count from 1970."""

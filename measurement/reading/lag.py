@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.ties import index_of_least, order_of
-from measurement.signals.butterworth import both_ways, low_pass_filter
-from symbolic.motion import Float
+from exoid.ground.ties import index_of_least, order_of
+from exoid.measurement.signals.butterworth import both_ways, low_pass_filter
+from exoid.symbolic.motion import Float
 
 STEP, CUTOFF = 0.05, 5.0
 """s and Hz: 20 Hz carry what a 5 Hz low-pass leaves."""

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from ground.progress import Progress
-from measurement.finding import SEVERITIES, Finding
-from measurement.reading.raw import RawTable
-from measurement.recording import Recording
+from exoid.ground.errors import RecordingError
+from exoid.ground.progress import Progress
+from exoid.measurement.finding import SEVERITIES, Finding
+from exoid.measurement.reading.raw import RawTable
+from exoid.measurement.recording import Recording
 
 STRETCHES, STRETCH = 12, 150.0
 """How many recordings a long file becomes, and how many s each of them at most."""

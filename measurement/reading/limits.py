@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ground.errors import RecordingError, refused
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError, refused
+from exoid.symbolic.motion import Float
 
 ABSURD = 1e12
 """No quantity of a leg in any of its units comes near; larger numbers are treated like infinity."""

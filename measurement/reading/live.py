@@ -13,16 +13,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading import clock
-from measurement.reading.columns import assign, required
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.names import recognise
-from measurement.reading.raw import MISSING, RawColumn, RawTable, split_unit
-from measurement.reading.sniff import COMMENTS, HEAD_LINES, LONGEST_LINE, sniff, split_line
-from measurement.reading.units import is_unit
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading import clock
+from exoid.measurement.reading.columns import assign, required
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.raw import MISSING, RawColumn, RawTable, split_unit
+from exoid.measurement.reading.sniff import COMMENTS, HEAD_LINES, LONGEST_LINE, sniff, split_line
+from exoid.measurement.reading.units import is_unit
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
 
 TOLD = 5
 """Lines that are no samples which are told one by one."""

@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from ground.errors import RecordingError
-from ground.suggest import nearest
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.units import MOST_FACTORS
+from exoid.ground.errors import RecordingError
+from exoid.ground.suggest import nearest
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.units import MOST_FACTORS
 
 DIMENSIONLESS = ("", "-", "1")
 

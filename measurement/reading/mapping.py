@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ground.errors import RecordingError, refused
-from ground.files import write_whole
-from ground.inside import refuse_links
-from ground.toml_reader import Table, read_toml
-from symbolic.mechanics.payload import Payload
+from exoid.ground.errors import RecordingError, refused
+from exoid.ground.files import write_whole
+from exoid.ground.inside import refuse_links
+from exoid.ground.toml_reader import Table, read_toml
+from exoid.symbolic.mechanics.payload import Payload
 
 FILE = "exoid.toml"
 MOST_BYTES = 1_000_000
@@ -33,7 +33,7 @@ class StatedMapping:
 
     And of this one recording, never kept: its `convention` ("a,b"), files to `join` to it with the lag in s of their
     clocks (None: physics says), its `passive` joints, which have no drive, `payloads`, known masses on it, and which
-    rows `only` are explained ("contact == 0", `measurement.reading.selection`).
+    rows `only` are explained ("contact == 0", `exoid.measurement.reading.selection`).
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)

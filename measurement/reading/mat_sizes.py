@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from measurement.reading.limits import Budget
+from exoid.measurement.reading.limits import Budget
 
 SUBSYSTEM_OFFSET = slice(116, 124)
 HEADER = 128

@@ -14,10 +14,10 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
-from measurement.reading.units import SLIDING, factor, is_scaled, is_unit
-from symbolic.joints import LEG, Joint
-from symbolic.joints import names as joint_names
+from exoid.measurement.reading.outside import outside_columns, outside_kind, outside_name, words_of
+from exoid.measurement.reading.units import SLIDING, factor, is_scaled, is_unit
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.joints import names as joint_names
 
 WORDS: Mapping[str, tuple[str, ...]] = {
     "t": ("t", "time", "timestamp", "timestamps", "zeit", "clock", "elapsed", "elapsedtime", "seconds",

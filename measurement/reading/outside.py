@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import product
 
-from symbolic.joints import Joint, is_leg
+from exoid.symbolic.joints import Joint, is_leg
 
 CONTACT = "contact"
 """Column that says when the foot carries load: 0 or 1, or the load."""

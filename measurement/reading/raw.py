@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading.stamps import seconds, since_first
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.stamps import seconds, since_first
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

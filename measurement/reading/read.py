@@ -11,27 +11,27 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
-from ground.errors import RecordingError, refused
-from ground.files import sha256
-from ground.inputs import open_input
-from ground.progress import Progress
-from ground.text import printable
-from measurement.auditing.audit import audit
-from measurement.finding import Finding
-from measurement.reading.columns import assign, inferred, legs
-from measurement.reading.conventions import read_as
-from measurement.reading.frames import table_from
-from measurement.reading.join import joined_pieces
-from measurement.reading.large import in_stretches
-from measurement.reading.mapping import FILE, StatedMapping, remembered
-from measurement.reading.raw import RawTable
-from measurement.reading.repair import repaired
-from measurement.reading.selection import selected
-from measurement.reading.sources import digest, expand, find_formats, folder_of, opened
-from measurement.reading.split_stamps import join_split
-from measurement.reading.unusable import mask_unusable
-from measurement.recording import Recording, Source
-from symbolic.joints import LEG, Joint
+from exoid.ground.errors import RecordingError, refused
+from exoid.ground.files import sha256
+from exoid.ground.inputs import open_input
+from exoid.ground.progress import Progress
+from exoid.ground.text import printable
+from exoid.measurement.auditing.audit import audit
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.columns import assign, inferred, legs
+from exoid.measurement.reading.conventions import read_as
+from exoid.measurement.reading.frames import table_from
+from exoid.measurement.reading.join import joined_pieces
+from exoid.measurement.reading.large import in_stretches
+from exoid.measurement.reading.mapping import FILE, StatedMapping, remembered
+from exoid.measurement.reading.raw import RawTable
+from exoid.measurement.reading.repair import repaired
+from exoid.measurement.reading.selection import selected
+from exoid.measurement.reading.sources import digest, expand, find_formats, folder_of, opened
+from exoid.measurement.reading.split_stamps import join_split
+from exoid.measurement.reading.unusable import mask_unusable
+from exoid.measurement.recording import Recording, Source
+from exoid.symbolic.joints import LEG, Joint
 
 Joined = str | Path | tuple[str | Path, float | None]
 Machine = tuple[Joint, ...] | None
@@ -67,14 +67,14 @@ def read_recording(
     `columns` maps canonical names to columns of the file ({"q1": "HipEnc"}), `units` gives the unit of a quantity or
     column ({"q": "deg", "tau1": "Nm/A*0.1*50"}), `leg` ("left" or "right") says which one where both are in it,
     `convention` how angles and torques are counted ("flexion-positive", "absolute-shank,hip-from-upright";
-    `measurement.reading.conventions`). What is not given is taken from `exoid.toml` beside the file, if that knows its
-    columns. Rows with a cell that is not a number are masked in `valid`, never dropped. `join` are further files of the
-    same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
-    `measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
+    `exoid.measurement.reading.conventions`). What is not given is taken from `exoid.toml` beside the file, if that
+    knows its columns. Rows with a cell that is not a number are masked in `valid`, never dropped. `join` are further
+    files of the same trial with clocks of their own, or pairs (file, what its clock reads more in s); see
+    `exoid.measurement.reading.join`. `only` ("contact == 0") says of which rows the torques are explained; unless it is
     given, those of stance are left out where a column says when the foot is on the ground and none what the ground does
-    (`measurement.reading.selection`). `passive` are joints that had no drive: their torque is zero and needs no column.
-    `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the machine
-    (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
+    (`exoid.measurement.reading.selection`). `passive` are joints that had no drive: their torque is zero and needs no
+    column. `columns` may name a product, {"tau1": "duty*volts"}, whose unit `units` gives. `joints` are those of the
+    machine (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
     RecordingError for anything that cannot be used, with the place and the remedy.
     """
     told = _told(columns, units, **more)
@@ -103,8 +103,8 @@ def read_recordings(
 
     `leg` "both" gives two recordings of every file with both legs. A text or Parquet file of more than `most_bytes` is
     read piece by piece, in bounded memory, and becomes several recordings, stretches spread over it
-    (`measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`, whose
-    `leg`, `convention`, `join`, `only` and `passive` it takes too.
+    (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
+    whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
     """
     told = _told(columns, units, **more)
     return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))

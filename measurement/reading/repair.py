@@ -12,21 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from measurement.auditing.checks.motion import NONE
-from measurement.finding import row_ranges
-from measurement.reading import angles, clock
-from measurement.reading.columns import UNIT_OF, Assigned
-from measurement.reading.degrees import read_degrees
-from measurement.reading.draft import Draft
-from measurement.reading.limits import credible
-from measurement.reading.names import kind_of, recognise
-from measurement.reading.outside import CONTACT, force_columns
-from measurement.reading.raw import RawTable
-from measurement.reading.units import is_product
-from measurement.recording import BASE_COLUMNS, Recording, Source
-from symbolic.joints import LEG, Joint
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.auditing.checks.motion import NONE
+from exoid.measurement.finding import row_ranges
+from exoid.measurement.reading import angles, clock
+from exoid.measurement.reading.columns import UNIT_OF, Assigned
+from exoid.measurement.reading.degrees import read_degrees
+from exoid.measurement.reading.draft import Draft
+from exoid.measurement.reading.limits import credible
+from exoid.measurement.reading.names import kind_of, recognise
+from exoid.measurement.reading.outside import CONTACT, force_columns
+from exoid.measurement.reading.raw import RawTable
+from exoid.measurement.reading.units import is_product
+from exoid.measurement.recording import BASE_COLUMNS, Recording, Source
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.motion import Float
 
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 WIDE = 2.5
 """In median steps: a hole of the source wider than this is a hole of the result."""

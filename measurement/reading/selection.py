@@ -13,16 +13,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from ground.suggest import did_you_mean
-from ground.thresholds import Threshold
-from measurement.auditing.checks.length import LEAST_ROWS
-from measurement.finding import SELECTION, Finding
-from measurement.reading.outside import CONTACT, GROUND
-from measurement.reading.raw import RawTable
-from measurement.recording import Recording
-from measurement.signals.masks import widen
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.ground.suggest import did_you_mean
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.checks.length import LEAST_ROWS
+from exoid.measurement.finding import SELECTION, Finding
+from exoid.measurement.reading.outside import CONTACT, GROUND
+from exoid.measurement.reading.raw import RawTable
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.masks import widen
+from exoid.symbolic.motion import Float
 
 LOADED = Threshold(
     0.05,

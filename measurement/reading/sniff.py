@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading.names import recognise
-from measurement.reading.raw import split_unit, ungrouped
-from measurement.reading.units import is_unit
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.raw import split_unit, ungrouped
+from exoid.measurement.reading.units import is_unit
 
 LONGEST_LINE = 100_000
 HEAD_LINES = 400

@@ -21,11 +21,11 @@ from pathlib import Path, PurePosixPath
 from types import ModuleType
 from typing import IO
 
-from ground.errors import RecordingError, refused
-from ground.folder import modules_in
-from ground.inputs import open_input
-from ground.suggest import nearest
-from measurement.reading import formats
+from exoid.ground.errors import RecordingError, refused
+from exoid.ground.folder import modules_in
+from exoid.ground.inputs import open_input
+from exoid.ground.suggest import nearest
+from exoid.measurement.reading import formats
 
 MOST_FILES = 1000
 MOST_BYTES = 8_000_000_000

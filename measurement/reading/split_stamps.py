@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.finding import Finding
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.stamps import first_of
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.stamps import first_of
 
 SPLIT = re.compile(r"(?P<stem>.*?)[._/]?(?P<part>n(?:ano)?secs?|secs?)", re.IGNORECASE)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 DAY = 86400.0
 ISO = re.compile(

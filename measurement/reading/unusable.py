@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from measurement.auditing.channels import Channel
-from measurement.auditing.checks import frozen, saturated
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.measurement.auditing.channels import Channel
+from exoid.measurement.auditing.checks import frozen, saturated
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 MOST = 0.3
 """Share of the rows that may be masked so; beyond, a person has to look at the recording first."""

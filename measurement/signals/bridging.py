@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from measurement.signals.compiled import POLES, BridgeInC, row_library
-from symbolic.motion import Float
+from exoid.measurement.signals.compiled import POLES, BridgeInC, row_library
+from exoid.symbolic.motion import Float
 
 BRIDGE_ENDS = 0.03
 """Seconds beside a bridged run over which its ends are averaged."""

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from measurement.signals.compiled import FEWEST, BridgeInC, row_library
-from symbolic.codegen.cache import CompiledLibrary
-from symbolic.motion import Float
-from symbolic.waves import RENEWED, Waves, spacing, turned
+from exoid.measurement.signals.compiled import FEWEST, BridgeInC, row_library
+from exoid.symbolic.codegen.cache import CompiledLibrary
+from exoid.symbolic.motion import Float
+from exoid.symbolic.waves import RENEWED, Waves, spacing, turned
 
 STRETCH = 64
 """Samples that one matrix product filters."""

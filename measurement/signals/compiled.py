@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import FAST
-from symbolic.motion import Float
+from exoid.symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import FAST
+from exoid.symbolic.motion import Float
 
 POLES = 2
 """Pairs of poles of the filter that everything goes through."""

@@ -13,10 +13,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import NotEnoughDataError
-from measurement.recording import Recording
-from measurement.signals.bridging import Bridge
-from measurement.signals.butterworth import (
+from exoid.ground.errors import NotEnoughDataError
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.bridging import Bridge
+from exoid.measurement.signals.butterworth import (
     Filter,
     WaveProducts,
     both_ways,
@@ -24,13 +24,13 @@ from measurement.signals.butterworth import (
     filtered_wave_products,
     low_pass_filter,
 )
-from measurement.signals.compiled import POLES
-from measurement.signals.holes import BRIEF, LOST, WIDE, interpolated
-from measurement.signals.masks import straight
-from measurement.signals.spikes import spikes, spikes_beside
-from symbolic.mechanics.payload import Payload
-from symbolic.motion import Float
-from symbolic.waves import FEW, Waves, are_even
+from exoid.measurement.signals.compiled import POLES
+from exoid.measurement.signals.holes import BRIEF, LOST, WIDE, interpolated
+from exoid.measurement.signals.masks import straight
+from exoid.measurement.signals.spikes import spikes, spikes_beside
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.motion import Float
+from exoid.symbolic.waves import FEW, Waves, are_even
 
 ORDER = 2 * POLES
 MOST_APART, ENOUGH_APART = 0.9, 200

@@ -16,11 +16,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ground.errors import RecordingError
-from ground.minimum import minimum
-from measurement.signals.conditioning import UniformSignals, noise_density
-from measurement.signals.methods import BUTTERWORTH, FOURIER, SAVGOL
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.ground.minimum import minimum
+from exoid.measurement.signals.conditioning import UniformSignals, noise_density
+from exoid.measurement.signals.methods import BUTTERWORTH, FOURIER, SAVGOL
+from exoid.symbolic.motion import Float
 
 ORDER = 3
 """Of the polynomial of Savitzky and Golay."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 LOST, WIDE, BRIEF = 1.9, 2.5, 0.02
 """Median steps between samples from which one is missing; from which angles are, unless it is as brief as so many s:

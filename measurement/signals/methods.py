@@ -1,3 +1,3 @@
-"""The names of the ways from angles to accelerations; `measurement.signals.derivatives` has the ways themselves."""
+"""The names of the ways from angles to accelerations; `exoid.measurement.signals.derivatives` has the ways themselves."""
 
 BUTTERWORTH, SAVGOL, FOURIER = DERIVATIVES = "butterworth", "savgol", "fourier"

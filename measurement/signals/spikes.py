@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from measurement.signals.masks import Mask, straight
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.signals.masks import Mask, straight
+from exoid.symbolic.motion import Float
 
 SPIKE = Threshold(
     3.5,

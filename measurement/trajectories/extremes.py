@@ -23,10 +23,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.plain import AsJson
-from measurement.trajectories.trajectory import Fourier, TrajectoryError
-from symbolic.model import TABLE_1, Limits
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.measurement.trajectories.trajectory import Fourier, TrajectoryError
+from exoid.symbolic.model import TABLE_1, Limits
+from exoid.symbolic.motion import Float
 
 FINE = 8192
 """Points per period on which a finished motion is evaluated: with five harmonics the bound is then within 2e-6."""

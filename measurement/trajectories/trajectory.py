@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import ExoidError
-from ground.html import table
-from measurement.plots import motion_between_limits
-from symbolic.model import TABLE_1, Limits
-from symbolic.motion import Float, Motion, read_only
-from symbolic.quantity import JOINTS
+from exoid.ground.errors import ExoidError
+from exoid.ground.html import table
+from exoid.measurement.plots import motion_between_limits
+from exoid.symbolic.model import TABLE_1, Limits
+from exoid.symbolic.motion import Float, Motion, read_only
+from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from ground.files import write_whole
-from ground.toml_reader import read_toml
-from measurement.trajectories.trajectory import Fourier, TrajectoryError
-from symbolic.quantity import JOINTS
+from exoid.ground.files import write_whole
+from exoid.ground.toml_reader import read_toml
+from exoid.measurement.trajectories.trajectory import Fourier, TrajectoryError
+from exoid.symbolic.quantity import JOINTS
 
 LARGEST_FILE = 100_000
 """Bytes; a motion has a few hundred."""

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.files import write_whole
+from exoid.ground.files import write_whole
 
 if TYPE_CHECKING:
-    from optimisation.contest.problem import Outcome
-    from optimisation.contest.subject import ContestSubject
-    from optimisation.fitting.settings import Search
+    from exoid.optimisation.contest.problem import Outcome
+    from exoid.optimisation.contest.subject import ContestSubject
+    from exoid.optimisation.fitting.settings import Search
 
 LARGEST = 1e308
 """Stands for a fitness that was infinite, which the format cannot say."""

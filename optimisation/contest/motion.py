@@ -19,16 +19,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from optimisation.contest.settings import MOTIONS
-from optimisation.contest.subject import ContestError, ContestSubject
-from optimisation.excitation.design import design, search_of
-from optimisation.excitation.result import MEANING, Excitation
-from optimisation.excitation.search import MotionSearch
-from optimisation.excitation.settings import DesignSettings
-from optimisation.fitting.settings import Search
-from optimisation.linear.problem import Problem
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.optimisation.contest.settings import MOTIONS
+from exoid.optimisation.contest.subject import ContestError, ContestSubject
+from exoid.optimisation.excitation.design import design, search_of
+from exoid.optimisation.excitation.result import MEANING, Excitation
+from exoid.optimisation.excitation.search import MotionSearch
+from exoid.optimisation.excitation.settings import DesignSettings
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.linear.problem import Problem
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 VERSION = 1
 """Raised when a change of the code makes results kept on disk those of another experiment."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
-from optimisation.contest.runtime import Runtime, quartiles, runtime_ecdf
-from symbolic.motion import Float
+from exoid.ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
+from exoid.optimisation.contest.runtime import Runtime, quartiles, runtime_ecdf
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

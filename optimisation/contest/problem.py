@@ -16,23 +16,23 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from measurement.bench.leg import paper_leg
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run_bench
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.budget import GENERATIONS, INDIVIDUALS
-from optimisation.contest.subject import ContestError, ContestSubject
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.settings import Search
-from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData, Problem, huber_problem, sse_problem
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.optimiser import minimise
-from symbolic.codegen.fitness import fitness
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.measurement.bench.leg import paper_leg
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.budget import GENERATIONS, INDIVIDUALS
+from exoid.optimisation.contest.subject import ContestError, ContestSubject
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.linear.certificate import Certificate, certify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData, Problem, huber_problem, sse_problem
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.optimiser import minimise
+from exoid.symbolic.codegen.fitness import fitness
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 VERSION = 1
 """Raised when a change of the code makes results kept on disk those of another experiment."""

@@ -5,7 +5,7 @@
     rivals(problem="excitation")     motions inside the limits of a leg, against the best one known
     rivals(design(leg, starts=1))    the same, against what was designed already
 
-Runs are spread over processes of this machine, or over any other of `ground.engines`:
+Runs are spread over processes of this machine, or over any other of `exoid.ground.engines`:
 
     rivals(engine=dask("tcp://scheduler:8786"))
 """
@@ -18,27 +18,27 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
-from ground.engines.engine import completed
-from ground.engines.processes import in_processes
-from ground.progress import Progress, silent
-from ground.settings import spelt_out
-from optimisation.budget import INDIVIDUALS
-from optimisation.contest.motion import motion_contest, motion_entrants
-from optimisation.contest.problem import Contest, Outcome, contest_of, paper_contest, race
-from optimisation.contest.settings import SEEDS, ContestOptions, ContestSettings
-from optimisation.contest.standings import Rivals
-from optimisation.contest.store import RunStore
-from optimisation.contest.subject import ContestError, ContestSubject
-from optimisation.excitation.result import Excitation
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import SEARCHES, identify
-from optimisation.fitting.settings import Search
-from optimisation.optimisers import optimisers
-from symbolic.model import Model
+from exoid.ground.engines.engine import completed
+from exoid.ground.engines.processes import in_processes
+from exoid.ground.progress import Progress, silent
+from exoid.ground.settings import spelt_out
+from exoid.optimisation.budget import INDIVIDUALS
+from exoid.optimisation.contest.motion import motion_contest, motion_entrants
+from exoid.optimisation.contest.problem import Contest, Outcome, contest_of, paper_contest, race
+from exoid.optimisation.contest.settings import SEEDS, ContestOptions, ContestSettings
+from exoid.optimisation.contest.standings import Rivals
+from exoid.optimisation.contest.store import RunStore
+from exoid.optimisation.contest.subject import ContestError, ContestSubject
+from exoid.optimisation.excitation.result import Excitation
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import SEARCHES, identify
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.optimisers import optimisers
+from exoid.symbolic.model import Model
 
 if TYPE_CHECKING:
-    from measurement.recording import Recording
-    from optimisation.preparation.filtering import PreparedRecording
+    from exoid.measurement.recording import Recording
+    from exoid.optimisation.preparation.filtering import PreparedRecording
 
 def entrants(whitened: bool = False, problem: str = "identification") -> Mapping[str, Search]:
     """Return who competes: NFO as printed and whitened, and every other file of `optimisers/` as it comes.

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.plain import AsJson
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.symbolic.motion import Float
 
 RESAMPLES = 2000
 LEVEL = 0.95

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
-from ground.settings import VerbSettings, setting
-from optimisation.budget import GENERATIONS, INDIVIDUALS
-from optimisation.excitation.settings import CRITERION_NAMES
+from exoid.ground.settings import VerbSettings, setting
+from exoid.optimisation.budget import GENERATIONS, INDIVIDUALS
+from exoid.optimisation.excitation.settings import CRITERION_NAMES
 
 if TYPE_CHECKING:
-    from ground.engines.engine import Engine
-    from optimisation.fitting.settings import Search
+    from exoid.ground.engines.engine import Engine
+    from exoid.optimisation.fitting.settings import Search
 
 SEEDS = 51
 PROBLEMS = ("identification", "excitation")

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.frames import pandas
-from ground.html import lines, table
-from ground.plain import AsJson
-from optimisation.contest.ioh_log import write_logs
-from optimisation.contest.plots import Entrant, Goal, contest_figure
-from optimisation.contest.problem import Outcome
-from optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime, quartiles
-from optimisation.contest.subject import ContestSubject
-from optimisation.fitting.settings import Search
-from symbolic.motion import Float
+from exoid.ground.frames import pandas
+from exoid.ground.html import lines, table
+from exoid.ground.plain import AsJson
+from exoid.optimisation.contest.ioh_log import write_logs
+from exoid.optimisation.contest.plots import Entrant, Goal, contest_figure
+from exoid.optimisation.contest.problem import Outcome
+from exoid.optimisation.contest.runtime import Difference, Runtime, differences, expected_runtime, quartiles
+from exoid.optimisation.contest.subject import ContestSubject
+from exoid.optimisation.fitting.settings import Search
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     import pandas as pd

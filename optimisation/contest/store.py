@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ground.files import sha256, write_whole
-from ground.inputs import read_input
-from optimisation.contest.problem import Outcome
-from optimisation.contest.subject import ContestSubject
-from optimisation.fitting.settings import Search
+from exoid.ground.files import sha256, write_whole
+from exoid.ground.inputs import read_input
+from exoid.optimisation.contest.problem import Outcome
+from exoid.optimisation.contest.subject import ContestSubject
+from exoid.optimisation.fitting.settings import Search
 
 SCHEMA = "exoid.rival_run/1"
 LARGEST = 50_000_000

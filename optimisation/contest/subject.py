@@ -13,12 +13,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ground.errors import ExoidError
-from optimisation.budget import GENERATIONS, INDIVIDUALS
-from optimisation.fitting.settings import Search
-from optimisation.linear.certificate import Certificate
-from optimisation.linear.problem import Problem
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.optimisation.budget import GENERATIONS, INDIVIDUALS
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.linear.certificate import Certificate
+from exoid.optimisation.linear.problem import Problem
+from exoid.symbolic.motion import Float
 
 
 class ContestError(ExoidError):

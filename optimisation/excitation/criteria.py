@@ -18,11 +18,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ground.plain import AsJson
-from measurement.bench.sensors import Sensors
-from measurement.trajectories.trajectory import TrajectoryError
-from symbolic.joints import LEG, Joint, units
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.trajectories.trajectory import TrajectoryError
+from exoid.symbolic.joints import LEG, Joint, units
+from exoid.symbolic.motion import Float
 
 TINY = 1e-300
 

@@ -16,23 +16,23 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from ground.progress import Progress, silent
-from ground.settings import spelt_out
-from ground.ties import CONVERGED, least_of
-from measurement.trajectories.extremes import FINE, bounds, margin, uses
-from measurement.trajectories.trajectory import Fourier, paper_trajectory
-from optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
-from optimisation.excitation.result import DesignedMotion, Excitation, Precision
-from optimisation.excitation.search import MotionSearch, NoMotionError
-from optimisation.excitation.settings import DURATION, DesignError, DesignOptions, DesignSettings, MotionSettings
-from optimisation.excitation.space import MotionSpace, motion_space
-from optimisation.fitting.nominal import Nominal, nominal, sizes
-from optimisation.preparation.filtering import STICK
-from symbolic.codegen.information import Information, information
-from symbolic.memory import memory_operations
-from symbolic.model import Limits, Model, require_still_base
-from symbolic.model_file import Numbers
-from symbolic.motion import Float
+from exoid.ground.progress import Progress, silent
+from exoid.ground.settings import spelt_out
+from exoid.ground.ties import CONVERGED, least_of
+from exoid.measurement.trajectories.extremes import FINE, bounds, margin, uses
+from exoid.measurement.trajectories.trajectory import Fourier, paper_trajectory
+from exoid.optimisation.excitation.criteria import CRITERIA, Aim, Noise, condition, deviations, fisher, log_det
+from exoid.optimisation.excitation.result import DesignedMotion, Excitation, Precision
+from exoid.optimisation.excitation.search import MotionSearch, NoMotionError
+from exoid.optimisation.excitation.settings import DURATION, DesignError, DesignOptions, DesignSettings, MotionSettings
+from exoid.optimisation.excitation.space import MotionSpace, motion_space
+from exoid.optimisation.fitting.nominal import Nominal, nominal, sizes
+from exoid.optimisation.preparation.filtering import STICK
+from exoid.symbolic.codegen.information import Information, information
+from exoid.symbolic.memory import memory_operations
+from exoid.symbolic.model import Limits, Model, require_still_base
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Float
 
 __all__ = ["DesignError", "NoMotionError", "design", "evaluate", "evaluate_paper"]
 

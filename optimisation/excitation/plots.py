@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ground.figures import FAINT, figure_style, joint_colours, label, new_figure
-from measurement.trajectories.extremes import UNITS
-from symbolic.motion import Motion
+from exoid.ground.figures import FAINT, figure_style, joint_colours, label, new_figure
+from exoid.measurement.trajectories.extremes import UNITS
+from exoid.symbolic.motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

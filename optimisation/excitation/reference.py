@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from optimisation.excitation.criteria import Aim
-from optimisation.excitation.space import MotionSpace
-from optimisation.linear.reference import ALONE
-from symbolic.codegen.information import Information
-from symbolic.codegen.information_code import products
-from symbolic.motion import Float
+from exoid.optimisation.excitation.criteria import Aim
+from exoid.optimisation.excitation.space import MotionSpace
+from exoid.optimisation.linear.reference import ALONE
+from exoid.symbolic.codegen.information import Information
+from exoid.symbolic.codegen.information_code import products
+from exoid.symbolic.motion import Float
 
 GRID = 200
 """Samples per period that IPOPT sums over: with the mean sign of each cell cond(Ȳ) is within 0.2 % of a fine grid."""

@@ -13,10 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from optimisation.excitation.criteria import CRITERIA, PIECES, Aim
-from optimisation.excitation.space import MotionSpace
-from symbolic.codegen.information import Information
-from symbolic.motion import Float
+from exoid.optimisation.excitation.criteria import CRITERIA, PIECES, Aim
+from exoid.optimisation.excitation.space import MotionSpace
+from exoid.symbolic.codegen.information import Information
+from exoid.symbolic.motion import Float
 
 NEAR = 0.15
 """Share of a limit's range within which an instant is watched: a step of `RADIUS` hardly takes others there."""

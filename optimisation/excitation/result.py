@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ground.frames import pandas
-from ground.plain import AsJson
-from ground.ties import least_of
-from measurement.trajectories.extremes import Use
-from measurement.trajectories.trajectory import Fourier
-from measurement.trajectories.trajectory_file import trajectory_content
-from optimisation.excitation.criteria import Noise
-from optimisation.excitation.plots import motion_figure
-from symbolic.model import Model
+from exoid.ground.frames import pandas
+from exoid.ground.plain import AsJson
+from exoid.ground.ties import least_of
+from exoid.measurement.trajectories.extremes import Use
+from exoid.measurement.trajectories.trajectory import Fourier
+from exoid.measurement.trajectories.trajectory_file import trajectory_content
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.optimisation.excitation.plots import motion_figure
+from exoid.symbolic.model import Model
 
 if TYPE_CHECKING:
     import pandas as pd

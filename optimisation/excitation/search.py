@@ -24,23 +24,23 @@ from typing import Any
 
 import numpy as np
 
-from ground.progress import Progress, silent
-from ground.ties import CONVERGED, ascending, index_of_least, least_of, tied
-from measurement.trajectories.trajectory import Fourier
-from optimisation.excitation.criteria import CRITERIA, Aim, softened
-from optimisation.excitation.reference import solve_motions
-from optimisation.excitation.refine import Refinement
-from optimisation.excitation.result import DesignedMotion
-from optimisation.excitation.settings import DesignError, DesignSettings
-from optimisation.excitation.space import MotionSpace
-from optimisation.linear.problem import Problem
-from optimisation.optimiser import minimise
-from optimisation.optimisers import optimisers
-from optimisation.optimisers.cma_es import CMAES
-from optimisation.optimisers.nfo import NFO
-from symbolic.codegen.information import Information
-from symbolic.memory import memory_operations
-from symbolic.motion import Float
+from exoid.ground.progress import Progress, silent
+from exoid.ground.ties import CONVERGED, ascending, index_of_least, least_of, tied
+from exoid.measurement.trajectories.trajectory import Fourier
+from exoid.optimisation.excitation.criteria import CRITERIA, Aim, softened
+from exoid.optimisation.excitation.reference import solve_motions
+from exoid.optimisation.excitation.refine import Refinement
+from exoid.optimisation.excitation.result import DesignedMotion
+from exoid.optimisation.excitation.settings import DesignError, DesignSettings
+from exoid.optimisation.excitation.space import MotionSpace
+from exoid.optimisation.linear.problem import Problem
+from exoid.optimisation.optimiser import minimise
+from exoid.optimisation.optimisers import optimisers
+from exoid.optimisation.optimisers.cma_es import CMAES
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.symbolic.codegen.information import Information
+from exoid.symbolic.memory import memory_operations
+from exoid.symbolic.motion import Float
 
 
 class NoMotionError(DesignError):

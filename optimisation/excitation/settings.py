@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, TypedDict
 
-from ground.errors import ExoidError
-from ground.folder import names_in
-from ground.settings import VerbSettings, setting
-from optimisation import optimisers
+from exoid.ground.errors import ExoidError
+from exoid.ground.folder import names_in
+from exoid.ground.settings import VerbSettings, setting
+from exoid.optimisation import optimisers
 
 if TYPE_CHECKING:
-    from optimisation.excitation.criteria import Noise
-    from symbolic.model_file import Numbers
+    from exoid.optimisation.excitation.criteria import Noise
+    from exoid.symbolic.model_file import Numbers
 
 DURATION = 30.0
 """s of recording for which standard deviations are predicted."""
@@ -20,7 +20,7 @@ OFFSETS = ("paper", "middle", "free")
 """Where a motion is centred: θ_0 of the paper, the middle of the angle range, or wherever is best."""
 OPTIMISERS = names_in(optimisers)
 CRITERION_NAMES = ("condition", "d_optimal", "worst")
-"""What a motion is evaluated by; `optimisation.excitation.criteria` computes them."""
+"""What a motion is evaluated by; `exoid.optimisation.excitation.criteria` computes them."""
 
 
 class DesignError(ExoidError):

@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ground.ties import tied
-from measurement.trajectories.trajectory import CENTRE, LONGEST_PERIOD, SHORTEST_PERIOD, Fourier, TrajectoryError
-from optimisation.excitation.settings import OFFSETS
-from symbolic.codegen.information import largest_factor
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
+from exoid.ground.ties import tied
+from exoid.measurement.trajectories.trajectory import CENTRE, LONGEST_PERIOD, SHORTEST_PERIOD, Fourier, TrajectoryError
+from exoid.optimisation.excitation.settings import OFFSETS
+from exoid.symbolic.codegen.information import largest_factor
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
 
 SHIFTS = 64
 """Shifts in time per period that are tried to make two motions resemble each other."""

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
-from optimisation.linear.problem import LinearData
-from symbolic.evaluation import carrying
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.optimisation.linear.factor import RANK_TOLERANCE, Factors, factorise
+from exoid.optimisation.linear.problem import LinearData
+from exoid.symbolic.evaluation import carrying
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from optimisation.preparation.filtering import PreparedRecording
+    from exoid.optimisation.preparation.filtering import PreparedRecording
 
 FIXED_POINT_ROUNDS = 60
 FIXED_POINT_TOLERANCE = 1e-11

@@ -16,16 +16,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.errors import ExoidError
-from ground.figures import figure_style, new_figure
-from ground.frames import pandas
-from ground.html import table
-from ground.thresholds import Threshold
-from optimisation.fitting.fit import Fit
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import solve_huber
-from optimisation.linear.uncertainty import covariance
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.ground.figures import figure_style, new_figure
+from exoid.ground.frames import pandas
+from exoid.ground.html import table
+from exoid.ground.thresholds import Threshold
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import solve_huber
+from exoid.optimisation.linear.uncertainty import covariance
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     import pandas as pd

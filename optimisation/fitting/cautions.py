@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.finding import Finding
-from optimisation.fitting.assemble import Settled
-from optimisation.fitting.fit import FitStage
-from optimisation.fitting.shapes import to_unit
-from optimisation.linear.loss import huber
-from optimisation.linear.physical import Held, Physics
-from optimisation.linear.solve import solve_huber
-from symbolic.mechanics.body import TABLE
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.assemble import Settled
+from exoid.optimisation.fitting.fit import FitStage
+from exoid.optimisation.fitting.shapes import to_unit
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.physical import Held, Physics
+from exoid.optimisation.linear.solve import solve_huber
+from exoid.symbolic.mechanics.body import TABLE
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 
 def numerical(model: Model, found: Settled, shape: Float, searched: bool) -> list[Finding]:

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.frames import pandas
-from ground.html import bullets, lines, table
-from ground.plain import AsJson
-from measurement.finding import Finding
-from optimisation.fitting.plots import fit_figure
-from optimisation.linear.certificate import Certificate
-from optimisation.linear.physical import Held
-from optimisation.linear.problem import LinearData
-from optimisation.linear.reference import Reference
-from optimisation.optimiser import OptimiserRun
-from symbolic.joints import Joint, names, units
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.ground.frames import pandas
+from exoid.ground.html import bullets, lines, table
+from exoid.ground.plain import AsJson
+from exoid.measurement.finding import Finding
+from exoid.optimisation.fitting.plots import fit_figure
+from exoid.optimisation.linear.certificate import Certificate
+from exoid.optimisation.linear.physical import Held
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.reference import Reference
+from exoid.optimisation.optimiser import OptimiserRun
+from exoid.symbolic.joints import Joint, names, units
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     import pandas as pd

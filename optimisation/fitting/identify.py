@@ -14,34 +14,34 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from ground.errors import NotEnoughDataError
-from ground.settings import spelt_out
-from measurement.forces import pushed_model
-from measurement.reading.given import Given, machine_of, model_of, question_of
-from optimisation.fitting.assemble import Assembly, Settled
-from optimisation.fitting.cautions import held, numerical, own_numbers, price, unproven
-from optimisation.fitting.fit import Fit, FitStage
-from optimisation.fitting.intervals import estimates_of, middle, spread_of
-from optimisation.fitting.plausibility import check_plausibility
-from optimisation.fitting.settings import FitOptions, FitSettings, Search
-from optimisation.fitting.shape_fit import shape_method, solve_shape
-from optimisation.fitting.shape_problem import solution
-from optimisation.fitting.shapes import STARTS
-from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.loss import huber
-from optimisation.linear.physical import Physics, certify_physical, physical_reference, physics
-from optimisation.linear.problem import huber_problem, sse_problem
-from optimisation.linear.reference import Reference, solve_reference
-from optimisation.linear.solve import delta_rule, solve_sse
-from optimisation.optimiser import OptimiserRun, minimise
-from optimisation.optimisers.nfo import NFO
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.codegen.fitness import fitness
-from symbolic.motion import Float
+from exoid.ground.errors import NotEnoughDataError
+from exoid.ground.settings import spelt_out
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.given import Given, machine_of, model_of, question_of
+from exoid.optimisation.fitting.assemble import Assembly, Settled
+from exoid.optimisation.fitting.cautions import held, numerical, own_numbers, price, unproven
+from exoid.optimisation.fitting.fit import Fit, FitStage
+from exoid.optimisation.fitting.intervals import estimates_of, middle, spread_of
+from exoid.optimisation.fitting.plausibility import check_plausibility
+from exoid.optimisation.fitting.settings import FitOptions, FitSettings, Search
+from exoid.optimisation.fitting.shape_fit import shape_method, solve_shape
+from exoid.optimisation.fitting.shape_problem import solution
+from exoid.optimisation.fitting.shapes import STARTS
+from exoid.optimisation.linear.certificate import Certificate, certify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.physical import Physics, certify_physical, physical_reference, physics
+from exoid.optimisation.linear.problem import huber_problem, sse_problem
+from exoid.optimisation.linear.reference import Reference, solve_reference
+from exoid.optimisation.linear.solve import delta_rule, solve_sse
+from exoid.optimisation.optimiser import OptimiserRun, minimise
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.codegen.fitness import fitness
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 
 SEARCHES: Mapping[str, Search] = MappingProxyType(
@@ -61,11 +61,11 @@ def identify(
     progress: Progress | None = None,
     **changes: Unpack[FitOptions],
 ) -> Fit:
-    """Fit `model` to recordings, prepared or as `measurement.reading.given` takes them (they are then prepared), and
-    return the Fit.
+    """Fit `model` to recordings, prepared or as `exoid.measurement.reading.given` takes them (they are then prepared),
+    and return the Fit.
 
-    `physical` looks for the best parameters that some leg could have (`optimisation.linear.physical`), by IPOPT with
-    our certificate; NFO, which has no such conditions, is then left out. `Fit.held` says what that changed. Shape
+    `physical` looks for the best parameters that some leg could have (`exoid.optimisation.linear.physical`), by IPOPT
+    with our certificate; NFO, which has no such conditions, is then left out. `Fit.held` says what that changed. Shape
     parameters are found on a grid or by an optimiser, and then by local searches; `Fit.agreeing` says how many of them
     ended in the same place.
     Refuses data that cannot determine as many parameters as the model has.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.fitting.assemble import Assembly, Settled
-from optimisation.fitting.shapes import slope_by_shape
-from optimisation.linear.physical import Physics
-from optimisation.linear.uncertainty import Covariance, covariance
-from symbolic.model import Model
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.optimisation.fitting.assemble import Assembly, Settled
+from exoid.optimisation.fitting.shapes import slope_by_shape
+from exoid.optimisation.linear.physical import Physics
+from exoid.optimisation.linear.uncertainty import Covariance, covariance
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 
 def spread_of(assembly: Assembly, found: Settled, shape: Float, delta: Float) -> Covariance:

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.minimum import minimum
-from ground.ties import index_of_least
-from optimisation.linear.loss import huber, huber_terms
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.minimum import minimum
+from exoid.ground.ties import index_of_least
+from exoid.optimisation.linear.loss import huber, huber_terms
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from optimisation.fitting.fit import Fit
-    from optimisation.fitting.shape_problem import ShapeProblem
-    from optimisation.preparation.filtering import PreparedRecording
-    from optimisation.preparation.prepare import Prepared
+    from exoid.optimisation.fitting.fit import Fit
+    from exoid.optimisation.fitting.shape_problem import ShapeProblem
+    from exoid.optimisation.preparation.filtering import PreparedRecording
+    from exoid.optimisation.preparation.prepare import Prepared
 
 SWEEPS = 10
 """Rounds of a descent at most."""

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import ExoidError
-from ground.plain import plain_dict
-from ground.thresholds import Threshold
-from measurement.finding import Finding
-from measurement.recording import Recording
-from optimisation.fitting.fit import Fit
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import Prepared, prepare
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import plain_dict
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.fit import Fit
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import Prepared, prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 FACTORS = (0.8, 1.25)
 """Neighbouring cut-offs, relative to the one used."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from measurement.bench.simulation import bench_machine
-from symbolic.model import Model
-from symbolic.model_file import Numbers
-from symbolic.motion import Float
+from exoid.measurement.bench.simulation import bench_machine
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.ties import index_of_greatest, index_of_least
-from optimisation.fitting.assemble import Assembly
-from optimisation.fitting.shapes import grid
-from optimisation.linear.factor import factorise
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.ties import index_of_greatest, index_of_least
+from exoid.optimisation.fitting.assemble import Assembly
+from exoid.optimisation.fitting.shapes import grid
+from exoid.optimisation.linear.factor import factorise
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 
 def phases_of(parts: Float) -> Float:

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ground.ties import index_of_least
-from measurement.finding import Finding
-from optimisation.linear.links import nearest_links
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
-from symbolic.quantity import Estimate
+from exoid.ground.ties import index_of_least
+from exoid.measurement.finding import Finding
+from exoid.optimisation.linear.links import nearest_links
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.quantity import Estimate
 
 POSTURES = 300
 """Postures of a machine of more than two joints in which its mass matrix is looked at."""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.figures import FAINT, ROLE_COLOURS, figure_style, label, new_figure
-from symbolic.joints import Joint
-from symbolic.motion import Float
-from symbolic.quantity import Estimate
+from exoid.ground.figures import FAINT, ROLE_COLOURS, figure_style, label, new_figure
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

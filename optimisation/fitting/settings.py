@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
-from ground.settings import VerbSettings, setting
+from exoid.ground.settings import VerbSettings, setting
 
 if TYPE_CHECKING:
-    from optimisation.optimiser import Optimiser
-    from symbolic.motion import Float
+    from exoid.optimisation.optimiser import Optimiser
+    from exoid.symbolic.motion import Float
 
 MULTISTART = "multistart"
 """The grid and local searches for shape parameters, in place of an optimiser."""

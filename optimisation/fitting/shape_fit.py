@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ground.errors import ExoidError
-from optimisation.fitting.assemble import Assembly, Settled
-from optimisation.fitting.local_shape import descend
-from optimisation.fitting.phases import turning, with_phases
-from optimisation.fitting.settings import MULTISTART
-from optimisation.fitting.shape_problem import ShapeProblem
-from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
-from optimisation.linear.physical import Physics
-from optimisation.optimisers import optimisers as optimiser_kinds
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.optimisation.fitting.assemble import Assembly, Settled
+from exoid.optimisation.fitting.local_shape import descend
+from exoid.optimisation.fitting.phases import turning, with_phases
+from exoid.optimisation.fitting.settings import MULTISTART
+from exoid.optimisation.fitting.shape_problem import ShapeProblem
+from exoid.optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
+from exoid.optimisation.linear.physical import Physics
+from exoid.optimisation.optimisers import optimisers as optimiser_kinds
+from exoid.symbolic.motion import Float
 
 FULL_STARTS, FULL_APART = 6, 0.08
 """Starts of the local searches, and how far apart they begin, when more is asked for than the light mode."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.errors import ExpressionError
-from optimisation.fitting.assemble import Assembly, Settled, settle
-from optimisation.linear.loss import huber
-from optimisation.linear.physical import Physics, solve_physical
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import solve_huber, solve_sse
-from symbolic.motion import Float
+from exoid.ground.errors import ExpressionError
+from exoid.optimisation.fitting.assemble import Assembly, Settled, settle
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.physical import Physics, solve_physical
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import solve_huber, solve_sse
+from exoid.symbolic.motion import Float
 
 
 def solution(data: LinearData, delta: Float, possible: Physics | None, start: Float | None = None) -> Float:

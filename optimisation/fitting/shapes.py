@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.minimum import minimum
-from ground.ties import TIED, index_of_least, least_of, order_of
-from optimisation.linear.problem import Problem
-from optimisation.optimiser import Optimiser, minimise
-from symbolic.effect import Shape
-from symbolic.motion import Float
+from exoid.ground.minimum import minimum
+from exoid.ground.ties import TIED, index_of_least, least_of, order_of
+from exoid.optimisation.linear.problem import Problem
+from exoid.optimisation.optimiser import Optimiser, minimise
+from exoid.symbolic.effect import Shape
+from exoid.symbolic.motion import Float
 
 MAX_NODES = 400
 """Nodes of the grid at most; with many shape parameters each gets fewer points."""

@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.plain import AsJson
-from ground.thresholds import Threshold
-from measurement.finding import Finding
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import solve_huber
-from optimisation.linear.uncertainty import covariance
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.finding import Finding
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import solve_huber
+from exoid.optimisation.linear.uncertainty import covariance
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from optimisation.fitting.fit import Fit
-    from optimisation.preparation.filtering import PreparedRecording
-    from optimisation.preparation.prepare import Prepared
+    from exoid.optimisation.fitting.fit import Fit
+    from exoid.optimisation.preparation.filtering import PreparedRecording
+    from exoid.optimisation.preparation.prepare import Prepared
 
 COUPLING = "Phi3"
 FAR = Threshold(0.2, "share by which a length is off: what else is missing moves it by a tenth (on two known rigs)")

@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from ground.plain import AsJson
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.symbolic.motion import Float
 
 Condition = tuple[Float, float]
 """A row (P,) and a constant: row · Φ + constant ≥ 0."""

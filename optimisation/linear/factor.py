@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 RANK_TOLERANCE = 1e-9
 """Relative size below which a direction counts as not excited. Filtered columns are exact to about 1e-13."""

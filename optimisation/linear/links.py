@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 EXACT = 1e-10
 """Relative error of the base parameters that is allowed in the links found."""

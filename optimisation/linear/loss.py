@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 Bool = NDArray[np.bool_]
 

@@ -30,17 +30,17 @@ from typing import Any
 
 import numpy as np
 
-from ground.plain import AsJson
-from optimisation.linear.certificate import Certificate, Condition, certify
-from optimisation.linear.factor import factorise
-from optimisation.linear.links import nearest_links, tree_of
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData
-from optimisation.linear.reference import OPTIONS, Reference, column_scale, ended_at, loss_expression
-from optimisation.linear.solve import solve_huber, solve_sse
-from symbolic.mechanics.newton_euler import PARAMETERS
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.optimisation.linear.certificate import Certificate, Condition, certify
+from exoid.optimisation.linear.factor import factorise
+from exoid.optimisation.linear.links import nearest_links, tree_of
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.reference import OPTIONS, Reference, column_scale, ended_at, loss_expression
+from exoid.optimisation.linear.solve import solve_huber, solve_sse
+from exoid.symbolic.mechanics.newton_euler import PARAMETERS
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 MARGIN = 1e-4
 """Least eigenvalue of the two mass matrices, kg·m², or of a link in units of a rod of `MASS` kg."""

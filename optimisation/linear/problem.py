@@ -19,11 +19,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import NotEnoughDataError, RecordingError
-from optimisation.linear.factor import Factor, factorise
-from optimisation.linear.loss import Bool, huber
-from symbolic.joints import Joint
-from symbolic.motion import Float, read_only
+from exoid.ground.errors import NotEnoughDataError, RecordingError
+from exoid.optimisation.linear.factor import Factor, factorise
+from exoid.optimisation.linear.loss import Bool, huber
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Float, read_only
 
 Fitness = Callable[[Float], Float]
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ground.plain import AsJson
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData
-from symbolic.motion import Float
+from exoid.ground.plain import AsJson
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.symbolic.motion import Float
 
 ALONE: Any = {
     "ipopt.print_level": 0,

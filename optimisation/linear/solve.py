@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.linear.loss import Bool, delta_rule, huber
-from optimisation.linear.problem import LinearData
-from symbolic.motion import Float
+from exoid.optimisation.linear.loss import Bool, delta_rule, huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.symbolic.motion import Float
 
 __all__ = ["delta_rule", "solve_huber", "solve_sse"]
 

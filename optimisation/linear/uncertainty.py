@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from optimisation.linear.factor import Factor, factorise
-from symbolic.motion import Float
+from exoid.optimisation.linear.factor import Factor, factorise
+from exoid.symbolic.motion import Float
 
 FIXED_B = (1.9600, 2.9694, 0.4160, -0.5324)
 """Kiefer, Vogelsang (2005), table 1: 97.5 % point for Bartlett weights as a cubic in b = L/N."""

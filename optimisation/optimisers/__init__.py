@@ -8,7 +8,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-from ground.folder import modules_in
+from exoid.ground.folder import modules_in
 
 
 @cache

@@ -16,8 +16,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from optimisation.optimiser import Box
-from symbolic.motion import Float
+from exoid.optimisation.optimiser import Box
+from exoid.symbolic.motion import Float
 
 
 class Field(NamedTuple):

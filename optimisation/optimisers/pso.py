@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from optimisation.optimiser import Box
-from optimisation.pymoo_engine import PymooRecipe, PymooState, begin
-from symbolic.motion import Float
+from exoid.optimisation.optimiser import Box
+from exoid.optimisation.pymoo_engine import PymooRecipe, PymooState, begin
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True)

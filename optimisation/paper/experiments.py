@@ -13,30 +13,30 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ground.engines.engine import Engine, completed
-from ground.engines.processes import processes
-from measurement.bench.leg import paper_leg
-from measurement.bench.simulation import Bench, BenchRun, run_bench
-from measurement.signals.conditioning import derivatives, low_pass
-from measurement.trajectories.trajectory import Fourier, paper_trajectory
-from optimisation.contest.motion import NARROW, WIDE, MotionContest, MotionEntrant, motion_contest
-from optimisation.contest.problem import paper_contest
-from optimisation.contest.rivals import entrants, rivals
-from optimisation.contest.standings import Rivals
-from optimisation.contest.subject import ContestSubject
-from optimisation.excitation.design import design, evaluate
-from optimisation.excitation.result import Excitation
-from optimisation.excitation.settings import CRITERION_NAMES
-from optimisation.fitting.identify import identify
-from optimisation.fitting.settings import Search
-from optimisation.linear.certificate import Certificate, certify
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.optimisers.nfo import NFO
-from optimisation.paper.item import SEEDS
-from optimisation.paper.printed import CUTOFF, DURATION, PAPER_DELTA, RATE
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.ground.engines.engine import Engine, completed
+from exoid.ground.engines.processes import processes
+from exoid.measurement.bench.leg import paper_leg
+from exoid.measurement.bench.simulation import Bench, BenchRun, run_bench
+from exoid.measurement.signals.conditioning import derivatives, low_pass
+from exoid.measurement.trajectories.trajectory import Fourier, paper_trajectory
+from exoid.optimisation.contest.motion import NARROW, WIDE, MotionContest, MotionEntrant, motion_contest
+from exoid.optimisation.contest.problem import paper_contest
+from exoid.optimisation.contest.rivals import entrants, rivals
+from exoid.optimisation.contest.standings import Rivals
+from exoid.optimisation.contest.subject import ContestSubject
+from exoid.optimisation.excitation.design import design, evaluate
+from exoid.optimisation.excitation.result import Excitation
+from exoid.optimisation.excitation.settings import CRITERION_NAMES
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.linear.certificate import Certificate, certify
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.optimisation.paper.item import SEEDS
+from exoid.optimisation.paper.printed import CUTOFF, DURATION, PAPER_DELTA, RATE
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 UNSEEN = 1_000
 """What is added to a seed for the motion that a fit is judged on."""

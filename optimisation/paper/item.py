@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ground import html
-from ground.plain import AsJson
+from exoid.ground import html
+from exoid.ground.plain import AsJson
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

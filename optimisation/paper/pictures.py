@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
-from optimisation.contest.runtime import quartiles
-from symbolic.motion import Float
-from symbolic.quantity import JOINTS
+from exoid.ground.figures import FAINT, INK, OKABE_ITO, figure_style, label, new_figure
+from exoid.optimisation.contest.runtime import quartiles
+from exoid.symbolic.motion import Float
+from exoid.symbolic.quantity import JOINTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

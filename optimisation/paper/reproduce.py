@@ -13,16 +13,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ground.errors import ExoidError
-from ground.folder import modules_in
-from ground.frames import pandas
-from ground.html import table
-from ground.plain import AsJson
-from ground.progress import Progress, silent
-from ground.suggest import did_you_mean
-from optimisation.paper import items
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import SEEDS, Answered, PaperItem, item_of, item_order
+from exoid.ground.errors import ExoidError
+from exoid.ground.folder import modules_in
+from exoid.ground.frames import pandas
+from exoid.ground.html import table
+from exoid.ground.plain import AsJson
+from exoid.ground.progress import Progress, silent
+from exoid.ground.suggest import did_you_mean
+from exoid.optimisation.paper import items
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import SEEDS, Answered, PaperItem, item_of, item_order
 
 if TYPE_CHECKING:
     import pandas as pd

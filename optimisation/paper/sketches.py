@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ground.figures import FAINT, GRID, INK, JOINT_COLOURS, OKABE_ITO, PAPER, figure_style, label, new_figure
-from symbolic.model import Limits
-from symbolic.motion import Float
+from exoid.ground.figures import FAINT, GRID, INK, JOINT_COLOURS, OKABE_ITO, PAPER, figure_style, label, new_figure
+from exoid.symbolic.model import Limits
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,16 +10,16 @@ from functools import cache
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from ground.ties import least_of
-from measurement.signals.conditioning import UniformSignals, acceleration_quality
-from optimisation.fitting.assemble import assemble
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.preparation.filtering import PreparedRecording, prepare_one
-from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import least_of
+from exoid.measurement.signals.conditioning import UniformSignals, acceleration_quality
+from exoid.optimisation.fitting.assemble import assemble
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.preparation.filtering import PreparedRecording, prepare_one
+from exoid.optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 CUTOFFS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0)
 """Cut-off frequencies tried, Hz."""

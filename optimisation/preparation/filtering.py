@@ -19,11 +19,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.checks.motion import NOTHING
-from measurement.signals.bridging import Bridge, bridging
-from measurement.signals.butterworth import WaveProducts
-from measurement.signals.conditioning import (
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.checks.motion import NOTHING
+from exoid.measurement.signals.bridging import Bridge, bridging
+from exoid.measurement.signals.butterworth import WaveProducts
+from exoid.measurement.signals.conditioning import (
     UniformSignals,
     derivatives,
     low_pass,
@@ -34,16 +34,16 @@ from measurement.signals.conditioning import (
     velocity_noise,
     wave_products,
 )
-from measurement.signals.derivatives import METHODS
-from measurement.signals.masks import straight, widen
-from measurement.signals.methods import BUTTERWORTH
-from measurement.signals.spikes import spikes_beside
-from optimisation.linear.loss import Bool
-from symbolic.columns import forces_torque
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
-from symbolic.waves import Waves
+from exoid.measurement.signals.derivatives import METHODS
+from exoid.measurement.signals.masks import straight, widen
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.measurement.signals.spikes import spikes_beside
+from exoid.optimisation.linear.loss import Bool
+from exoid.symbolic.columns import forces_torque
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
+from exoid.symbolic.waves import Waves
 
 WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""

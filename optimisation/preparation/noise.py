@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from measurement.signals.conditioning import derivatives, leaves_enough, low_pass, quiet_noise
-from measurement.signals.masks import widen
-from optimisation.linear.loss import Bool
-from optimisation.preparation.filtering import PreparedRecording
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.measurement.signals.conditioning import derivatives, leaves_enough, low_pass, quiet_noise
+from exoid.measurement.signals.masks import widen
+from exoid.optimisation.linear.loss import Bool
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 BESIDE, NEAR = 6, 2
 """Samples on either side of hidden ones in which the bend of a bridge is no noise, and in which most of it is."""

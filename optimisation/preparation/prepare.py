@@ -13,27 +13,34 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ground.engines.memory import reuse_freed_memory
-from ground.errors import NotEnoughDataError, RecordingError
-from ground.html import bullets, lines, table
-from ground.thresholds import Threshold
-from ground.ties import index_of_greatest
-from measurement.auditing.checks.scale import check_scales
-from measurement.auditing.convention import check_conventions
-from measurement.finding import Finding
-from measurement.forces import force_signals, unused_forces
-from measurement.overlap import held_apart
-from measurement.reading.given import Given, question_of
-from measurement.recording import Recording
-from measurement.signals.conditioning import UniformSignals, uniform_sampling
-from measurement.signals.derivatives import check_method
-from measurement.signals.methods import BUTTERWORTH
-from optimisation.preparation.cutoff import COMMON_BAND, CutoffChoice, choose_cutoff, noise_share, robust_base, typical
-from optimisation.preparation.filtering import PreparedRecording, prepare_one
-from optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
-from symbolic.joints import LEG, Joint, names
-from symbolic.model import Model
-from symbolic.motion import Float
+from exoid.ground.engines.memory import reuse_freed_memory
+from exoid.ground.errors import NotEnoughDataError, RecordingError
+from exoid.ground.html import bullets, lines, table
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_greatest
+from exoid.measurement.auditing.checks.scale import check_scales
+from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.finding import Finding
+from exoid.measurement.forces import force_signals, unused_forces
+from exoid.measurement.overlap import held_apart
+from exoid.measurement.reading.given import Given, question_of
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.conditioning import UniformSignals, uniform_sampling
+from exoid.measurement.signals.derivatives import check_method
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.optimisation.preparation.cutoff import (
+    COMMON_BAND,
+    CutoffChoice,
+    choose_cutoff,
+    noise_share,
+    robust_base,
+    typical,
+)
+from exoid.optimisation.preparation.filtering import PreparedRecording, prepare_one
+from exoid.optimisation.preparation.noise import mean_square, noise_floor, torque_of_filter, torque_of_noise
+from exoid.symbolic.joints import LEG, Joint, names
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float
 
 SWAYS = Threshold(0.02, "rad by which a base taken to stand still may turn: its motion passes for effects")
 LEAST_CYCLES = Threshold(2.0, "cycles of the cut-off in the shortest recording: the filter leaves a line")
@@ -96,9 +103,9 @@ def prepare(
 ) -> Prepared:
     """Prepare `recordings` and `verify` for `model`, whose geometry (not whose effects) is used to find outliers.
 
-    `cutoff` in Hz; None chooses it. `derivative` is one of `measurement.signals.derivatives.METHODS`. Refuses any that
-    are too short or too slow for the cut-off, motion that does not repeat where periods are to be averaged, and unseen
-    recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
+    `cutoff` in Hz; None chooses it. `derivative` is one of `exoid.measurement.signals.derivatives.METHODS`. Refuses any
+    that are too short or too slow for the cut-off, motion that does not repeat where periods are to be averaged, and
+    unseen recordings that share samples with fitted ones. Samples that two fitted recordings share count once.
     """
     model, recordings, verify = question_of(model, recordings, verify)
     check_method(derivative)

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ground.cache import cache_folder, distrust, read_trusted
-from ground.delivery import sweep
-from ground.files import sha256, sha256_file
-from symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
-from symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, processor
+from exoid.ground.cache import cache_folder, distrust, read_trusted
+from exoid.ground.delivery import sweep
+from exoid.ground.files import sha256, sha256_file
+from exoid.symbolic.codegen.compiler import Compiler, CompilerError, find_compiler, warn_slow
+from exoid.symbolic.codegen.fingerprint import canonical_json, generator_key, library_versions, processor
 
 LIBRARY, RECORD, SEAL = "library.so", "record.json", "seal.json"
 

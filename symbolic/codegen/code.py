@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.files import sha256
-from ground.text import in_comment
-from symbolic.codegen.equation import Expressions, model_expressions
-from symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
-from symbolic.codegen.layout import state_names, widths
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.regressor import derive_regressor
+from exoid.ground.files import sha256
+from exoid.ground.text import in_comment
+from exoid.symbolic.codegen.equation import Expressions, model_expressions
+from exoid.symbolic.codegen.fingerprint import equations_key, joint_record, library_versions
+from exoid.symbolic.codegen.layout import state_names, widths
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.regressor import derive_regressor
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 PREFIX = "leg"
 NEWTON_STEPS = 4

@@ -12,25 +12,25 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import EffectError
-from symbolic.codegen.layout import BASE_STATE, STEMS, force_names, state_names
-from symbolic.codegen.translate import casadi_from_sympy
-from symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
-from symbolic.language.deflection import STATES
-from symbolic.language.instant import split_memory
-from symbolic.language.lower import to_casadi, to_sympy
-from symbolic.language.torque import is_transform, torques, uses_slopes
-from symbolic.mechanics.friction import friction
-from symbolic.mechanics.lagrange import christoffel, mechanics
-from symbolic.mechanics.mechanism import machine, real
-from symbolic.mechanics.newton_euler import STILL, BaseMotion, point
-from symbolic.mechanics.rigid import changed, leg_columns, symbols_of
-from symbolic.mechanics.tree import tree_changes
-from symbolic.mechanics.virtual_work import force_torques
+from exoid.ground.errors import EffectError
+from exoid.symbolic.codegen.layout import BASE_STATE, STEMS, force_names, state_names
+from exoid.symbolic.codegen.translate import casadi_from_sympy
+from exoid.symbolic.codegen.tree_columns import LONGEST_SYMBOLIC, tree_columns
+from exoid.symbolic.language.deflection import STATES
+from exoid.symbolic.language.instant import split_memory
+from exoid.symbolic.language.lower import to_casadi, to_sympy
+from exoid.symbolic.language.torque import is_transform, torques, uses_slopes
+from exoid.symbolic.mechanics.friction import friction
+from exoid.symbolic.mechanics.lagrange import christoffel, mechanics
+from exoid.symbolic.mechanics.mechanism import machine, real
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, point
+from exoid.symbolic.mechanics.rigid import changed, leg_columns, symbols_of
+from exoid.symbolic.mechanics.tree import tree_changes
+from exoid.symbolic.mechanics.virtual_work import force_torques
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
-    from symbolic.term import Term
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Term
 
 @dataclass(frozen=True, eq=False)
 class MemorySignal:

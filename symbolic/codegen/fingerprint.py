@@ -15,14 +15,14 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-from ground.cache import cache_folder, read_trusted
-from ground.files import sha256, write_whole
+from exoid.ground.cache import cache_folder, read_trusted
+from exoid.ground.files import sha256, write_whole
 
 if TYPE_CHECKING:
-    from symbolic.effect import Effect
-    from symbolic.joints import Joint
-    from symbolic.model import Model
-    from symbolic.term import Term
+    from exoid.symbolic.effect import Effect
+    from exoid.symbolic.joints import Joint
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Term
 
 GENERATING = ("language", "mechanics", "codegen")
 """Folders of `symbolic/` whose code decides what is generated."""
@@ -115,7 +115,7 @@ def generator_key() -> str:
             return found
     except (OSError, ValueError):
         pass
-    from symbolic.codegen.pruned import computing_part
+    from exoid.symbolic.codegen.pruned import computing_part
 
     key = sha256("".join(sha256(computing_part(content.decode())) for content in contents))
     with suppress(OSError):  # a cache that cannot be written costs the next process that time

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import FAST
-from symbolic.codegen.instructions import scalar_c
-from symbolic.motion import Float
+from exoid.symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import FAST
+from exoid.symbolic.codegen.instructions import scalar_c
+from exoid.symbolic.motion import Float
 
 LANES = 4
 """Candidates per pass: each entry is loaded once for all of them. More lanes spill registers."""

@@ -17,16 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symbolic.codegen.cache import CompiledLibrary, load_library
-from symbolic.codegen.compiler import FAST
-from symbolic.codegen.fingerprint import model_data
-from symbolic.codegen.information_code import Entries, information_code, sensitivity_function
-from symbolic.columns import model_columns, model_torque, needs_reference
-from symbolic.memory import memory_operations
-from symbolic.motion import Float, Motion
+from exoid.symbolic.codegen.cache import CompiledLibrary, load_library
+from exoid.symbolic.codegen.compiler import FAST
+from exoid.symbolic.codegen.fingerprint import model_data
+from exoid.symbolic.codegen.information_code import Entries, information_code, sensitivity_function
+from exoid.symbolic.columns import model_columns, model_torque, needs_reference
+from exoid.symbolic.memory import memory_operations
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 
 @dataclass(frozen=True, eq=False)

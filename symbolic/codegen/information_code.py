@@ -5,13 +5,13 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from symbolic.codegen.cache import GeneratedC
-from symbolic.codegen.compiler import FAST
-from symbolic.codegen.equation import model_expressions
-from symbolic.codegen.instructions import PREAMBLE, scalar_c
+from exoid.symbolic.codegen.cache import GeneratedC
+from exoid.symbolic.codegen.compiler import FAST
+from exoid.symbolic.codegen.equation import model_expressions
+from exoid.symbolic.codegen.instructions import PREAMBLE, scalar_c
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 Entries = tuple[tuple[int, int, int], ...]
 

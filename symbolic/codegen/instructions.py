@@ -13,7 +13,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-from symbolic.codegen.compiler import CompilerError
+from exoid.symbolic.codegen.compiler import CompilerError
 
 FORMS: Mapping[str, str] = MappingProxyType(
     {

@@ -13,17 +13,17 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ground.errors import ExpressionError
-from symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
-from symbolic.codegen.compiler import EXACT
-from symbolic.codegen.fingerprint import equations_key, model_data
-from symbolic.codegen.layout import widths
-from symbolic.evaluation import apply_transforms, column_count, forces_of, vector
-from symbolic.memory import memory_operations, memory_signals
-from symbolic.motion import Float, Motion
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.codegen.cache import CompiledLibrary, GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import EXACT
+from exoid.symbolic.codegen.fingerprint import equations_key, model_data
+from exoid.symbolic.codegen.layout import widths
+from exoid.symbolic.evaluation import apply_transforms, column_count, forces_of, vector
+from exoid.symbolic.memory import memory_operations, memory_signals
+from exoid.symbolic.motion import Float, Motion
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,8 +190,8 @@ def _make(model: Model, backend: str) -> Compiled:
     if library is not None:
         entries = tuple((int(j), int(p)) for j, p in library.record["entries"])
         return Compiled(model, entries, bool(library.record["needs_reference"]), library, {})
-    from symbolic.codegen.code import functions, reference_needed
-    from symbolic.codegen.equation import model_expressions
+    from exoid.symbolic.codegen.code import functions, reference_needed
+    from exoid.symbolic.codegen.equation import model_expressions
 
     expressions = model_expressions(model)
     entries = tuple((j, p) for j, p, _ in expressions.columns)
@@ -199,7 +199,7 @@ def _make(model: Model, backend: str) -> Compiled:
 
 
 def _source(model: Model) -> GeneratedC:
-    from symbolic.codegen.code import generate
+    from exoid.symbolic.codegen.code import generate
 
     made = generate(model)
     record = {"entries": made.entries, "needs_reference": made.needs_reference}

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.codegen.translate import casadi_from_sympy
-from symbolic.joints import Joint
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.newton_euler import ACROSS, STILL, BaseMotion, link_torques
-from symbolic.mechanics.tree import tree_form
+from exoid.symbolic.codegen.translate import casadi_from_sympy
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.newton_euler import ACROSS, STILL, BaseMotion, link_torques
+from exoid.symbolic.mechanics.tree import tree_form
 
 LONGEST_SYMBOLIC = 6
 """Joints up to which Lagrange's equations are the shorter form; Newton and Euler's recursion is used beyond."""

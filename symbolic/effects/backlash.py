@@ -5,7 +5,7 @@ Without a gap (h = 0) play(θ; 0) = θ, and what is left is a plain spring of st
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 EFFECT = Effect(
     id="backlash",

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect import Coefficient, Effect
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:

@@ -7,8 +7,8 @@ and couples their accelerations through sin θ2 where Φ3 couples them through c
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect
-from symbolic.effects.com_offset import derive
+from exoid.symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effects.com_offset import derive
 
 EFFECT = Effect(
     id="com_offset_shank",

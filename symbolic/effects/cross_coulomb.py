@@ -6,7 +6,7 @@ friction. The sign is smoothed over 0.03 rad/s, below which the sum of two measu
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect import Coefficient, Effect
 
 SIGN = "tanh((dtheta1 + dtheta2) / 0.03)"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbolic.effect import Effect, Shape
+from exoid.symbolic.effect import Effect, Shape
 
 EFFECT = Effect(
     id="drive_gain",

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from symbolic.effect import Effect, Shape
+from exoid.symbolic.effect import Effect, Shape
 
 
 def derive(mechanism: Any, symbols: Mapping[str, Any]) -> Any:

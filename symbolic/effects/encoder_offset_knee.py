@@ -6,8 +6,8 @@ centre of mass off its axis, so a shank with its mass off axis gives exactly the
 
 from __future__ import annotations
 
-from symbolic.effect import Effect, Shape
-from symbolic.effects.encoder_offset import derive
+from exoid.symbolic.effect import Effect, Shape
+from exoid.symbolic.effects.encoder_offset import derive
 
 EFFECT = Effect(
     id="encoder_offset_knee",

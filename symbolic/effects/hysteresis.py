@@ -6,7 +6,7 @@ contacts come nearer to the one or to the other.
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 SLIPS = " + ".join(f"(theta - play(theta, {h} / sigma)) * sigma / {h}" for h in ("0.5", "1", "2"))
 

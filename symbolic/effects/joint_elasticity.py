@@ -6,7 +6,7 @@ Encoder before it, at the motor: the leg lags by the twist, and c = -J_leg/K < 0
 
 from __future__ import annotations
 
-from symbolic.effect import Effect, Shape
+from exoid.symbolic.effect import Effect, Shape
 
 EFFECT = Effect(
     id="joint_elasticity",

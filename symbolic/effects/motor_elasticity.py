@@ -6,7 +6,7 @@ first order in the twist. Where the encoder sits at the joint, the angles are ri
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect import Coefficient, Effect
 
 EFFECT = Effect(
     id="motor_elasticity",

@@ -6,7 +6,7 @@ apart.
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 EFFECT = Effect(
     id="passive_exponential",

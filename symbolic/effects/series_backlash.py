@@ -6,7 +6,7 @@ crossed at once. To first order in h. What is elastic beside the drive and has a
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 EFFECT = Effect(
     id="series_backlash",

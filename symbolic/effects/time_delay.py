@@ -6,7 +6,7 @@ its own.
 
 from __future__ import annotations
 
-from symbolic.effect import Effect, Shape
+from exoid.symbolic.effect import Effect, Shape
 
 EFFECT = Effect(
     id="time_delay",

@@ -6,7 +6,7 @@ recording, which is the same as an offset of its own, -c t_0.
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 EFFECT = Effect(
     id="torque_drift",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect import Coefficient, Effect
 
 EFFECT = Effect(
     id="torque_offset",

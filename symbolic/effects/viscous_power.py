@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect import Coefficient, Effect, Shape
 
 EFFECT = Effect(
     id="viscous_power",

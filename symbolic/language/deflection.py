@@ -18,7 +18,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from symbolic.joints import LEG, MOST, Joint, ancestors
+from exoid.symbolic.joints import LEG, MOST, Joint, ancestors
 
 STATES = ("theta", "dtheta", "ddtheta")
 """The states of a joint, in the order in which derivatives by them are listed."""

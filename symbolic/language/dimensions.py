@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from symbolic.language.tokens import refusal
-from symbolic.language.tree import CONSTANTS, Binary, Call, Name, Node, Number, Unary
-from symbolic.units import NONE, TIME, Dimension
+from exoid.symbolic.language.tokens import refusal
+from exoid.symbolic.language.tree import CONSTANTS, Binary, Call, Name, Node, Number, Unary
+from exoid.symbolic.units import NONE, TIME, Dimension
 
 PURE = ("sin", "cos", "tan", "exp", "log", "tanh")
 """Functions of a plain number."""

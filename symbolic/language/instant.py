@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.language.tree import OPERATORS, Call, Name, rebuilt
+from exoid.symbolic.language.tree import OPERATORS, Call, Name, rebuilt
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from symbolic.language.tokens import refusal
-from symbolic.language.tree import Binary, Call, Name, Unary
+from exoid.symbolic.language.tokens import refusal
+from exoid.symbolic.language.tree import Binary, Call, Name, Unary
 
 LINEAR_OPERATORS = frozenset(("delay", "slow", "ddt"))
 """Operators with memory that may act on what is proportional to a coefficient; play and dahl may not."""

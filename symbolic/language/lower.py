@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from ground.errors import ExpressionError
-from symbolic.language.operators import MEMORY
-from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Binary, Call, Name, Node
-from symbolic.language.walk import NONE, Spelling, lower
-from symbolic.language.writing import to_text
-from symbolic.waves import FEW, are_even, sines
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.language.operators import MEMORY
+from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Binary, Call, Name, Node
+from exoid.symbolic.language.walk import NONE, Spelling, lower
+from exoid.symbolic.language.writing import to_text
+from exoid.symbolic.waves import FEW, are_even, sines
 
 if TYPE_CHECKING:
-    from symbolic.motion import Float
+    from exoid.symbolic.motion import Float
 
 ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,

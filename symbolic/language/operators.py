@@ -15,8 +15,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ground.errors import EffectError
-from symbolic.motion import Float
+from exoid.ground.errors import EffectError
+from exoid.symbolic.motion import Float
 
 FORGOTTEN = 1e-30
 """What is left of a state that no longer counts."""

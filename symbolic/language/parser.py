@@ -17,10 +17,10 @@ import operator
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from ground.errors import ExpressionError
-from ground.suggest import nearest
-from symbolic.language.tokens import Token, refusal, tokenize
-from symbolic.language.tree import (
+from exoid.ground.errors import ExpressionError
+from exoid.ground.suggest import nearest
+from exoid.symbolic.language.tokens import Token, refusal, tokenize
+from exoid.symbolic.language.tree import (
     CONSTANTS,
     FUNCTIONS,
     OPERATORS,

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.language.lower import ARITHMETIC, NUMPY, known, power, with_memory
-from symbolic.language.operators import MEMORY
-from symbolic.language.tree import CONSTANTS, Node
-from symbolic.language.walk import Spelling, lower
+from exoid.symbolic.language.lower import ARITHMETIC, NUMPY, known, power, with_memory
+from exoid.symbolic.language.operators import MEMORY
+from exoid.symbolic.language.tree import CONSTANTS, Node
+from exoid.symbolic.language.walk import Spelling, lower
 
 
 class TextPlan:

@@ -10,8 +10,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from ground.errors import ExpressionError
-from symbolic.language.tree import Span
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.language.tree import Span
 
 LONGEST_TEXT = 2000
 LONGEST_WORD = 40

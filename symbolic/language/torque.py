@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from symbolic.language.deflection import SLOPES
-from symbolic.language.dimensions import check_dimensions
-from symbolic.language.linearity import LINEAR_OPERATORS
-from symbolic.language.tokens import refusal
-from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary, rebuilt
-from symbolic.language.words import FEEDBACK, MODEL_TORQUE, joint_of, read_text, stem_of, word_dimension
-from symbolic.units import FORCE, TORQUE, dimension
+from exoid.symbolic.language.deflection import SLOPES
+from exoid.symbolic.language.dimensions import check_dimensions
+from exoid.symbolic.language.linearity import LINEAR_OPERATORS
+from exoid.symbolic.language.tokens import refusal
+from exoid.symbolic.language.tree import Binary, Call, Name, Node, Number, Unary, rebuilt
+from exoid.symbolic.language.words import FEEDBACK, MODEL_TORQUE, joint_of, read_text, stem_of, word_dimension
+from exoid.symbolic.units import FORCE, TORQUE, dimension
 
 if TYPE_CHECKING:
-    from symbolic.term import Term
+    from exoid.symbolic.term import Term
 
 
 @dataclass(frozen=True, eq=False)

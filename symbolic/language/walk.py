@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ground.errors import ExpressionError
-from symbolic.language.tree import Binary, Call, Name, Node, Number, Unary
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.language.tree import Binary, Call, Name, Node, Number, Unary
 
 NONE: Mapping[str, Any] = {}
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from symbolic.joints import MOST
-from symbolic.language.deflection import SLOPES
-from symbolic.language.parser import parse
-from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Node
-from symbolic.units import FORCE, LENGTH, NONE, TIME, TORQUE, Dimension
+from exoid.symbolic.joints import MOST
+from exoid.symbolic.language.deflection import SLOPES
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS, Node
+from exoid.symbolic.units import FORCE, LENGTH, NONE, TIME, TORQUE, Dimension
 
 OWN = ("theta", "dtheta", "ddtheta", "tau_rigid", "tau_model")
 """Words that mean the effect's own joint. With a number behind them they mean the joint of that number (1: the first),

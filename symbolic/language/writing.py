@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from symbolic.language.tree import FUNCTIONS, OPERATORS, Node
-from symbolic.language.walk import Spelling, lower
+from exoid.symbolic.language.tree import FUNCTIONS, OPERATORS, Node
+from exoid.symbolic.language.walk import Spelling, lower
 
 SUM, PRODUCT, SIGN, POWER, ATOM = range(5)
 

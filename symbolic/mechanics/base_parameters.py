@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import PARAMETERS, STILL, BaseMotion, link_torques
-from symbolic.motion import Float
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.newton_euler import PARAMETERS, STILL, BaseMotion, link_torques
+from exoid.symbolic.motion import Float
 
 SEED = 20262
 STATES = 40

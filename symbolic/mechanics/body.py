@@ -20,9 +20,9 @@ from typing import Protocol
 
 import numpy as np
 
-from ground.errors import ExoidError
-from symbolic.joints import Joint, parents
-from symbolic.motion import Float
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.joints import Joint, parents
+from exoid.symbolic.motion import Float
 
 TABLE = "Winter 2009, table 4.1"
 """What is said of where the numbers come from."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.mechanics.mechanism import Mechanism
 
 Row = dict["Expr", "Expr"]
 """One function of the motion: coefficient of every monomial of the unknowns."""

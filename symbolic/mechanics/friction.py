@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
-from symbolic.effect import Coefficient, Effect
-from symbolic.joints import LEG, Joint
-from symbolic.term import Parameter, Term
+from exoid.symbolic.effect import Coefficient, Effect
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.term import Parameter, Term
 
 COULOMB = Effect(
     id="coulomb",

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from symbolic.mechanics.mechanism import positive
+from exoid.symbolic.mechanics.mechanism import positive
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
-    from symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.mechanics.mechanism import Mechanism
 
 
 @dataclass(frozen=True, eq=False)

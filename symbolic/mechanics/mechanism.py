@@ -18,7 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from symbolic.joints import Joint, ancestors
+from exoid.symbolic.joints import Joint, ancestors
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

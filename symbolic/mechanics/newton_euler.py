@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from symbolic.joints import Joint, ancestors, parents
+from exoid.symbolic.joints import Joint, ancestors, parents
 
 PARAMETERS = ("J", "X", "m")
 """Of each link: inertia about its joint kg·m², mass times the distance of its centre of mass along the link kg·m, mass

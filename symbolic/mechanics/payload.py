@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ground.errors import ExoidError
-from symbolic.joints import JOINT_NAME
-from symbolic.model import Model
-from symbolic.motion import Float, read_only
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.joints import JOINT_NAME
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, read_only
 
 LINKS = ("thigh", "shank")
 HEAVIEST, FARTHEST = 200.0, 3.0

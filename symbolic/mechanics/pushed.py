@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
-from symbolic.joints import LEG, Joint
-from symbolic.mechanics.newton_euler import STILL, BaseMotion, push_torques
-from symbolic.motion import Float
+from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.mechanics.newton_euler import STILL, BaseMotion, push_torques
+from exoid.symbolic.motion import Float
 
 if TYPE_CHECKING:
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
 
 def pushed_torques(

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from symbolic.mechanics.elimination import eliminate
-from symbolic.mechanics.lagrange import mechanics
-from symbolic.mechanics.mechanism import leg
+from exoid.symbolic.mechanics.elimination import eliminate
+from exoid.symbolic.mechanics.lagrange import mechanics
+from exoid.symbolic.mechanics.mechanism import leg
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
 
-    from symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.mechanics.mechanism import Mechanism
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,14 +12,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import EffectError
-from symbolic.mechanics.mechanism import Mechanism, leg, real
-from symbolic.mechanics.regressor import derive_regressor
+from exoid.ground.errors import EffectError
+from exoid.symbolic.mechanics.mechanism import Mechanism, leg, real
+from exoid.symbolic.mechanics.regressor import derive_regressor
 
 if TYPE_CHECKING:
     from sympy import Matrix, Symbol
 
-    from symbolic.term import Term
+    from exoid.symbolic.term import Term
 
 
 def symbols_of(term: Term) -> dict[str, Symbol]:

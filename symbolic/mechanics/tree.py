@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import EffectError
-from symbolic.joints import Joint, ancestors
-from symbolic.mechanics.base_parameters import BaseParameter, base_parameters
-from symbolic.mechanics.mechanism import Mechanism, machine, real
-from symbolic.mechanics.newton_euler import ACROSS
+from exoid.ground.errors import EffectError
+from exoid.symbolic.joints import Joint, ancestors
+from exoid.symbolic.mechanics.base_parameters import BaseParameter, base_parameters
+from exoid.symbolic.mechanics.mechanism import Mechanism, machine, real
+from exoid.symbolic.mechanics.newton_euler import ACROSS
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix

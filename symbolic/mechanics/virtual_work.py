@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from symbolic.force import NORMAL, TORQUE, VERTICAL, Force
+from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, Force
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from symbolic.mechanics.mechanism import Mechanism
+    from exoid.symbolic.mechanics.mechanism import Mechanism
 
 
 def force_torques(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.plain import AsJson, plain, plain_dict
+from exoid.ground.plain import AsJson, plain, plain_dict
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""`from optimisation import identify` works, whoever imported what before, and costs nothing until it is used."""
+"""`from exoid.optimisation import identify` works, whoever imported what before, and costs nothing until it is used."""
 
 from __future__ import annotations
 

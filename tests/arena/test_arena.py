@@ -11,7 +11,7 @@ from benchmarks.arena.cases import draw, folder, names
 from benchmarks.arena.columns import Table
 from benchmarks.arena.plants import equations
 from benchmarks.arena.referee import graded, page, right
-from measurement.signals.conditioning import low_pass
+from exoid.measurement.signals.conditioning import low_pass
 
 CASE = "equations/1j@0.02,100/viscous_quadratic:axis/1"
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from ground import cache
-from ground.cache import cache_folder, distrust, read_trusted
-from ground.files import sha256
-from symbolic.codegen.cache import LIBRARY, RECORD, SEAL, GeneratedC, load_library
-from symbolic.codegen.compiler import EXACT, find_compiler
+from exoid.ground import cache
+from exoid.ground.cache import cache_folder, distrust, read_trusted
+from exoid.ground.files import sha256
+from exoid.symbolic.codegen.cache import LIBRARY, RECORD, SEAL, GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import EXACT, find_compiler
 
 posix = pytest.mark.skipif(os.name != "posix", reason="access rights of POSIX")
 compiles = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

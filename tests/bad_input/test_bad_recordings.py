@@ -5,10 +5,10 @@ import os
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.reading.read import read_recording, read_recordings
-from measurement.recording import Recording, write_recording
-from workbench.command import main
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.read import read_recording, read_recordings
+from exoid.measurement.recording import Recording, write_recording
+from exoid.workbench.command import main
 
 HEADER = "t,q1,q2,tau1,tau2"
 T = np.arange(800) * 0.01

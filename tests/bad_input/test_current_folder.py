@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from ground.import_path import HOME, environment_of_workers, workers_import_alike
-from measurement.reading.read import read_recording
+from exoid.ground.import_path import HOME, environment_of_workers, workers_import_alike
+from exoid.measurement.reading.read import read_recording
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "workbench" / "demo_data"
@@ -19,10 +19,10 @@ LATE = {"numpy", "scipy", "socket", "concurrent", "h5py"}
 OTHERS = {"numpy", "scipy", "casadi", "joblib", "distributed", "submitit", "sympy", "pandas", "h5py", "python_calamine"}
 PLANTED = 'open(__file__ + ".ran", "w").close()\nraise SystemExit("planted code was run")\n'
 ENGINES = {
-    "alone": "from ground.engines.processes import alone; engine = alone()",
-    "processes": "from ground.engines.processes import processes; engine = processes(2)",
-    "dask": "from ground.engines.dask import dask; engine = dask('local', 1)",
-    "slurm": "from ground.engines.slurm import slurm; engine = slurm('local', Path(sys.argv[1]), 1)",
+    "alone": "from exoid.ground.engines.processes import alone; engine = alone()",
+    "processes": "from exoid.ground.engines.processes import processes; engine = processes(2)",
+    "dask": "from exoid.ground.engines.dask import dask; engine = dask('local', 1)",
+    "slurm": "from exoid.ground.engines.slurm import slurm; engine = slurm('local', Path(sys.argv[1]), 1)",
 }
 ASK = """
 import math, os, sys

@@ -21,14 +21,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.errors import ExoidError
-from measurement.bench.seal import Truth, open_seal, write_seal
-from measurement.reading import limits
-from measurement.reading.read import open_table, read_recording
-from measurement.trajectories.trajectory import paper_trajectory
-from measurement.trajectories.trajectory_file import read_trajectory, write_trajectory
-from symbolic.model import Model
-from symbolic.model_file import read_model, read_numbers, write_model
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.seal import Truth, open_seal, write_seal
+from exoid.measurement.reading import limits
+from exoid.measurement.reading.read import open_table, read_recording
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.measurement.trajectories.trajectory_file import read_trajectory, write_trajectory
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import read_model, read_numbers, write_model
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "measurement"))
 from written import FORMATS

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from ground.delivery import together
-from ground.errors import ExoidError
-from ground.files import write_whole
-from ground.inputs import read_input
-from ground.inside import is_inside, refuse_links
-from ground.lock import FolderHeld, FolderLock
-from workbench.campaign.plan import Job, Plan
-from workbench.campaign.run import run_campaign
-from workbench.campaign.store import CampaignError, JobStore
-from workbench.command import main
-from workbench.command_line.inputs import beside
+from exoid.ground.delivery import together
+from exoid.ground.errors import ExoidError
+from exoid.ground.files import write_whole
+from exoid.ground.inputs import read_input
+from exoid.ground.inside import is_inside, refuse_links
+from exoid.ground.lock import FolderHeld, FolderLock
+from exoid.workbench.campaign.plan import Job, Plan
+from exoid.workbench.campaign.run import run_campaign
+from exoid.workbench.campaign.store import CampaignError, JobStore
+from exoid.workbench.command import main
+from exoid.workbench.command_line.inputs import beside
 
 DEMO = Path(__file__).parents[2] / "workbench" / "demo_data"
 
@@ -143,7 +143,7 @@ def test_the_files_of_a_campaign(name, plant, tmp_path):
     plant(tmp_path / "fleet" / name)
     plan = Plan("plan", "compare", (), ("device",), "device", None)
     if name == "table.csv":
-        from workbench.campaign.table import write_tables
+        from exoid.workbench.campaign.table import write_tables
 
         row = {
             "name": "d1", "key": "k", "fields": {"device": "d1"}, "status": "refused", "reason": "", "recordings": [],
@@ -203,7 +203,7 @@ def test_a_lock_is_one_process_at_a_time_and_its_file_the_folders_own(plant, tmp
 
 def test_submitit_finds_no_answer_that_lay_there_before(tmp_path, monkeypatch):
     submitit = pytest.importorskip("submitit")
-    from ground.engines.slurm import slurm
+    from exoid.ground.engines.slurm import slurm
 
     asked, executor = [], submitit.AutoExecutor
 

@@ -10,10 +10,10 @@ import zlib
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.reading import limits
-from measurement.reading.limits import MOST_ENTRIES, Budget
-from measurement.reading.read import read_recording
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading import limits
+from exoid.measurement.reading.limits import MOST_ENTRIES, Budget
+from exoid.measurement.reading.read import read_recording
 from tests.measurement.written import timetable
 
 T = np.arange(2000) * 0.01

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from ground.delivery import PREFIX, Delivery, together
-from ground.files import write_whole
-from ground.inputs import open_input, read_input
-from workbench.command import find_verbs, main, verb_parser
-from workbench.command_line.files import OutputError, check_json, check_target
-from workbench.command_line.guard import OUTPUTS, protect_inputs
+from exoid.ground.delivery import PREFIX, Delivery, together
+from exoid.ground.files import write_whole
+from exoid.ground.inputs import open_input, read_input
+from exoid.workbench.command import find_verbs, main, verb_parser
+from exoid.workbench.command_line.files import OutputError, check_json, check_target
+from exoid.workbench.command_line.guard import OUTPUTS, protect_inputs
 
 HARMLESS = ("t,q1,q2,tau1,tau2", *(f"{k},{k % 7},{k % 5},{k % 3},{k % 11}" for k in range(20)))
 
@@ -209,7 +209,7 @@ def test_or_not_at_all(tmp_path, monkeypatch, failing):
 
 
 def test_a_full_disk_leaves_the_old_report(tmp_path, monkeypatch, capsys):
-    from ground import delivery
+    from exoid.ground import delivery
 
     out = tmp_path / "out"
     assert main(["effects", "--out", str(out), "--quiet"]) == 0
@@ -296,7 +296,7 @@ def test_what_was_left_by_a_killed_process_goes_after_a_day(tmp_path):
 
 
 def test_sigterm_clears_away_and_says_so(tmp_path, monkeypatch, capsys):
-    from workbench.commands import effects
+    from exoid.workbench.commands import effects
 
     def killed(args):
         write_whole(tmp_path / "a", "1")

@@ -11,19 +11,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ground.errors import ModelFileError
-from ground.text import in_comment, printable
-from measurement.bench.leg import standard_leg
-from symbolic.codegen.code import generate
-from symbolic.model import Model
-from symbolic.model_file import Numbers, read_model, write_model
+from exoid.ground.errors import ModelFileError
+from exoid.ground.text import in_comment, printable
+from exoid.measurement.bench.leg import standard_leg
+from exoid.symbolic.codegen.code import generate
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.workbench.command import main
+from exoid.workbench.command_line.files import json_text, write_text
+from exoid.workbench.export import c, casadi, numpy, urdf
+from exoid.workbench.identified import ExportError, Options, ready
+from exoid.workbench.reserved import is_taken
+from exoid.workbench.terminal.screen import Screen, warn
 from tests.exported_module import python_module
-from workbench.command import main
-from workbench.command_line.files import json_text, write_text
-from workbench.export import c, casadi, numpy, urdf
-from workbench.identified import ExportError, Options, ready
-from workbench.reserved import is_taken
-from workbench.terminal.screen import Screen, warn
 
 EVIL = "int exoid_evil;"
 NAMES = (
@@ -171,7 +171,7 @@ def test_one_sample_that_is_no_number_does_not_stay(effect, tmp_path):
 
 
 def test_numbers_that_overflow_are_not_exported(tmp_path, capsys):
-    from symbolic.model_file import model_content
+    from exoid.symbolic.model_file import model_content
 
     model = Model()
     for big in (1e308, -1e308, 1e200):

@@ -5,11 +5,11 @@ import json
 
 import pytest
 
-from measurement.bench.simulation import Bench, BenchError
-from measurement.trajectories.trajectory import TrajectoryError, paper_trajectory
-from optimisation.excitation.criteria import Noise
-from workbench.command import find_verbs, main, verb_parser
-from workbench.command_line.options import between, whole_number
+from exoid.measurement.bench.simulation import Bench, BenchError
+from exoid.measurement.trajectories.trajectory import TrajectoryError, paper_trajectory
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.workbench.command import find_verbs, main, verb_parser
+from exoid.workbench.command_line.options import between, whole_number
 
 WILD = ("nan", "inf", "-inf", "-1", "1e400", "1e999999", "", " ", "abc", "0x10", "1_000_000_000_000_000", "٣e9", "--")
 NUMERIC = ("HZ", "S", "N", "K", "SHARE", "VALUE", "B", "NM", "W", "RMS")
@@ -92,7 +92,7 @@ def test_a_range_says_itself():
 }.items(), ids=lambda value: value if isinstance(value, str) else "")  # fmt: skip
 def test_a_run_that_was_damaged_or_altered_is_run_again(name, change, tmp_path, kept):
     text, contest, search, path = kept
-    from optimisation.contest.store import RunStore
+    from exoid.optimisation.contest.store import RunStore
 
     path.write_text(text)
     assert RunStore(path.parent, contest).read("de", search, 0) is not None
@@ -107,7 +107,7 @@ def edit(text, **changes):
 
 
 def sealed(content):
-    from optimisation.contest.store import _hash
+    from exoid.optimisation.contest.store import _hash
 
     return {**content, "sha256": _hash(content)}
 
@@ -115,9 +115,9 @@ def sealed(content):
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory):
     """The file of one short run."""
-    from optimisation.contest.problem import paper_contest, race
-    from optimisation.contest.rivals import entrants
-    from optimisation.contest.store import RunStore
+    from exoid.optimisation.contest.problem import paper_contest, race
+    from exoid.optimisation.contest.rivals import entrants
+    from exoid.optimisation.contest.store import RunStore
 
     folder = tmp_path_factory.mktemp("runs")
     contest, search = paper_contest(0, 8, 4), entrants()["de"]
@@ -129,7 +129,7 @@ def kept(tmp_path_factory):
 def test_a_pipe_in_the_place_of_a_run(kept):
     import os
 
-    from optimisation.contest.store import RunStore
+    from exoid.optimisation.contest.store import RunStore
 
     text, contest, search, path = kept
     path.unlink()
@@ -151,7 +151,7 @@ def test_a_worker_ends_with_the_process_it_works_for(tmp_path):
 
     code = (
         "import os, subprocess, sys, time\n"
-        'child = "import os, time; from ground.engines.processes import end_with; end_with(os.getppid()); '
+        'child = "import os, time; from exoid.ground.engines.processes import end_with; end_with(os.getppid()); '
         'print(os.getpid(), flush=True); time.sleep(60)"\n'
         "subprocess.Popen([sys.executable, '-c', child])\n"
         "time.sleep(60)\n"

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.reading.read import read_recording
-from measurement.reading.units import factor
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.units import factor
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "measurement"))
 from tables import leg, text

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from ground.engines.engine import Engine, EngineError
-from ground.engines.local import local
-from workbench.campaign import work as module
-from workbench.campaign.copies import describe_copies, same_recordings
-from workbench.campaign.plan import read_plan
-from workbench.campaign.run import run_campaign
-from workbench.campaign.store import AwayError, CampaignError, JobStore, task_of
-from workbench.command import main, versions
+from exoid.ground.engines.engine import Engine, EngineError
+from exoid.ground.engines.local import local
+from exoid.workbench.campaign import work as module
+from exoid.workbench.campaign.copies import describe_copies, same_recordings
+from exoid.workbench.campaign.plan import read_plan
+from exoid.workbench.campaign.run import run_campaign
+from exoid.workbench.campaign.store import AwayError, CampaignError, JobStore, task_of
+from exoid.workbench.command import main, versions
 
 DEMO = Path(__file__).parents[2] / "workbench" / "demo_data"
 PLAN = 'verb = "compare"\nfiles = "data/{device}/run_{run}.csv"\nverify = 1\n[options]\ncutoff = 6\n'
@@ -126,7 +126,7 @@ def test_what_is_refused_for_good_stays_refused(fleet, quick):
 
 
 def test_one_that_cannot_be_looked_at_does_not_stop_the_others(fleet, quick, monkeypatch):
-    from workbench.campaign import store
+    from exoid.workbench.campaign import store
 
     look = store.sha256_file
 
@@ -261,7 +261,7 @@ def test_workers_of_this_machine_check_what_they_read(fleet):
     path.write_text(path.read_text() + "\n")
     here = local(1)
     try:
-        from ground.engines.cell import in_cell
+        from exoid.ground.engines.cell import in_cell
 
         found = here.executor.submit(in_cell, module.FUNCTION, task, 120.0).result()
     finally:

@@ -14,14 +14,14 @@ from pathlib import Path
 
 import pytest
 
-from ground.engines.local import local
-from workbench.campaign.page import render_campaign
-from workbench.campaign.plan import Job, Plan, read_plan
-from workbench.campaign.run import run_campaign
-from workbench.campaign.store import CampaignError, JobStore
-from workbench.campaign.table import flat, write_tables
-from workbench.campaign.work import row_of_events
-from workbench.command import main
+from exoid.ground.engines.local import local
+from exoid.workbench.campaign.page import render_campaign
+from exoid.workbench.campaign.plan import Job, Plan, read_plan
+from exoid.workbench.campaign.run import run_campaign
+from exoid.workbench.campaign.store import CampaignError, JobStore
+from exoid.workbench.campaign.table import flat, write_tables
+from exoid.workbench.campaign.work import row_of_events
+from exoid.workbench.command import main
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "workbench" / "demo_data"
@@ -80,7 +80,7 @@ def test_going_on_does_nothing_twice_and_writes_the_same_bytes(finished, plan_fi
 
 
 def test_an_answer_that_was_edited_or_cut_is_not_believed(finished, plan_file, tmp_path):
-    from workbench.command import versions
+    from exoid.workbench.command import versions
 
     found, folder = finished
     shutil.copytree(folder, tmp_path / "out")
@@ -98,7 +98,7 @@ def test_an_answer_that_was_edited_or_cut_is_not_believed(finished, plan_file, t
 
 
 def test_two_campaigns_in_one_folder_are_refused(finished, plan_file):
-    from workbench.campaign.run import _alone
+    from exoid.workbench.campaign.run import _alone
 
     _, folder = finished
     engine = local(1)
@@ -108,8 +108,8 @@ def test_two_campaigns_in_one_folder_are_refused(finished, plan_file):
 
 
 def test_a_worker_with_other_versions_is_refused_in_words(plan_file):
-    from workbench.campaign.store import task_of
-    from workbench.campaign.work import work
+    from exoid.workbench.campaign.store import task_of
+    from exoid.workbench.campaign.work import work
 
     job = read_plan(plan_file).jobs[0]
     answer = work(task_of(job, ships=False, report=False, versions={"exoid": "9.9", "casadi": "0.1"}))
@@ -117,9 +117,9 @@ def test_a_worker_with_other_versions_is_refused_in_words(plan_file):
 
 
 def test_recordings_that_travel_as_bytes_give_the_same_answer(finished, plan_file):
-    from workbench.campaign.store import task_of
-    from workbench.campaign.work import work
-    from workbench.command import versions
+    from exoid.workbench.campaign.store import task_of
+    from exoid.workbench.campaign.work import work
+    from exoid.workbench.command import versions
 
     found, _ = finished
     job = read_plan(plan_file).jobs[0]
@@ -201,7 +201,7 @@ def test_the_events_of_a_watched_recording_are_one_row():
 @pytest.mark.slow
 def test_killed_at_any_moment_it_goes_on_and_gives_the_same_bytes(finished, plan_file, tmp_path):
     _, whole = finished
-    command = [sys.executable, "-m", "workbench.command", "campaign", str(plan_file), "--out", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "exoid.workbench.command", "campaign", str(plan_file), "--out", str(tmp_path / "out")]
     process = subprocess.Popen([*command, "--jobs", "1"], cwd=ROOT, stdout=subprocess.DEVNULL)
     jobs = tmp_path / "out" / "jobs"
     while not (jobs.is_dir() and any(jobs.glob("*.json"))) and process.poll() is None:

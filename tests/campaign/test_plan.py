@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workbench.campaign.plan import PlanError, read_plan
+from exoid.workbench.campaign.plan import PlanError, read_plan
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.campaign.plan import Plan
-from workbench.campaign.pooled import Z, pool, pooled_mean
+from exoid.workbench.campaign.plan import Plan
+from exoid.workbench.campaign.pooled import Z, pool, pooled_mean
 
 pytestmark = pytest.mark.slow  # the extra `campaign`, which CI installs for the slow tests
 pytest.importorskip("statsmodels")

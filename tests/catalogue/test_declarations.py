@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ground.errors import EffectError
-from symbolic.catalogue import catalogue, find_effect
-from symbolic.effect_declaration import texts
-from symbolic.language.lower import to_numpy
-from symbolic.language.parser import parse
-from symbolic.language.words import allowed_words
-from symbolic.term import Term
+from exoid.ground.errors import EffectError
+from exoid.symbolic.catalogue import catalogue, find_effect
+from exoid.symbolic.effect_declaration import texts
+from exoid.symbolic.language.lower import to_numpy
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.words import allowed_words
+from exoid.symbolic.term import Term
 
 WITH_TEXT = [effect for effect in catalogue().values() if effect.torque is not None]
 FRICTION = [effect for effect in WITH_TEXT if effect.family == "friction"]
@@ -181,7 +181,7 @@ def test_the_catalogue_itself_needs_no_arrays_and_no_algebra():
         "package = types.ModuleType('symbolic')\n"
         "package.__path__ = importlib.util.find_spec('symbolic').submodule_search_locations\n"
         "sys.modules['symbolic'] = package\n"
-        "from symbolic.catalogue import catalogue\n"
+        "from exoid.symbolic.catalogue import catalogue\n"
         "assert catalogue()\n"
         "print([m for m in ('numpy', 'sympy', 'casadi', 'scipy') if m in sys.modules])\n"
     )

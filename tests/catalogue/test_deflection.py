@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from measurement.bench.hidden import Hidden
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, run_bench
-from symbolic.catalogue import find_effect
-from symbolic.effect import Coefficient, Effect
-from symbolic.effect_declaration import check_effect
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.symbolic.catalogue import find_effect
+from exoid.symbolic.effect import Coefficient, Effect
+from exoid.symbolic.effect_declaration import check_effect
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 from tests.newton_euler import Leg, base_parameters, torque
 
 LEG = Leg((9.5, 6.0), (0.14, 0.11), (0.18, 0.22))

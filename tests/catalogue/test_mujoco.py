@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from measurement.bench.leg import Leg, Segment
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.measurement.bench.leg import Leg, Segment
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'exoid[peers]'")
 

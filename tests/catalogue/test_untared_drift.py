@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, simulate_runs
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 
 DRIFT = 0.08
 

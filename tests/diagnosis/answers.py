@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.discover import discover
-from measurement.auditing.convention import check_conventions
-from measurement.recording import Recording
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.recording import Recording
+from exoid.symbolic.model import Model
 from tests.made_recordings import motion, recording
 from tests.measurement.test_conventions_of_machines import ANKLE, PAIR, kept, moved
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.evidence.library import Library, build_library
-from diagnosis.rules import RULES, Rules
-from diagnosis.search.context import SearchContext
-from diagnosis.search.state import State
-from measurement.signals.conditioning import low_pass_at
-from optimisation.preparation.cutoff import CutoffChoice
-from optimisation.preparation.filtering import PreparedRecording
-from optimisation.preparation.prepare import Prepared
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis.evidence.library import Library, build_library
+from exoid.diagnosis.rules import RULES, Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.state import State
+from exoid.measurement.signals.conditioning import low_pass_at
+from exoid.optimisation.preparation.cutoff import CutoffChoice
+from exoid.optimisation.preparation.filtering import PreparedRecording
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 RATE, SECONDS, CUTOFF = 40.0, 12.0, 5.0
 BASE = np.array([2.5, 0.9, 0.35, -0.6, 0.8, 0.5, 0.6, 0.4])

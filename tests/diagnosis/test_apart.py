@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis import discover
-from diagnosis.evidence import apart as module
-from diagnosis.evidence.apart import apart
-from diagnosis.evidence.fitted import fitted_model
-from measurement.recording import Recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis import discover
+from exoid.diagnosis.evidence import apart as module
+from exoid.diagnosis.evidence.apart import apart
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 AXIS = Model("drive", joints=(Joint("axis"),))
 WITH = AXIS.with_effect("viscous_quadratic:axis")

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.fitted import fitted_model
-from measurement.bench.hidden import parse_hidden
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import simulate_runs
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.measurement.bench.hidden import parse_hidden
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import simulate_runs
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 
 MODEL = Model.standard().with_effect("viscous_quadratic:knee")
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from diagnosis.rules import RULES
-from symbolic.catalogue import catalogue
+from exoid.diagnosis.rules import RULES
+from exoid.symbolic.catalogue import catalogue
 
 
 @pytest.mark.shows("placebos", "false_discovery_rate")

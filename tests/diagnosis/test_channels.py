@@ -8,24 +8,24 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from diagnosis.compare import compare
-from diagnosis.discover import discover
-from diagnosis.evidence.channel_doubt import Doubt, left_share
-from diagnosis.evidence.channels import channel_findings, doubts_after, doubts_before
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.model_error import model_error
-from diagnosis.evidence.repeats import repeats
-from diagnosis.evidence.timing import filtered
-from diagnosis.rules import RULES
-from measurement.bench.simulation import Bench, run_bench
-from measurement.reading.read import read_recording
-from measurement.recording import Recording
-from measurement.signals.conditioning import low_pass
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence.channel_doubt import Doubt, left_share
+from exoid.diagnosis.evidence.channels import channel_findings, doubts_after, doubts_before
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.model_error import model_error
+from exoid.diagnosis.evidence.repeats import repeats
+from exoid.diagnosis.evidence.timing import filtered
+from exoid.diagnosis.rules import RULES
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.conditioning import low_pass
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 from tests.made_recordings import BETA, motion, recording
 
 MODEL = Model.standard()

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from synthetic import CUTOFF, recording, search
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence, RecordingEvidence
-from diagnosis.evidence.gram import inverse_of
-from diagnosis.evidence.library import build_library
-from diagnosis.rules import Rules
-from diagnosis.search.context import SearchContext
-from optimisation.preparation.prepare import CutoffChoice, Prepared
-from symbolic.model import Model
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
+from exoid.diagnosis.evidence.gram import inverse_of
+from exoid.diagnosis.evidence.library import build_library
+from exoid.diagnosis.rules import Rules
+from exoid.diagnosis.search.context import SearchContext
+from exoid.optimisation.preparation.prepare import CutoffChoice, Prepared
+from exoid.symbolic.model import Model
 
 
 def block(rng: np.random.Generator, samples: int, width: int, fold: np.ndarray | None = None) -> RecordingEvidence:
@@ -134,11 +134,11 @@ def test_placebos_stay_away_from_zero_and_from_repeats_of_the_motion():
 
 def test_noise_is_called_significant_as_often_as_it_should_be():
     """Pure noise against placebos of itself: the p-value is uniform."""
-    from diagnosis.evidence.candidates import Candidate
-    from diagnosis.evidence.placebo import placebo
-    from diagnosis.evidence.score import Score
-    from symbolic.catalogue import find_effect
-    from symbolic.term import Term
+    from exoid.diagnosis.evidence.candidates import Candidate
+    from exoid.diagnosis.evidence.placebo import placebo
+    from exoid.diagnosis.evidence.score import Score
+    from exoid.symbolic.catalogue import find_effect
+    from exoid.symbolic.term import Term
 
     candidate = Candidate(Term(find_effect("viscous_asymmetry"), "hip"), np.zeros((2, 1, 0)), False)
     values = []
@@ -175,8 +175,8 @@ def test_one_among_the_entries_of_a_large_machine_can_be_significant():
     """Three joints have more candidates than 1499 placebos resolve at the false-discovery rate."""
     from types import SimpleNamespace
 
-    from diagnosis.rules import RULES
-    from diagnosis.search.context import SearchContext
+    from exoid.diagnosis.rules import RULES
+    from exoid.diagnosis.search.context import SearchContext
 
     for count in (56, 95, 300):
         context = SimpleNamespace(library=SimpleNamespace(candidates=[None] * count), rules=RULES)

@@ -7,19 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.compare import compare
-from diagnosis.discover import discover
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.evidence.pushes import turned_force, wanted_gains
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.bench.wearer import Wearer
-from measurement.forces import pushed_model
-from measurement.reading.read import read_recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
-from symbolic.model_file import read_model
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.pushes import turned_force, wanted_gains
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.bench.wearer import Wearer
+from exoid.measurement.forces import pushed_model
+from exoid.measurement.reading.read import read_recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import read_model
 
 LEG = Model.standard()
 

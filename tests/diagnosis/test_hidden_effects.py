@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.discover import discover
-from measurement.bench.hidden import parse_hidden
-from measurement.bench.leg import random_leg, standard_leg
-from measurement.bench.simulation import simulate_runs
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.measurement.bench.hidden import parse_hidden
+from exoid.measurement.bench.leg import random_leg, standard_leg
+from exoid.measurement.bench.simulation import simulate_runs
+from exoid.symbolic.model import Model
 
 HIDDEN = (
     "stribeck:hip=c=2.6,v_s=0.15",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from diagnosis.session.history import History
-from ground.errors import EffectError
+from exoid.diagnosis.session.history import History
+from exoid.ground.errors import EffectError
 
 
 def test_a_layer_is_added_switched_off_and_removed():

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.compare import compare
-from diagnosis.discover import discover
-from diagnosis.evidence import intermittent as module
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.evidence.intermittent import intermittent
-from measurement.auditing import trimmed
-from measurement.auditing.convention import check_conventions
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.bench.walk import Walk
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence import intermittent as module
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.intermittent import intermittent
+from exoid.measurement.auditing import trimmed
+from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.bench.walk import Walk
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 
 MODEL = Model.standard()

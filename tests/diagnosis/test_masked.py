@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.compare import compare
-from diagnosis.discover import discover
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, simulate_runs
-from symbolic.model import Model
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.discover import discover
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.symbolic.model import Model
 
 LEG = Model.standard()
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-import workbench
-from diagnosis import compare, diagnose
-from measurement import read_recording
-from optimisation import identify
-from symbolic import Model
+from exoid import workbench
+from exoid.diagnosis import compare, diagnose
+from exoid.measurement import read_recording
+from exoid.optimisation import identify
+from exoid.symbolic import Model
 
 DATA = Path(workbench.__file__).parent / "demo_data"
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from diagnosis.trials.cases import Case, cases
-from diagnosis.trials.count import right
-from diagnosis.trials.machines import CONVENTIONS, LEFT, MACHINES, TIMES, kept_in, without_knee_drive
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.reading.conventions import read_as
+from exoid.diagnosis.trials.cases import Case, cases
+from exoid.diagnosis.trials.count import right
+from exoid.diagnosis.trials.machines import CONVENTIONS, LEFT, MACHINES, TIMES, kept_in, without_knee_drive
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.reading.conventions import read_as
 
 RUNS = simulate_runs(4, seed=1, bench=Bench(duration=6.0))
 

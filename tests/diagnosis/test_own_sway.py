@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from synthetic import recording, search
 
-from diagnosis.evidence.own_sway import chance_of, own_sway
-from diagnosis.rules import RULES
-from diagnosis.search.engine import run_search
-from diagnosis.verdict import Conclusion, swayed
-from optimisation.fitting.identify import identify
-from optimisation.fitting.phases import phases_of
-from symbolic.model import Model
+from exoid.diagnosis.evidence.own_sway import chance_of, own_sway
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search.engine import run_search
+from exoid.diagnosis.verdict import Conclusion, swayed
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.phases import phases_of
+from exoid.symbolic.model import Model
 
 NOISE = np.full(2, 0.05)
 OFFSET = {"torque_offset:knee": ([3.0], [])}

@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.evidence.library import build_library
-from diagnosis.evidence.model_error import model_error, sensor_noise
-from diagnosis.evidence.remainder import remainders
-from ground.errors import NotEnoughDataError, RecordingError
-from measurement.auditing.checks.motion import check
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.library import build_library
+from exoid.diagnosis.evidence.model_error import model_error, sensor_noise
+from exoid.diagnosis.evidence.remainder import remainders
+from exoid.ground.errors import NotEnoughDataError, RecordingError
+from exoid.measurement.auditing.checks.motion import check
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.workbench.command_line.inputs import passive_joints
+from exoid.workbench.command_line.parser import UsageError
 from tests.made_recordings import recording
-from workbench.command_line.inputs import passive_joints
-from workbench.command_line.parser import UsageError
 
 KNEE = (False, True)
 

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-import diagnosis.discover  # noqa: F401
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.consistency import differing
-from diagnosis.evidence.score import admissible, harmless
-from diagnosis.evidence.stability import Splits
-from diagnosis.results import Accepted, Possible
-from diagnosis.rules import RULES
-from diagnosis.search.doubt import (
+import exoid.diagnosis.discover  # noqa: F401
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.consistency import differing
+from exoid.diagnosis.evidence.score import admissible, harmless
+from exoid.diagnosis.evidence.stability import Splits
+from exoid.diagnosis.results import Accepted, Possible
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search.doubt import (
     DELAY,
     Objection,
     beside_standstill,
@@ -26,11 +26,11 @@ from diagnosis.search.doubt import (
     on_bound,
     torque_before_motion,
 )
-from diagnosis.search.possible import possible_of
-from diagnosis.verdict import _deciding, _nearest, conclude
-from symbolic.catalogue import catalogue
-from symbolic.effect import Coefficient, Shape
-from symbolic.term import Term
+from exoid.diagnosis.search.possible import possible_of
+from exoid.diagnosis.verdict import _deciding, _nearest, conclude
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.effect import Coefficient, Shape
+from exoid.symbolic.term import Term
 
 
 @pytest.mark.shows("harmless")
@@ -119,7 +119,7 @@ def test_what_shows_only_beside_standstill_is_no_elastic_drive(elsewhere, doubte
 
 @pytest.mark.parametrize("delay", [0.02, -0.02])
 def test_a_filter_is_asked_about_where_a_torque_is_late(monkeypatch, delay):
-    asked, module = [], sys.modules["diagnosis.discover"]
+    asked, module = [], sys.modules["exoid.diagnosis.discover"]
     monkeypatch.setattr(module, "filtered", lambda without, joints, rules: asked.append((without, joints)))
     context = search({"time_delay:knee": ([], [delay])}, ["time_delay:knee", "time_delay:hip"])
     state = state_with(context, "time_delay:knee")

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from diagnosis.evidence import look_alikes, placebo, ranking
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.consistency import _Pooled, _Question, differing
-from diagnosis.evidence.fitted import FittedModel
-from diagnosis.evidence.gain import Evidence, RecordingEvidence
-from diagnosis.evidence.look_alikes import block_losses, gains_beside, refine
-from diagnosis.evidence.placebo import as_good, searches
-from diagnosis.evidence.score import Score, weigh
-from diagnosis.rules import RULES
-from symbolic.effect import Coefficient, Shape
+from exoid.diagnosis.evidence import look_alikes, placebo, ranking
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.consistency import _Pooled, _Question, differing
+from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
+from exoid.diagnosis.evidence.look_alikes import block_losses, gains_beside, refine
+from exoid.diagnosis.evidence.placebo import as_good, searches
+from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.rules import RULES
+from exoid.symbolic.effect import Coefficient, Shape
 
 RATE = 20.0
 

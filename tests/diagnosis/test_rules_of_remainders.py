@@ -9,13 +9,13 @@ import pytest
 from synthetic import search, state_with
 from test_rules_of_evidence import block, candidate, noise
 
-from diagnosis.evidence import channels, proxies, remainder, soft_drive
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.curves import splines_along
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.proxies import BetterCurve, beaten
-from diagnosis.evidence.remainder import CurveData, Remainder, remainders, significant
-from diagnosis.rules import RULES
+from exoid.diagnosis.evidence import channels, proxies, remainder, soft_drive
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.curves import splines_along
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.proxies import BetterCurve, beaten
+from exoid.diagnosis.evidence.remainder import CurveData, Remainder, remainders, significant
+from exoid.diagnosis.rules import RULES
 
 CURVE, TERM, BOTH, BUMP = "curve", "term", "curve and term", "bump"
 

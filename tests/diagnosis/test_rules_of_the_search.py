@@ -10,18 +10,18 @@ import pytest
 from synthetic import recording
 from test_rules_of_evidence import at, block, candidate, noise
 
-from diagnosis.evidence.columns import Columns
-from diagnosis.evidence.gain import Evidence
-from diagnosis.evidence.stretches import searched_stretches
-from diagnosis.rules import RULES
-from diagnosis.search import choice, engine
-from diagnosis.search.choice import contains, outlives_noise, outlives_offsets, refitted, shortlist
-from diagnosis.search.doubt import made_by_the_filter
-from diagnosis.search.exchange import _rivals
-from diagnosis.search.state import State
-from optimisation.preparation.cutoff import CutoffChoice
-from optimisation.preparation.prepare import Prepared
-from symbolic.motion import Motion
+from exoid.diagnosis.evidence.columns import Columns
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.stretches import searched_stretches
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search import choice, engine
+from exoid.diagnosis.search.choice import contains, outlives_noise, outlives_offsets, refitted, shortlist
+from exoid.diagnosis.search.doubt import made_by_the_filter
+from exoid.diagnosis.search.exchange import _rivals
+from exoid.diagnosis.search.state import State
+from exoid.optimisation.preparation.cutoff import CutoffChoice
+from exoid.optimisation.preparation.prepare import Prepared
+from exoid.symbolic.motion import Motion
 
 
 def score(name: str, share: float, numbers: int = 1, **more) -> SimpleNamespace:

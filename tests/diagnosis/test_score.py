@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from diagnosis.grading import ScoreError, match, score
-from measurement.bench.seal import HiddenTruth, Truth, write_seal
-from workbench.command import main
+from exoid.diagnosis.grading import ScoreError, match, score
+from exoid.measurement.bench.seal import HiddenTruth, Truth, write_seal
+from exoid.workbench.command import main
 
 
 def truth(*effects: HiddenTruth) -> Truth:

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.search import choice, engine
-from diagnosis.search.choice import contains
-from diagnosis.search.drop_unsteady import drop_unsteady
-from diagnosis.search.engine import run_search
-from diagnosis.search.exchange import exchange
-from diagnosis.search.forward import forward
-from diagnosis.search.prune import prune
-from diagnosis.search.take_back import take_back
-from symbolic.model import Model
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.search import choice, engine
+from exoid.diagnosis.search.choice import contains
+from exoid.diagnosis.search.drop_unsteady import drop_unsteady
+from exoid.diagnosis.search.engine import run_search
+from exoid.diagnosis.search.exchange import exchange
+from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.prune import prune
+from exoid.diagnosis.search.take_back import take_back
+from exoid.symbolic.model import Model
 
 STRIBECK = {"stribeck:hip": ([1.5], [0.15])}
 OFFSET = {"torque_offset:knee": ([0.6], [])}

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.separation.design import SeparateError, separate
-from diagnosis.separation.distance import Rival, distance, planned, residual_noise
-from diagnosis.separation.indistinguishable import same_torques
-from ground.errors import EffectError
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import simulate
-from measurement.trajectories.trajectory import random_trajectory
-from optimisation.excitation.criteria import Noise
-from optimisation.fitting.identify import identify
-from optimisation.fitting.nominal import nominal
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.diagnosis.separation.design import SeparateError, separate
+from exoid.diagnosis.separation.distance import Rival, distance, planned, residual_noise
+from exoid.diagnosis.separation.indistinguishable import same_torques
+from exoid.ground.errors import EffectError
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import simulate
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.nominal import nominal
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 LEG = Model.standard()
 

@@ -6,14 +6,14 @@ import cloudpickle
 import numpy as np
 import pytest
 
-from diagnosis.evidence.ranking import rank
-from diagnosis.session.session import Session
-from ground.engines.workers import PROCESSES
-from ground.toml_reader import Table
-from measurement.reading.read import read_recording
-from symbolic.custom_effect import read_custom_effect
-from symbolic.model import Model
-from workbench.commands.demo import DATA
+from exoid.diagnosis.evidence.ranking import rank
+from exoid.diagnosis.session.session import Session
+from exoid.ground.engines.workers import PROCESSES
+from exoid.ground.toml_reader import Table
+from exoid.measurement.reading.read import read_recording
+from exoid.symbolic.custom_effect import read_custom_effect
+from exoid.symbolic.model import Model
+from exoid.workbench.commands.demo import DATA
 
 FEW = ("load_friction:knee", "stribeck:knee", "viscous_quadratic:hip")
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.discover import discover
-from diagnosis.extend import add
-from measurement.reading.read import read_recording
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.extend import add
+from exoid.measurement.reading.read import read_recording
+from exoid.symbolic.model import Model
 
 
 def leg(shared_data: Path, name: str):

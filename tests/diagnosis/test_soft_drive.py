@@ -8,17 +8,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.discover import discover
-from diagnosis.evidence import soft_drive as soft_drives
-from diagnosis.evidence.fitted import FittedModel, fitted_model
-from diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
-from diagnosis.rules import RULES
-from diagnosis.verdict import behind as behind_drive
-from measurement.recording import Recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence import soft_drive as soft_drives
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.soft_drive import plainly_soft, soft_drive, twist
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.verdict import behind as behind_drive
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 from tests.made_recordings import BETA, motion
 
 MODEL = Model.standard()

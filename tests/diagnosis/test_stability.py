@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 from synthetic import search, state_with
 
-from diagnosis.discover import discover
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.evidence.gain import robust_weight
-from diagnosis.evidence.model_error import noise_with
-from diagnosis.evidence.repeats import Repeats
-from diagnosis.evidence.stability import Splits, splits_of
-from diagnosis.results import stability_of
-from diagnosis.rules import RULES
-from diagnosis.search.doubt import Objection, doubt, on_bound, too_short, undetermined
-from diagnosis.search.engine import run_search
-from diagnosis.search.possible import agreements_of, possible_of
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, simulate_runs
-from symbolic.catalogue import catalogue
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.evidence.gain import robust_weight
+from exoid.diagnosis.evidence.model_error import noise_with
+from exoid.diagnosis.evidence.repeats import Repeats
+from exoid.diagnosis.evidence.stability import Splits, splits_of
+from exoid.diagnosis.results import stability_of
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search.doubt import Objection, doubt, on_bound, too_short, undetermined
+from exoid.diagnosis.search.engine import run_search
+from exoid.diagnosis.search.possible import agreements_of, possible_of
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.model import Model
 
 OFFSET = {"torque_offset:knee": ([0.6], [])}
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.compare import compare
-from diagnosis.discover import discover
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.discover import discover
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 from tests.made_recordings import BETA, recording
 
 HIP, KNEE = (True, False), (False, True)
@@ -74,8 +74,8 @@ def test_a_creeping_joint_is_left_out():
 @pytest.mark.parametrize("derivative", ["savgol", "fourier"])
 def test_every_derivative_copes_with_a_joint_that_stands(derivative):
     t = np.arange(2000) / 100.0
-    from measurement.recording import Recording
-    from symbolic.motion import Motion
+    from exoid.measurement.recording import Recording
+    from exoid.symbolic.motion import Motion
 
     w = 2 * np.pi / 5.0
     swing = 0.4 * np.sin(w * t) + 0.1 * np.sin(3 * w * t)

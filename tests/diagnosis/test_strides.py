@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.compare import compare
-from diagnosis.evidence import strides as module
-from diagnosis.evidence.strides import PHASES, cut
-from measurement.bench.simulation import Bench, simulate
-from measurement.bench.walk import Walk
-from symbolic.model import Model
+from exoid.diagnosis.compare import compare
+from exoid.diagnosis.evidence import strides as module
+from exoid.diagnosis.evidence.strides import PHASES, cut
+from exoid.measurement.bench.simulation import Bench, simulate
+from exoid.measurement.bench.walk import Walk
+from exoid.symbolic.model import Model
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from diagnosis.evidence.suggestions import suggest
-from symbolic.joints import LEG
+from exoid.diagnosis.evidence.suggestions import suggest
+from exoid.symbolic.joints import LEG
 
 FORMS = {
     "exp": lambda x, m, w: np.exp(-(((x - m) / w) ** 2)),

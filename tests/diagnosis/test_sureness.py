@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from diagnosis.evidence.agreement import Agreement
-from diagnosis.rules import RULES
-from diagnosis.sureness import AGREEING, FAIRLY, MEANINGS, RARE, UNSURE, VERY, least_sure, meanings_of, sureness
+from exoid.diagnosis.evidence.agreement import Agreement
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.sureness import AGREEING, FAIRLY, MEANINGS, RARE, UNSURE, VERY, least_sure, meanings_of, sureness
 
 ALL, MOST, HALF = Agreement(4, 4), Agreement(17, 20), Agreement(2, 4)
 

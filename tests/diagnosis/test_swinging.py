@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.evidence.swinging import Swing, common_line
+from exoid.diagnosis.evidence.swinging import Swing, common_line
 
 RATES, LASTS = (50.0, 40.0, 50.0), (25.0, 30.0, 20.0)
 

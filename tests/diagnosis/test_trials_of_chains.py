@@ -5,25 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.channels import doubts_before
-from diagnosis.evidence.columns import Columns, stacked
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.evidence.library import Library, build_library
-from diagnosis.question import most_explained
-from diagnosis.rules import RULES
-from diagnosis.search.context import SearchContext
-from diagnosis.search.forward import forward
-from diagnosis.search.state import State
-from diagnosis.trials.cases import Case, cases, hide, simulated, singles, subject, visible
-from diagnosis.trials.chains import CHAINS
-from diagnosis.trials.count import HEADS, counted, describe_miss
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, run_bench
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import LEVER, Joint
-from symbolic.model import Model
-from symbolic.term import Term
+from exoid.diagnosis.evidence.channels import doubts_before
+from exoid.diagnosis.evidence.columns import Columns, stacked
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.library import Library, build_library
+from exoid.diagnosis.question import most_explained
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.search.context import SearchContext
+from exoid.diagnosis.search.forward import forward
+from exoid.diagnosis.search.state import State
+from exoid.diagnosis.trials.cases import Case, cases, hide, simulated, singles, subject, visible
+from exoid.diagnosis.trials.chains import CHAINS
+from exoid.diagnosis.trials.count import HEADS, counted, describe_miss
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import LEVER, Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.term import Term
 
 DRIVE = Model("drive", joints=(Joint("axis"),))
 SLIDE = Model("slide", gravity=0.0, joints=(Joint("axis", "prismatic"),))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from diagnosis.trials.cases import CHAINS_PER_SEED, KINDS, Case, cases, simulated, subject
-from diagnosis.trials.count import counted, right
-from diagnosis.trials.people import PEOPLE, UNMEASURED, WALKING, as_measured, as_read, bench_of
+from exoid.diagnosis.trials.cases import CHAINS_PER_SEED, KINDS, Case, cases, simulated, subject
+from exoid.diagnosis.trials.count import counted, right
+from exoid.diagnosis.trials.people import PEOPLE, UNMEASURED, WALKING, as_measured, as_read, bench_of
 
 COLUMNS = {
     "walk_plate": {"grf_x", "grf_z"}, "walk_switch": {"contact"}, "walk_nothing": set(), "worn_cuffs": {"f1", "f2"},

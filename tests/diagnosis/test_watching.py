@@ -7,28 +7,28 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.fitted import fitted_model
-from diagnosis.watching.alarm import SPANS
-from diagnosis.watching.course import onset
-from diagnosis.watching.differences import compare_against
-from diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
-from diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
-from diagnosis.watching.questions import questions
-from diagnosis.watching.result import Course
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watched import Watched
-from diagnosis.watching.watcher import Watcher
-from diagnosis.watching.window import joined_windows, prepared, weighted, window
-from measurement.bench.hidden import true_model
-from measurement.bench.leg import standard_leg
-from measurement.reading.growing import grown
-from measurement.recording import Recording
-from measurement.trajectories.trajectory import random_trajectory
-from optimisation.fitting.identify import identify
-from symbolic.effect import Coefficient, Effect
-from symbolic.mechanics.payload import Payload
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.watching.alarm import SPANS
+from exoid.diagnosis.watching.course import onset
+from exoid.diagnosis.watching.differences import compare_against
+from exoid.diagnosis.watching.estimator import FORGOTTEN, FORGOTTEN_LEAST, Estimator, Pace
+from exoid.diagnosis.watching.front import HALF, SPIKE, FrontEnd, Samples, despiked
+from exoid.diagnosis.watching.questions import questions
+from exoid.diagnosis.watching.result import Course
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watched import Watched
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.diagnosis.watching.window import joined_windows, prepared, weighted, window
+from exoid.measurement.bench.hidden import true_model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.reading.growing import grown
+from exoid.measurement.recording import Recording
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.optimisation.fitting.identify import identify
+from exoid.symbolic.effect import Coefficient, Effect
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 TWO = SimpleNamespace(parameters=[SimpleNamespace(name=name, unit="") for name in "ab"], inertial=())
 """What an estimator of two numbers asks of a model."""
@@ -192,7 +192,7 @@ def test_compiled_estimation_is_that_of_python(monkeypatch: pytest.MonkeyPatch) 
     use = rng.random((120, 1)) < 0.8
     compiled, plain = _estimator(), _estimator()
     compiled.steps(rows, tau, use)
-    monkeypatch.setattr("diagnosis.watching.estimator.kernel", lambda values: None)
+    monkeypatch.setattr("exoid.diagnosis.watching.estimator.kernel", lambda values: None)
     plain.steps(rows, tau, use)
     for name in ("linear", "variance", "root", "right", "credit", "score", "meat", "scale", "blocks", "inside"):
         np.testing.assert_allclose(getattr(compiled, name), getattr(plain, name), rtol=1e-9, atol=1e-12)

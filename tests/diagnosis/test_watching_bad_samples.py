@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.watching.bad_samples import ASTRAY, CONFIRMED, Gate
-from diagnosis.watching.front import LEAST_RATE, Filters, FrontEnd
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.watcher import Watcher
-from ground.errors import ExoidError
-from measurement.bench.hidden import true_model
-from measurement.bench.leg import standard_leg
-from measurement.reading.columns import required
-from measurement.trajectories.trajectory import random_trajectory
-from symbolic.model import Model
+from exoid.diagnosis.watching.bad_samples import ASTRAY, CONFIRMED, Gate
+from exoid.diagnosis.watching.front import LEAST_RATE, Filters, FrontEnd
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.hidden import true_model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.reading.columns import required
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.symbolic.model import Model
 
 
 def stream(seconds: float = 10.0, rate: float = 100.0) -> np.ndarray:

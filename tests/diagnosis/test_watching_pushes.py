@@ -7,14 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.watching import pushes
-from diagnosis.watching.pushes import Pushes
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.usual import Usual
-from diagnosis.watching.watcher import Watcher
-from measurement.bench.simulation import Bench, run_bench
-from symbolic.joints import LEG
-from symbolic.model import Model
+from exoid.diagnosis.watching import pushes
+from exoid.diagnosis.watching.pushes import Pushes
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.usual import Usual
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.symbolic.joints import LEG
+from exoid.symbolic.model import Model
 
 RATE, BLOCK = 20.0, 5.0
 

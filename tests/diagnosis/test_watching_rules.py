@@ -9,24 +9,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.gain import RecordingEvidence
-from diagnosis.rules import RULES
-from diagnosis.separation.result import Separation
-from diagnosis.watching import asking, course, differences, estimator, front
-from diagnosis.watching.alarm import Detector, Deviation, Pending
-from diagnosis.watching.course import onset
-from diagnosis.watching.differences import BeforeAfter
-from diagnosis.watching.estimator import Estimator, Pace
-from diagnosis.watching.front import FrontEnd, Samples
-from diagnosis.watching.memory import Memory
-from diagnosis.watching.pushes import Pushes
-from diagnosis.watching.result import Course, Differences
-from diagnosis.watching.scores import Scores, placebos
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.usual import Usual
-from diagnosis.watching.watcher import Watcher
-from diagnosis.watching.window import window
-from symbolic.joints import LEG
+from exoid.diagnosis.evidence.gain import RecordingEvidence
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.separation.result import Separation
+from exoid.diagnosis.watching import asking, course, differences, estimator, front
+from exoid.diagnosis.watching.alarm import Detector, Deviation, Pending
+from exoid.diagnosis.watching.course import onset
+from exoid.diagnosis.watching.differences import BeforeAfter
+from exoid.diagnosis.watching.estimator import Estimator, Pace
+from exoid.diagnosis.watching.front import FrontEnd, Samples
+from exoid.diagnosis.watching.memory import Memory
+from exoid.diagnosis.watching.pushes import Pushes
+from exoid.diagnosis.watching.result import Course, Differences
+from exoid.diagnosis.watching.scores import Scores, placebos
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.usual import Usual
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.diagnosis.watching.window import window
+from exoid.symbolic.joints import LEG
 
 SEEDS = range(60)
 TWO = SimpleNamespace(parameters=[SimpleNamespace(name=name, unit="") for name in "ab"], inertial=())

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.evidence.remainder import Remainder
-from diagnosis.where import samples_of, where_it_sits
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.diagnosis.evidence.remainder import Remainder
+from exoid.diagnosis.where import samples_of, where_it_sits
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 RNG = np.random.default_rng(3)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from ground.engines.cell import Cell, in_cell
-from ground.engines.engine import EngineError, completed
-from ground.engines.local import local
+from exoid.ground.engines.cell import Cell, in_cell
+from exoid.ground.engines.engine import EngineError, completed
+from exoid.ground.engines.local import local
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,7 +58,7 @@ def test_what_a_job_prints_is_not_taken_for_its_answer(cell, capfd):
 
 def test_the_process_ends_with_its_worker(tmp_path):
     script = (
-        "from ground.engines.cell import Cell; import os, sys\n"
+        "from exoid.ground.engines.cell import Cell; import os, sys\n"
         "c = Cell(); print(c.run('os:getpid', []).reason[:0], c._started().pid, flush=True); os.kill(os.getpid(), 9)"
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=60)
@@ -104,7 +104,7 @@ def test_jobs_come_back_as_they_end_and_few_are_handed_over_at_a_time():
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_a_dask_worker_that_is_killed_while_it_works_is_retried_and_said():
     pytest.importorskip("distributed")
-    from ground.engines.dask import dask
+    from exoid.ground.engines.dask import dask
 
     engine = dask("local", 2)
     try:
@@ -124,7 +124,7 @@ def test_a_dask_worker_that_is_killed_while_it_works_is_retried_and_said():
 @pytest.mark.slow
 def test_a_dask_scheduler_that_does_not_answer_is_refused_in_words(monkeypatch):
     pytest.importorskip("distributed")
-    from ground.engines import dask as module
+    from exoid.ground.engines import dask as module
 
     monkeypatch.setattr(module, "PATIENCE", 1.0)
     with pytest.raises(EngineError, match="no Dask cluster"):
@@ -134,7 +134,7 @@ def test_a_dask_scheduler_that_does_not_answer_is_refused_in_words(monkeypatch):
 @pytest.mark.slow
 def test_submitit_runs_jobs_on_this_machine(tmp_path):
     pytest.importorskip("submitit")
-    from ground.engines.slurm import slurm
+    from exoid.ground.engines.slurm import slurm
 
     engine = slurm("local", tmp_path, 2)
     try:
@@ -149,7 +149,7 @@ def test_slurm_that_is_not_there_is_refused_in_words(tmp_path):
     submitit = pytest.importorskip("submitit")
     if submitit.AutoExecutor.which() == "slurm":
         pytest.skip("this machine has Slurm")
-    from ground.engines.slurm import slurm
+    from exoid.ground.engines.slurm import slurm
 
     with pytest.raises(EngineError, match="no Slurm"):
         slurm("short", tmp_path)

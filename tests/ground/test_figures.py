@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import matplotlib as mpl
 
-from ground.figures import figure_style, new_figure, plain_power, to_svg
+from exoid.ground.figures import figure_style, new_figure, plain_power, to_svg
 
 
 def drawn() -> str:

@@ -7,7 +7,7 @@ import math
 import pytest
 from scipy.optimize import minimize_scalar
 
-from ground.minimum import minimum
+from exoid.ground.minimum import minimum
 
 FUNCTIONS = {
     "parabola": lambda x: (x - 0.3) ** 2,

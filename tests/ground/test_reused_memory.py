@@ -11,7 +11,7 @@ import pytest
 CODE = """
 import resource
 import numpy as np
-from ground.engines.memory import reuse_freed_memory
+from exoid.ground.engines.memory import reuse_freed_memory
 reuse_freed_memory()
 began = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 for _ in range(200):

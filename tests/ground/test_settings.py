@@ -8,15 +8,15 @@ import inspect
 import pytest
 
 import exoid
-from diagnosis.separation.settings import SeparationOptions, SeparationSettings
-from diagnosis.settings import DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
-from ground.errors import ExoidError
-from ground.settings import SettingError, settings_in
-from optimisation.contest.settings import ContestOptions, ContestSettings
-from optimisation.excitation.criteria import CRITERIA
-from optimisation.excitation.settings import CRITERION_NAMES, DesignError, DesignOptions, DesignSettings
-from optimisation.fitting.settings import FitOptions, FitSettings
-from workbench.command_line.options import add_settings, settings_given
+from exoid.diagnosis.separation.settings import SeparationOptions, SeparationSettings
+from exoid.diagnosis.settings import DiagnosisOptions, DiagnosisSettings, DiscoveryOptions, DiscoverySettings
+from exoid.ground.errors import ExoidError
+from exoid.ground.settings import SettingError, settings_in
+from exoid.optimisation.contest.settings import ContestOptions, ContestSettings
+from exoid.optimisation.excitation.criteria import CRITERIA
+from exoid.optimisation.excitation.settings import CRITERION_NAMES, DesignError, DesignOptions, DesignSettings
+from exoid.optimisation.fitting.settings import FitOptions, FitSettings
+from exoid.workbench.command_line.options import add_settings, settings_given
 
 PAIRS = {
     "design": (DesignSettings, DesignOptions),

@@ -5,8 +5,8 @@ import pickle
 import runpy
 from pathlib import Path
 
-from diagnosis.thresholds import every_threshold
-from ground.thresholds import Threshold
+from exoid.diagnosis.thresholds import every_threshold
+from exoid.ground.thresholds import Threshold
 
 ROOT = Path(__file__).resolve().parents[2]
 

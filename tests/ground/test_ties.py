@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ground.ties import TIED, ascending, index_of_greatest, index_of_least, least_of, order_of, tied
+from exoid.ground.ties import TIED, ascending, index_of_greatest, index_of_least, least_of, order_of, tied
 
 NUMBERS = st.lists(st.floats(-1e6, 1e6, allow_nan=False), min_size=1, max_size=12)
 

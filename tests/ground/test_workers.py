@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.engines import workers
-from ground.errors import ExoidError
+from exoid.ground.engines import workers
+from exoid.ground.errors import ExoidError
 
 HERE = os.getpid()
 
@@ -167,7 +167,7 @@ def test_copies_end_where_this_process_does_not_end_them(processes, tmp_path):
     """Killed in the middle, it leaves nobody behind."""
     code = f"""
 import os, time
-from ground.engines import workers
+from exoid.ground.engines import workers
 with workers.with_copies():
     workers.share_out(lambda k: time.sleep(0.01), range(20), lambda k, answer: None)
     open({str(tmp_path)!r} + f"/{{os.getpid()}}", "w").close()

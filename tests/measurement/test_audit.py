@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tables import HEADER, leg, lines, text
 
-from measurement.auditing.audit import audit, find_checks
-from measurement.finding import Finding, row_ranges
-from measurement.reading.read import read_recording
-from measurement.recording import Recording
+from exoid.measurement.auditing.audit import audit, find_checks
+from exoid.measurement.finding import Finding, row_ranges
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import Recording
 
 
 def found(tmp_path, columns=None, rows=None, **options):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tables import leg
 
-from measurement.auditing.audit import find_checks
-from measurement.auditing.checks.frozen import frozen_stretches
-from measurement.recording import Recording
-from symbolic.joints import Joint
+from exoid.measurement.auditing.audit import find_checks
+from exoid.measurement.auditing.checks.frozen import frozen_stretches
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
 
 CHECKS = find_checks()
 

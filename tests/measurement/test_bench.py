@@ -6,21 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import workbench
 from benchmarks.make_demo import write_demo
-from ground.errors import EffectError, ExoidError
-from measurement.bench.blind import SEAL, draw_hidden, relative_size, write_runs
-from measurement.bench.controller import Controller
-from measurement.bench.hidden import Hidden, parse_hidden, true_model
-from measurement.bench.leg import paper_leg, random_leg, standard_leg
-from measurement.bench.seal import open_seal
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, BenchError, run_bench, simulate, simulate_runs
-from measurement.bench.wearer import Wearer
-from measurement.recording import to_csv
-from measurement.trajectories.trajectory import paper_trajectory
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.model import TABLE_1, Model
+from exoid import workbench
+from exoid.ground.errors import EffectError, ExoidError
+from exoid.measurement.bench.blind import SEAL, draw_hidden, relative_size, write_runs
+from exoid.measurement.bench.controller import Controller
+from exoid.measurement.bench.hidden import Hidden, parse_hidden, true_model
+from exoid.measurement.bench.leg import paper_leg, random_leg, standard_leg
+from exoid.measurement.bench.seal import open_seal
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, BenchError, run_bench, simulate, simulate_runs
+from exoid.measurement.bench.wearer import Wearer
+from exoid.measurement.recording import to_csv
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.model import TABLE_1, Model
 
 SHORT = Bench(duration=4.0)
 IDEAL = Bench(duration=6.0, sensors=Sensors.ideal())

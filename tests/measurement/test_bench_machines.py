@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from measurement.bench.hidden import parse_hidden
-from measurement.bench.machine import standard_machine
-from measurement.bench.plant import EXACT, friction_impulse
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, BenchError, run_bench
-from measurement.trajectories.trajectory import Fourier, random_trajectory
-from symbolic.joints import Joint
-from symbolic.model import Limits, Model
+from exoid.measurement.bench.hidden import parse_hidden
+from exoid.measurement.bench.machine import standard_machine
+from exoid.measurement.bench.plant import EXACT, friction_impulse
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, BenchError, run_bench
+from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Limits, Model
 
 DRIVE = Model("drive", joints=(Joint("drive"),))
 SLIDE = Model(

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ground.errors import ExoidError
-from measurement.bench.controller import Controller
-from measurement.bench.leg import Leg, LegError, Segment, paper_leg, random_leg, standard_leg
-from measurement.bench.sensors import Sensors
-from measurement.trajectories.trajectory import (
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.controller import Controller
+from exoid.measurement.bench.leg import Leg, LegError, Segment, paper_leg, random_leg, standard_leg
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.trajectories.trajectory import (
     Fourier,
     TrajectoryError,
     largest_scale,
@@ -17,7 +17,7 @@ from measurement.trajectories.trajectory import (
     random_trajectory,
     within,
 )
-from symbolic.model import TABLE_1
+from exoid.symbolic.model import TABLE_1
 
 
 @given(seed=st.integers(0, 2**32 - 1), period=st.floats(4.0, 20.0), harmonics=st.integers(1, 10))

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from measurement.bench.leg import standard_leg
-from measurement.bench.plant import friction_impulse, step_function
-from measurement.bench.simulation import integrate
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.plant import friction_impulse, step_function
+from exoid.measurement.bench.simulation import integrate
 
 DT, G, LEG = 1e-3, 9.81, standard_leg()
 COULOMB = (4.0, 3.0)

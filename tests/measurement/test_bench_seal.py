@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from measurement.bench.seal import HiddenTruth, SealError, Truth, open_seal, write_seal
+from exoid.measurement.bench.seal import HiddenTruth, SealError, Truth, open_seal, write_seal
 
 TRUTH = Truth("standard leg", (1.0, 2.0), (HiddenTruth("stribeck", "knee", {"c": 2.5, "v_s": 0.1}),), 7)
 

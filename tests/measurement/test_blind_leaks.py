@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from measurement.bench.blind import write_runs
-from measurement.bench.hidden import Hidden
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.reading.read import read_recording
-from symbolic.catalogue import catalogue
+from exoid.measurement.bench.blind import write_runs
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.reading.read import read_recording
+from exoid.symbolic.catalogue import catalogue
 
 SHORT = Bench(duration=4.0)
 HIDDEN = ((), (Hidden("stribeck", "knee"),), (Hidden("gravity_tilt"), Hidden("torque_ripple", "hip")))

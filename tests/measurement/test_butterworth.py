@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from measurement.signals import bridging as bridges_of
-from measurement.signals import butterworth, compiled
-from measurement.signals.bridging import bridging
-from measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
-from measurement.signals.conditioning import low_pass, low_pass_at, wave_products, welch
-from symbolic.waves import Waves
+from exoid.measurement.signals import bridging as bridges_of
+from exoid.measurement.signals import butterworth, compiled
+from exoid.measurement.signals.bridging import bridging
+from exoid.measurement.signals.butterworth import band_pass_filter, both_ways, low_pass_filter
+from exoid.measurement.signals.conditioning import low_pass, low_pass_at, wave_products, welch
+from exoid.symbolic.waves import Waves
 
 RNG = np.random.default_rng(4)
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.reading.live import Lines
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.names import recognise
-from measurement.reading.read import read_recording
-from symbolic.joints import Joint
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.live import Lines
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.read import read_recording
+from exoid.symbolic.joints import Joint
 
 LEG = leg(600)
 RATES = {name: np.gradient(LEG[name], LEG["t"]) for name in ("q1", "q2")}

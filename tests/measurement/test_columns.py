@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tables import HEADER, leg, text
 
-from measurement.reading.names import recognise
-from measurement.reading.read import read_recording
-from measurement.reading.units import factor
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.units import factor
 
 NAMES = {
     "q1": "q1",

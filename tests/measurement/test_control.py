@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from measurement.bench.control import NOTHING, TRUTH, track
-from measurement.bench.hidden import Hidden
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench
-from symbolic.model import Model
+from exoid.measurement.bench.control import NOTHING, TRUTH, track
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench
+from exoid.symbolic.model import Model
 
 
 def test_feedback_and_tracking_error_fall_with_what_is_missing():

@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.auditing import convention, power_left
-from measurement.auditing.convention import better_reading, check_conventions
-from measurement.auditing.hypotheses import ConventionHypothesis, hypothesis, readings, stages
-from measurement.auditing.rough import Smooth
-from measurement.reading.conventions import combined_map, conventions, read_as
-from measurement.recording import Recording
+from exoid.ground.errors import RecordingError
+from exoid.measurement.auditing import convention, power_left
+from exoid.measurement.auditing.convention import better_reading, check_conventions
+from exoid.measurement.auditing.hypotheses import ConventionHypothesis, hypothesis, readings, stages
+from exoid.measurement.auditing.rough import Smooth
+from exoid.measurement.reading.conventions import combined_map, conventions, read_as
+from exoid.measurement.recording import Recording
 from tests.newton_euler import Leg, torque
 
 LEG = Leg(m=(7.0, 4.5), inertia=(0.14, 0.07), along=(0.18, 0.2))

@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.auditing.audit import audit
-from measurement.auditing.convention import check_conventions
-from measurement.reading.conventions import combined_map, conventions, conventions_of_machine, read_as
-from measurement.recording import Recording
-from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import BaseMotion, link_torques
+from exoid.ground.errors import RecordingError
+from exoid.measurement.auditing.audit import audit
+from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.reading.conventions import combined_map, conventions, conventions_of_machine, read_as
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.newton_euler import BaseMotion, link_torques
 
 DRIVE = (Joint("axis"),)
 SLIDE = (Joint("carriage", "prismatic"),)

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.recording import Recording
-from measurement.signals.conditioning import noise_density, uniform_sampling
-from measurement.signals.derivatives import METHODS, find_period, fourier, savgol
-from measurement.trajectories.trajectory import random_trajectory
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
-from workbench.command import main
+from exoid.ground.errors import RecordingError
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.conditioning import noise_density, uniform_sampling
+from exoid.measurement.signals.derivatives import METHODS, find_period, fourier, savgol
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.workbench.command import main
 
 LIMITS = Model.standard().limits
 

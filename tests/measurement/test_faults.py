@@ -4,17 +4,17 @@ quiet about clean ones."""
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.auditing.audit import audit
-from measurement.bench.leg import random_leg
-from measurement.bench.simulation import simulate_runs
-from measurement.reading.columns import assign
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.repair import repaired
-from measurement.reading.unusable import mask_unusable
-from measurement.recording import Source
-from symbolic.model import Model
+from exoid.ground.errors import RecordingError
+from exoid.measurement.auditing.audit import audit
+from exoid.measurement.bench.leg import random_leg
+from exoid.measurement.bench.simulation import simulate_runs
+from exoid.measurement.reading.columns import assign
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.repair import repaired
+from exoid.measurement.reading.unusable import mask_unusable
+from exoid.measurement.recording import Source
+from exoid.symbolic.model import Model
 
 
 def bench(seed):

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.auditing.audit import find_checks
-from measurement.forces import force_signals, pushed_model, unused_forces, usual_forces
-from measurement.reading.names import recognise
-from measurement.reading.read import read_recording
-from measurement.recording import Recording, to_csv
-from symbolic.force import TORQUE, VERTICAL, WORLD, Force
-from symbolic.joints import LEG, Joint
-from symbolic.model import Model
+from exoid.ground.errors import RecordingError
+from exoid.measurement.auditing.audit import find_checks
+from exoid.measurement.forces import force_signals, pushed_model, unused_forces, usual_forces
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import Recording, to_csv
+from exoid.symbolic.force import TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.joints import LEG, Joint
+from exoid.symbolic.model import Model
 
 CHECKS = find_checks()
 

@@ -10,11 +10,11 @@ import pytest
 import scipy.io
 from tables import HEADER, leg, lines, text
 
-from ground.errors import ExoidError, RecordingError
-from measurement.bench.simulation import Bench, simulate
-from measurement.reading.formats import csv
-from measurement.reading.read import read_recording
-from measurement.recording import to_csv, write_recording
+from exoid.ground.errors import ExoidError, RecordingError
+from exoid.measurement.bench.simulation import Bench, simulate
+from exoid.measurement.reading.formats import csv
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import to_csv, write_recording
 
 LEG = leg()
 Q = np.column_stack([LEG["q1"], LEG["q2"]])

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tables import leg, text
 from written import FORMATS, bag
 
-from ground.errors import RecordingError
-from measurement.reading.read import read_recording, read_recordings
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.read import read_recording, read_recordings
 
 LEG = leg(800)
 Q = np.column_stack([LEG["q1"], LEG["q2"]])

@@ -5,11 +5,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tables import HEADER, lines
 
-from ground.errors import ExoidError
-from measurement.reading.clock import longest_increasing
-from measurement.reading.raw import column_from_cells
-from measurement.reading.read import read_recording
-from measurement.recording import Recording, to_csv
+from exoid.ground.errors import ExoidError
+from exoid.measurement.reading.clock import longest_increasing
+from exoid.measurement.reading.raw import column_from_cells
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import Recording, to_csv
 
 GOOD = lines()[1:120]
 CALM = settings(

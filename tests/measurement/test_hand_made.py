@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.reading.raw import RawColumn, RawTable, ungrouped
-from measurement.reading.read import read_recording
-from measurement.reading.split_stamps import join_split
-from measurement.reading.stamps import seconds
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.raw import RawColumn, RawTable, ungrouped
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.split_stamps import join_split
+from exoid.measurement.reading.stamps import seconds
 
 LEG = leg()
 M = np.column_stack(list(LEG.values()))

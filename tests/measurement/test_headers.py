@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.reading.read import read_recording, read_recordings
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.read import read_recording, read_recordings
 
 LEG = leg()
 COLUMNS = ("t", "q1", "q2", "tau1", "tau2")

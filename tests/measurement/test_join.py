@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.reading.read import read_recording
-from measurement.reading.resample import onto
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.resample import onto
 
 
 def trial(seconds=40.0, seed=1):

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.reading.formats.json import read
-from measurement.reading.read import read_recording, read_recordings
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.formats.json import read
+from exoid.measurement.reading.read import read_recording, read_recordings
 
 LEG = leg(200)
 COLUMNS = {name: values.tolist() for name, values in LEG.items()}

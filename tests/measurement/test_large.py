@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from tables import leg
 
-from ground.errors import RecordingError
-from measurement.reading import large
-from measurement.reading.read import read_recordings
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading import large
+from exoid.measurement.reading.read import read_recordings
 
 
 @pytest.fixture(scope="module")

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ground.errors import RecordingError
-from measurement.reading.growing import Text, grown
-from measurement.reading.live import Lines
-from measurement.reading.mapping import StatedMapping
-from measurement.reading.sniff import LONGEST_LINE
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.growing import Text, grown
+from exoid.measurement.reading.live import Lines
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.measurement.reading.sniff import LONGEST_LINE
 
 HEADER = "t,q1,q2,tau1,tau2\n"
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement import read_recording
-from measurement.reading.names import recognise
-from measurement.recording import Recording, write_recording
-from symbolic.joints import LEG, Joint
+from exoid.ground.errors import RecordingError
+from exoid.measurement import read_recording
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.recording import Recording, write_recording
+from exoid.symbolic.joints import LEG, Joint
 
 DRIVE = (Joint("drive"),)
 SLIDE = (Joint("stage", "prismatic"),)

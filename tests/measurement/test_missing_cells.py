@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tables import leg
 
-from measurement.reading.read import read_recording
+from exoid.measurement.reading.read import read_recording
 
 NAMES = ("t", "q1", "q2", "tau1", "tau2")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from measurement.auditing.non_negative import non_negative
+from exoid.measurement.auditing.non_negative import non_negative
 
 
 @pytest.mark.parametrize("seed", range(30))

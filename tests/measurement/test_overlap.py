@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.overlap import held_apart, overlap
-from measurement.recording import Recording, Source
-from symbolic.joints import Joint
+from exoid.ground.errors import RecordingError
+from exoid.measurement.overlap import held_apart, overlap
+from exoid.measurement.recording import Recording, Source
+from exoid.symbolic.joints import Joint
 
 COUNT = 2400
 

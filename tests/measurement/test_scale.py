@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tables import leg
 
-from measurement.auditing.checks.scale import check
-from measurement.reading.read import read_recording
+from exoid.measurement.auditing.checks.scale import check
+from exoid.measurement.reading.read import read_recording
 
 
 def recording(hip=1.0, knee=1.0, seed=1):

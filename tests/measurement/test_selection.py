@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from diagnosis.discover import discover
-from ground.errors import RecordingError
-from measurement.finding import SELECTION
-from measurement.reading import selection
-from measurement.reading.read import read_recording
-from measurement.reading.selection import Condition, conditions
-from symbolic.model import Model
+from exoid.diagnosis.discover import discover
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import SELECTION
+from exoid.measurement.reading import selection
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.reading.selection import Condition, conditions
+from exoid.symbolic.model import Model
 from tests.walking import on_the_ground, walked
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from measurement.signals.spikes import spikes
+from exoid.measurement.signals.spikes import spikes
 
 T = np.arange(0.0, 10.0, 1e-3)
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from measurement.trajectories.trajectory import TrajectoryError, paper_trajectory
-from measurement.trajectories.trajectory_file import read_trajectory, sample_table, write_trajectory
+from exoid.measurement.trajectories.trajectory import TrajectoryError, paper_trajectory
+from exoid.measurement.trajectories.trajectory_file import read_trajectory, sample_table, write_trajectory
 
 GOOD = """period = 10.0
 [hip]

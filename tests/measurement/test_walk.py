@@ -6,16 +6,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ground.errors import ExoidError
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, BenchError, run_bench, simulate
-from measurement.bench.walk import Walk
-from measurement.bench.wearer import FOOT, Wearer
-from measurement.recording import to_csv
-from measurement.trajectories.trajectory import paper_trajectory
-from symbolic.force import Force
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, BenchError, run_bench, simulate
+from exoid.measurement.bench.walk import Walk
+from exoid.measurement.bench.wearer import FOOT, Wearer
+from exoid.measurement.recording import to_csv
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.symbolic.force import Force
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 IDEAL = Bench(duration=6.0, sensors=Sensors.ideal(), walk=Walk())
 WORN = replace(IDEAL, wearer=Wearer())

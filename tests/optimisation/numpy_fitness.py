@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symbolic.motion import Float
+from exoid.symbolic.motion import Float
 
 
 @dataclass(frozen=True, eq=False)

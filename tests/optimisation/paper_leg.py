@@ -1,4 +1,4 @@
-"""A small leg written independently of `symbolic.model`, so that the optimisation is tested on its own."""
+"""A small leg written independently of `exoid.symbolic.model`, so that the optimisation is tested on its own."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from symbolic.effect import Shape
-from symbolic.joints import LEG
-from symbolic.motion import Motion
+from exoid.symbolic.effect import Shape
+from exoid.symbolic.joints import LEG
+from exoid.symbolic.motion import Motion
 
 THIGH = 0.40
 PAPER = np.array([25.14, 7.42, 1.43, -10.42, 31.35, 12.53, 43.40, 28.01])

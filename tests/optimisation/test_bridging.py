@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import simulate_runs
-from measurement.signals.bridging import BRIDGE_ENDS, bridging
-from optimisation.fitting.assemble import assemble
-from optimisation.linear.solve import solve_sse
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import simulate_runs
+from exoid.measurement.signals.bridging import BRIDGE_ENDS, bridging
+from exoid.optimisation.fitting.assemble import assemble
+from exoid.optimisation.linear.solve import solve_sse
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 
 RATE = 100.0
 

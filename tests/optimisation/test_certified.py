@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from paper_leg import NAMES, UNITS, Leg, paper_motion
 
-from optimisation.linear.certificate import certify
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData
-from optimisation.linear.reference import solve_reference
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.linear.certificate import certify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.reference import solve_reference
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
 
 FILES = sorted((Path(__file__).parents[1] / "certified").glob("*.toml"))
 INFINITE = np.full(2, np.inf)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from measurement.bench.leg import standard_leg
-from measurement.trajectories.extremes import bounds, margin
-from measurement.trajectories.trajectory import TrajectoryError
-from optimisation.excitation import design as excitation
-from optimisation.excitation.criteria import Noise, condition, softened
-from optimisation.excitation.design import DesignError, design, evaluate, evaluate_paper
-from optimisation.excitation.space import motion_space
-from symbolic.force import Force
-from symbolic.model import TABLE_1, Limits, Model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.trajectories.extremes import bounds, margin
+from exoid.measurement.trajectories.trajectory import TrajectoryError
+from exoid.optimisation.excitation import design as excitation
+from exoid.optimisation.excitation.criteria import Noise, condition, softened
+from exoid.optimisation.excitation.design import DesignError, design, evaluate, evaluate_paper
+from exoid.optimisation.excitation.space import motion_space
+from exoid.symbolic.force import Force
+from exoid.symbolic.model import TABLE_1, Limits, Model
 
 
 @pytest.fixture(scope="module")

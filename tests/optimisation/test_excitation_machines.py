@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from measurement.trajectories.trajectory_file import read_trajectory, sample_table, write_trajectory
-from optimisation.excitation.criteria import Noise
-from optimisation.excitation.design import design
-from optimisation.fitting.nominal import nominal
-from symbolic.codegen.information import information
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.measurement.trajectories.trajectory_file import read_trajectory, sample_table, write_trajectory
+from exoid.optimisation.excitation.criteria import Noise
+from exoid.optimisation.excitation.design import design
+from exoid.optimisation.fitting.nominal import nominal
+from exoid.symbolic.codegen.information import information
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 MACHINES = {
     "drive": Model("drive", joints=(Joint("drive"),)),

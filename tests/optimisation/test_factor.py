@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.linear.factor import Factors, factorise
+from exoid.optimisation.linear.factor import Factors, factorise
 
 
 def test_columns_that_change_give_the_same_factor() -> None:

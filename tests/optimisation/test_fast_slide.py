@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.reading.read import read_recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.measurement.reading.read import read_recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 RATE, MASS, COULOMB, VISCOUS = 500.0, 95.0, 20.0, 200.0
 

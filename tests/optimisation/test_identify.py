@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from paper_leg import PAPER, Leg, record
 
-from ground.errors import NotEnoughDataError
-from optimisation.fitting.identify import identify
-from optimisation.fitting.settings import Search
-from optimisation.fitting.shapes import from_unit, grid, search_shape, to_unit
-from optimisation.optimisers.nfo import NFO
-from symbolic.effect import Shape
+from exoid.ground.errors import NotEnoughDataError
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.fitting.shapes import from_unit, grid, search_shape, to_unit
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.symbolic.effect import Shape
 
 
 def inside(fit, truth):

@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 from numpy_fitness import PopulationFitness
 from paper_leg import PAPER, Leg, record
 
-from ground.errors import NotEnoughDataError, RecordingError
-from optimisation.fitting.assemble import assemble
-from optimisation.linear.certificate import certify
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import LinearData
-from optimisation.linear.reference import solve_reference
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from symbolic.codegen.fitness import fitness
-from symbolic.joints import LEG
+from exoid.ground.errors import NotEnoughDataError, RecordingError
+from exoid.optimisation.fitting.assemble import assemble
+from exoid.optimisation.linear.certificate import certify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.reference import solve_reference
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.symbolic.codegen.fitness import fitness
+from exoid.symbolic.joints import LEG
 
 INFINITE = np.full(2, np.inf)
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ground.errors import RecordingError
-from measurement.bench.simulation import Bench, run_bench
-from optimisation.fitting.identify import identify
-from optimisation.linear.loss import huber
-from optimisation.linear.physical import physics
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.ground.errors import RecordingError
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.physical import physics
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 DRIVE = Model("drive", joints=(Joint("drive"),))
 CHAIN = Model("arm", joints=(Joint("shoulder", length=0.3), Joint("elbow")))

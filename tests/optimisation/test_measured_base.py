@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.watching.watcher import Watcher
-from ground.errors import EffectError, RecordingError
-from measurement.bench.machine import standard_machine
-from measurement.bench.simulation import Bench, run_bench
-from measurement.reading.names import recognise
-from measurement.reading.read import read_recording
-from measurement.recording import write_recording
-from optimisation.excitation.design import design
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.ground.errors import EffectError, RecordingError
+from exoid.measurement.bench.machine import standard_machine
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.read import read_recording
+from exoid.measurement.recording import write_recording
+from exoid.optimisation.excitation.design import design
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
 
 PACK = Model("backpack", limits={}, joints=(Joint("hip", length=0.42), Joint("knee")), moving_base=True)
 FIXED = replace(PACK, moving_base=False)

@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from optimisation.contest.motion import MotionContest, MotionEntrant, motion_entrants
-from optimisation.contest.rivals import entrants, rivals
-from optimisation.contest.subject import ContestError
-from optimisation.excitation.design import design
-from optimisation.optimisers import optimisers
-from optimisation.optimisers.nfo import NFO
-from symbolic.model import Model
-from workbench.command import main
+from exoid.optimisation.contest.motion import MotionContest, MotionEntrant, motion_entrants
+from exoid.optimisation.contest.rivals import entrants, rivals
+from exoid.optimisation.contest.subject import ContestError
+from exoid.optimisation.excitation.design import design
+from exoid.optimisation.optimisers import optimisers
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.symbolic.model import Model
+from exoid.workbench.command import main
 
 LEG = Model.standard()
 KNOWN = {"condition": 55.03, "d_optimal": -89.79, "worst": 0.0134}

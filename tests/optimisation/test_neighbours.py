@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from optimisation.fitting.identify import identify
-from optimisation.fitting.neighbours import FACTORS, neighbours
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.neighbours import FACTORS, neighbours
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 
 
 @pytest.fixture(scope="module")

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from measurement.recording import Recording
-from optimisation.fitting.identify import identify
-from optimisation.preparation.prepare import prepare
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 AXIS = Model("bench", joints=(Joint("axis"),))
 CHAIN = Model("chain", joints=(Joint("hip", length=0.4), Joint("knee", length=0.4), Joint("ankle")))

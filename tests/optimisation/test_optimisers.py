@@ -7,13 +7,13 @@ import pytest
 from numpy_fitness import PopulationFitness
 from paper_leg import PAPER, Leg, record
 
-from optimisation.fitting.assemble import assemble
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import Problem, huber_problem
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.optimiser import BOUNDARIES, minimise
-from optimisation.optimisers import optimisers
-from optimisation.optimisers.nfo import NFO
+from exoid.optimisation.fitting.assemble import assemble
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import Problem, huber_problem
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.optimiser import BOUNDARIES, minimise
+from exoid.optimisation.optimisers import optimisers
+from exoid.optimisation.optimisers.nfo import NFO
 
 SLOW = pytest.mark.slow
 RECIPES = [

@@ -8,22 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.engines.engine import EngineError, completed
-from ground.folder import modules_in, names_in
-from optimisation.contest.motion import MotionEntrant, motion_contest
-from optimisation.contest.problem import paper_contest
-from optimisation.excitation.design import design
-from optimisation.fitting.settings import Search
-from optimisation.linear.solve import solve_sse
-from optimisation.optimisers.nfo import NFO
-from optimisation.paper import items
-from optimisation.paper.experiments import ERRORS, Experiments
-from optimisation.paper.item import FAILS, HOLDS, IN_PART, ItemAnswer, PaperTable, is_file
-from optimisation.paper.items import equation_regressor, figure_2, figure_4, figure_9, figure_10, table_delta
-from optimisation.paper.reproduce import PaperError, paper_items, reproduce_paper
-from workbench.command import main
-from workbench.commands.paper import _plain
-from workbench.paper_page import anchor, heading
+from exoid.ground.engines.engine import EngineError, completed
+from exoid.ground.folder import modules_in, names_in
+from exoid.optimisation.contest.motion import MotionEntrant, motion_contest
+from exoid.optimisation.contest.problem import paper_contest
+from exoid.optimisation.excitation.design import design
+from exoid.optimisation.fitting.settings import Search
+from exoid.optimisation.linear.solve import solve_sse
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.optimisation.paper import items
+from exoid.optimisation.paper.experiments import ERRORS, Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, IN_PART, ItemAnswer, PaperTable, is_file
+from exoid.optimisation.paper.items import equation_regressor, figure_2, figure_4, figure_9, figure_10, table_delta
+from exoid.optimisation.paper.reproduce import PaperError, paper_items, reproduce_paper
+from exoid.workbench.command import main
+from exoid.workbench.commands.paper import _plain
+from exoid.workbench.paper_page import anchor, heading
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 QUICK = ("1", "13", "coriolis", "parameters")
@@ -130,8 +130,8 @@ def test_limits_that_are_broken_are_said_to_be(two, monkeypatch):
 
 
 def _published_fast(experiments):
-    from measurement.trajectories.trajectory import paper_trajectory
-    from optimisation.excitation.design import evaluate
+    from exoid.measurement.trajectories.trajectory import paper_trajectory
+    from exoid.optimisation.excitation.design import evaluate
 
     return evaluate(paper_trajectory(8.0), experiments.leg)
 
@@ -164,7 +164,7 @@ def test_the_names_of_entrants_say_how_they_search():
 
 def short(experiments, monkeypatch):
     """Let everything that competes have the fewest generations that can be drawn."""
-    from optimisation.paper import experiments as module
+    from exoid.optimisation.paper import experiments as module
 
     quick = design(individuals=6, generations=20)
     experiments.__dict__["designs"] = {"condition": quick}
@@ -201,7 +201,7 @@ def test_the_page_has_every_item_with_its_command():
 
 
 def test_what_needs_no_chance_is_on_the_page_as_it_comes_out(quick):
-    from workbench.paper_page import section
+    from exoid.workbench.paper_page import section
 
     page = PAGE.read_text(encoding="utf-8")
     for one in quick.answered:

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from measurement.recording import Recording
-from optimisation.fitting.by_recording import by_recording
-from optimisation.fitting.identify import identify
-from optimisation.fitting.thigh_length import wanted_thigh_length
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
+from exoid.measurement.recording import Recording
+from exoid.optimisation.fitting.by_recording import by_recording
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
 from tests.newton_euler import Leg, torque
 
 LEG = Leg(m=(7.0, 4.5), inertia=(0.14, 0.07), along=(0.18, 0.2), length=0.4)

@@ -11,17 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from measurement.trajectories.trajectory import random_trajectory
-from optimisation.fitting.identify import identify
-from optimisation.linear.loss import huber
-from optimisation.linear.physical import MARGIN, certify_physical, physical_reference, physics, solve_physical
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import solve_huber, solve_sse
-from optimisation.preparation.prepare import prepare
-from symbolic.model import Model
-from workbench.command import main
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.physical import MARGIN, certify_physical, physical_reference, physics, solve_physical
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import solve_huber, solve_sse
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.model import Model
+from exoid.workbench.command import main
 
 MODEL = Model.standard()
 POSSIBLE = physics(MODEL)

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from paper_leg import NAMES, PAPER, THIGH, UNITS, Leg
 
-from optimisation.fitting.plausibility import check_plausibility, mass_matrix
-from symbolic.quantity import Estimate
+from exoid.optimisation.fitting.plausibility import check_plausibility, mass_matrix
+from exoid.symbolic.quantity import Estimate
 
 PAPER_SSE = np.array([27.97, 12.15, 1.79, -8.41, 31.83, 15.25, 52.39, -5.89])
 

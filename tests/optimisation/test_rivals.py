@@ -15,18 +15,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from paper_leg import Leg, record
 
-import optimisation.contest.problem as contest_module
-from ground.engines.local import local
-from optimisation.contest import store as contest_store
-from optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, race
-from optimisation.contest.rivals import entrants, rivals
-from optimisation.contest.runtime import differences, expected_runtime, holm, runtime_ecdf
-from optimisation.fitting.identify import identify
-from optimisation.linear.loss import huber
-from optimisation.linear.problem import Problem
-from optimisation.optimiser import minimise
-from optimisation.optimisers import optimisers
-from optimisation.optimisers.nfo import NFO
+import exoid.optimisation.contest.problem as contest_module
+from exoid.ground.engines.local import local
+from exoid.optimisation.contest import store as contest_store
+from exoid.optimisation.contest.problem import Contest, ContestError, Outcome, contest_of, race
+from exoid.optimisation.contest.rivals import entrants, rivals
+from exoid.optimisation.contest.runtime import differences, expected_runtime, holm, runtime_ecdf
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.linear.problem import Problem
+from exoid.optimisation.optimiser import minimise
+from exoid.optimisation.optimisers import optimisers
+from exoid.optimisation.optimisers.nfo import NFO
 
 SMALL = {"seeds": 4, "individuals": 12, "generations": 15, "jobs": 1}
 
@@ -125,7 +125,7 @@ def stopped_after(count, monkeypatch):
         return real(*arguments)
 
     # The package lends the function under the name of its module.
-    monkeypatch.setattr(sys.modules["optimisation.contest.rivals"], "race", once_more)
+    monkeypatch.setattr(sys.modules["exoid.optimisation.contest.rivals"], "race", once_more)
 
 
 def test_what_was_stopped_goes_on_where_it_was(fit, found, tmp_path, monkeypatch):

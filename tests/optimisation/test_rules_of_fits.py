@@ -8,18 +8,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis import extend
-from ground.errors import RecordingError
-from measurement.recording import Recording
-from measurement.signals.conditioning import UniformSignals
-from optimisation.fitting.by_recording import _row
-from optimisation.fitting.neighbours import Neighbours
-from optimisation.fitting.thigh_length import ThighLength
-from optimisation.preparation import cutoff
-from optimisation.preparation.cutoff import _Noise
-from optimisation.preparation.filtering import STICK, _bears_load, prepare_one
-from optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
-from symbolic.model import Model
+from exoid.diagnosis import extend
+from exoid.ground.errors import RecordingError
+from exoid.measurement.recording import Recording
+from exoid.measurement.signals.conditioning import UniformSignals
+from exoid.optimisation.fitting.by_recording import _row
+from exoid.optimisation.fitting.neighbours import Neighbours
+from exoid.optimisation.fitting.thigh_length import ThighLength
+from exoid.optimisation.preparation import cutoff
+from exoid.optimisation.preparation.cutoff import _Noise
+from exoid.optimisation.preparation.filtering import STICK, _bears_load, prepare_one
+from exoid.optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
+from exoid.symbolic.model import Model
 
 
 def swinging(seconds=10.0, knee=1.0):

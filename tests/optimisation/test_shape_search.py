@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ground.errors import ExoidError
-from measurement.bench.hidden import parse_hidden
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from optimisation.fitting.assemble import Assembly
-from optimisation.fitting.identify import identify
-from optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
-from optimisation.linear.solve import solve_sse
-from optimisation.optimisers import optimisers
-from optimisation.preparation.prepare import prepare
-from symbolic.effect import Shape
-from symbolic.model import Model
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.hidden import parse_hidden
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.assemble import Assembly
+from exoid.optimisation.fitting.identify import identify
+from exoid.optimisation.fitting.shapes import GRID, ShapeMethod, search_shape
+from exoid.optimisation.linear.solve import solve_sse
+from exoid.optimisation.optimisers import optimisers
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic.effect import Shape
+from exoid.symbolic.model import Model
 
 SHAPES = [
     Shape("1", -1.0, 1.0, choices=(-1.0, 1.0)),

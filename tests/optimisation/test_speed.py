@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from measurement.reading.formats import csv
-from measurement.signals.conditioning import UniformSignals, low_pass, low_pass_every
-from optimisation.fitting import assemble
-from optimisation.preparation import cutoff
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.measurement.reading.formats import csv
+from exoid.measurement.signals.conditioning import UniformSignals, low_pass, low_pass_every
+from exoid.optimisation.fitting import assemble
+from exoid.optimisation.preparation import cutoff
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 RNG = np.random.default_rng(1)
 

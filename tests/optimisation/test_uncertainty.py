@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from paper_leg import NAMES, PAPER, UNITS, Leg, paper_motion
 
-from optimisation.linear.problem import LinearData
-from optimisation.linear.solve import delta_rule, solve_huber, solve_sse
-from optimisation.linear.uncertainty import block_length, block_outer, covariance
+from exoid.optimisation.linear.problem import LinearData
+from exoid.optimisation.linear.solve import delta_rule, solve_huber, solve_sse
+from exoid.optimisation.linear.uncertainty import block_length, block_outer, covariance
 
 INFINITE = np.full(2, np.inf)
 

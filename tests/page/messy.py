@@ -11,8 +11,8 @@ import json
 import numpy as np
 import pytest
 
-from workbench.command import main
-from workbench.commands.demo import DATA
+from exoid.workbench.command import main
+from exoid.workbench.commands.demo import DATA
 
 SOURCES = (*sorted(DATA.glob("train*.csv")), DATA / "verify.csv")
 DEMO = "Load-dependent friction at the knee"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from workbench.commands.demo import DATA
+from exoid.workbench.commands.demo import DATA
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

@@ -8,15 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis import Session
-from ground.errors import RecordingError
-from measurement.reading.columns import canonical_columns
-from measurement.reading.mapping import StatedMapping, remember, remembered
-from symbolic import Model
-from symbolic.joints import LEG, Joint
-from workbench.commands.demo import DATA
-from workbench.page.given import Given, keep_mappings, mapping_preview, read_as_others, read_given, told_of_all
-from workbench.page.numbers import column_of
+from exoid.diagnosis import Session
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.columns import canonical_columns
+from exoid.measurement.reading.mapping import StatedMapping, remember, remembered
+from exoid.symbolic import Model
+from exoid.symbolic.joints import LEG, Joint
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page.given import Given, keep_mappings, mapping_preview, read_as_others, read_given, told_of_all
+from exoid.workbench.page.numbers import column_of
 
 SLIDE = (Joint("cart", kind="prismatic"), Joint("pole"))
 

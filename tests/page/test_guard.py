@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from workbench.page.guard import Guard
+from exoid.workbench.page.guard import Guard
 
 TOKEN = "a-token"
 OURS = "127.0.0.1:8000"

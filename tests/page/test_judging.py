@@ -6,11 +6,11 @@ import time
 
 import pytest
 
-from workbench.commands.demo import DATA
-from workbench.page.saved import reopen, save
-from workbench.page.views import state
-from workbench.page.work import start_work
-from workbench.page.workspace import Workspace
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page.saved import reopen, save
+from exoid.workbench.page.views import state
+from exoid.workbench.page.work import start_work
+from exoid.workbench.page.workspace import Workspace
 
 PATIENCE = 180.0
 """Seconds until something counts as stuck."""

@@ -14,16 +14,16 @@ from pathlib import Path
 
 import pytest
 
-from ground.delivery import PREFIX
-from ground.errors import RecordingError
-from ground.files import sha256
-from workbench.command import main
-from workbench.commands.demo import DATA
-from workbench.page import folder as module
-from workbench.page.folder import SessionFolder
-from workbench.page.given import VERIFY, read_given
-from workbench.page.saved import keep_in, reopen, save
-from workbench.page.workspace import Workspace
+from exoid.ground.delivery import PREFIX
+from exoid.ground.errors import RecordingError
+from exoid.ground.files import sha256
+from exoid.workbench.command import main
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page import folder as module
+from exoid.workbench.page.folder import SessionFolder
+from exoid.workbench.page.given import VERIFY, read_given
+from exoid.workbench.page.saved import keep_in, reopen, save
+from exoid.workbench.page.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]
 HEAD = "t,q1,q2,tau1,tau2\n"
@@ -191,7 +191,7 @@ def test_a_recording_that_was_altered_in_the_folder_is_noticed(runs, workspace, 
 HOLD = """
 import sys, time
 from pathlib import Path
-from workbench.page.folder import SessionFolder
+from exoid.workbench.page.folder import SessionFolder
 SessionFolder(Path(sys.argv[1]))
 print("held", flush=True)
 time.sleep(600)

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from ground.errors import RecordingError
-from workbench.commands.demo import DATA
-from workbench.page.app import ACTIONS
-from workbench.page.message import STEPS, obey, read_message
-from workbench.page.workspace import Workspace
+from exoid.ground.errors import RecordingError
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page.app import ACTIONS
+from exoid.workbench.page.message import STEPS, obey, read_message
+from exoid.workbench.page.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]
 NESTED = "[" * 100_000 + "]" * 100_000
@@ -176,7 +176,7 @@ def test_what_a_killed_one_left_is_cleared_away_by_the_next(tmp_path, monkeypatc
 
 
 def test_nothing_is_left_of_what_could_not_be_opened(tmp_path, monkeypatch):
-    from workbench.command import main
+    from exoid.workbench.command import main
 
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
     (tmp_path / "tmp").mkdir()

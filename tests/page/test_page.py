@@ -8,9 +8,9 @@ import uuid
 import pytest
 from playwright.sync_api import expect
 
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page.saved import is_session
 from tests.page.test_story import number, wait_ready
-from workbench.commands.demo import DATA
-from workbench.page.saved import is_session
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

@@ -9,7 +9,7 @@ import pytest
 DRAWING = """
 import threading, time
 from matplotlib.figure import Figure
-from workbench.page.serve import finish_threads
+from exoid.workbench.page.serve import finish_threads
 
 drawn = threading.Event()
 

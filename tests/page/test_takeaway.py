@@ -9,15 +9,15 @@ from dataclasses import replace
 
 import pytest
 
-from ground.errors import ExoidError, RecordingError
-from measurement.reading.mapping import StatedMapping
-from symbolic.mechanics.payload import Payload
-from workbench.command import verb_parser
-from workbench.commands.demo import DATA
-from workbench.page.given import VERIFY
-from workbench.page.saved import reopen, save
-from workbench.page.takeaway import commands, exported
-from workbench.page.workspace import Workspace
+from exoid.ground.errors import ExoidError, RecordingError
+from exoid.measurement.reading.mapping import StatedMapping
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.workbench.command import verb_parser
+from exoid.workbench.commands.demo import DATA
+from exoid.workbench.page.given import VERIFY
+from exoid.workbench.page.saved import reopen, save
+from exoid.workbench.page.takeaway import commands, exported
+from exoid.workbench.page.workspace import Workspace
 
 VERDICT = {
     "verdict": "missing", "sentence": "it rubs", "rule": "", "next_experiment": "", "stopped_because": "at last",

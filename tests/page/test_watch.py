@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from measurement.bench.hidden import true_model
-from measurement.bench.leg import standard_leg
-from measurement.trajectories.trajectory import random_trajectory
-from symbolic.mechanics.payload import Payload
-from symbolic.model import Model
+from exoid.measurement.bench.hidden import true_model
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.symbolic.mechanics.payload import Payload
+from exoid.symbolic.model import Model
+from exoid.workbench.commands.demo import DATA
 from tests.page.test_story import wait_ready
-from workbench.commands.demo import DATA
 
 pytestmark = pytest.mark.slow  # a browser, and fits behind it
 

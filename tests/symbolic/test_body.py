@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from optimisation.fitting.identify import identify
-from symbolic.joints import Joint
-from symbolic.mechanics.body import Body, BodyError
-from symbolic.model import Model
-from symbolic.model_file import Numbers, read_model, write_model
-from symbolic.motion import Motion
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.identify import identify
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.body import Body, BodyError
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers, read_model, write_model
+from exoid.symbolic.motion import Motion
+from exoid.workbench.identified import ready
 from tests import newton_euler
-from workbench.identified import ready
 
 OWN = newton_euler.Leg((9.0, 5.0), (0.14, 0.11), (0.18, 0.22))
 MASS, HEIGHT = 70.0, 1.78

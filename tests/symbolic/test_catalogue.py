@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 import sympy
 
-from ground.errors import EffectError
-from symbolic import effects
-from symbolic.catalogue import FAMILIES, catalogue, find_effect
-from symbolic.effect_declaration import check_effect, texts
-from symbolic.language.instant import split_memory
-from symbolic.language.lower import to_casadi, to_numpy, to_sympy
-from symbolic.language.operators import MEMORY
-from symbolic.language.parser import parse
-from symbolic.language.words import MODEL_TORQUE, allowed_words
-from symbolic.language.writing import to_text
-from symbolic.term import Term
+from exoid.ground.errors import EffectError
+from exoid.symbolic import effects
+from exoid.symbolic.catalogue import FAMILIES, catalogue, find_effect
+from exoid.symbolic.effect_declaration import check_effect, texts
+from exoid.symbolic.language.instant import split_memory
+from exoid.symbolic.language.lower import to_casadi, to_numpy, to_sympy
+from exoid.symbolic.language.operators import MEMORY
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.words import MODEL_TORQUE, allowed_words
+from exoid.symbolic.language.writing import to_text
+from exoid.symbolic.term import Term
 
 TEXTS = [(effect, text) for effect in catalogue().values() for text in texts(effect)]
 NAMES = [f"{effect.id}-{k}" for k, (effect, _) in enumerate(TEXTS)]
@@ -233,13 +233,13 @@ def folder(tmp_path, monkeypatch):
     before = set(sys.modules)
     yield tmp_path
     for name in set(sys.modules) - before:
-        if name.startswith("symbolic.effects."):
+        if name.startswith("exoid.symbolic.effects."):
             del sys.modules[name]
 
 
 def test_a_new_file_is_a_new_effect(folder):
     source = (
-        "from symbolic.effect import Effect, Shape\n"
+        "from exoid.symbolic.effect import Effect, Shape\n"
         "def derive(mechanism, symbols):\n    return mechanism\n"
         'TIP = {"d": Shape("m", 0.0, 1.0)}\n'
         'EFFECT = Effect("trial_a", "", None, derive, ("both",), shape=TIP, family="base")\n'
@@ -253,8 +253,8 @@ def test_a_new_file_is_a_new_effect(folder):
     [
         "",
         "EFFECT = 3",
-        'from symbolic.effect import Effect\nEFFECT = Effect(id="other", explains="", family="base")',
-        'from symbolic.effect import Effect\nEFFECT = Effect(id="trial_b", explains="", family="magic")',
+        'from exoid.symbolic.effect import Effect\nEFFECT = Effect(id="other", explains="", family="base")',
+        'from exoid.symbolic.effect import Effect\nEFFECT = Effect(id="trial_b", explains="", family="magic")',
     ],
 )
 def test_a_file_that_is_no_effect_is_named(folder, source):

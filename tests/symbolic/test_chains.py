@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from ground.errors import EffectError, ExoidError, ExpressionError
-from symbolic import Coefficient, Effect, Model, Motion, read_model, write_model
-from symbolic.check import check_equations
-from symbolic.codegen import tree_columns
-from symbolic.codegen.code import generate
-from symbolic.codegen.kernel import compiled
-from symbolic.identifiability import structural_look_alikes
-from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import link_torques
-from symbolic.term import Term
+from exoid.ground.errors import EffectError, ExoidError, ExpressionError
+from exoid.symbolic import Coefficient, Effect, Model, Motion, read_model, write_model
+from exoid.symbolic.check import check_equations
+from exoid.symbolic.codegen import tree_columns
+from exoid.symbolic.codegen.code import generate
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.identifiability import structural_look_alikes
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.newton_euler import link_torques
+from exoid.symbolic.term import Term
 
 KNEE = (Joint("knee"),)
 LEG3 = (Joint("hip", length=0.42), Joint("knee", length=0.40), Joint("ankle", length=0.2))
@@ -32,7 +32,7 @@ def motion(count, samples=30):
 def masses(model):
     """Numbers of links that could exist, as Phi."""
     numbers = {(k, kind): value for k in range(9) for kind, value in (("J", 0.4 + k), ("X", 0.5), ("m", 1.5 + k))}
-    from symbolic.mechanics.base_parameters import base_parameters
+    from exoid.symbolic.mechanics.base_parameters import base_parameters
 
     found = base_parameters(model.chain, model.gravity)
     return [numbers[p.link, p.kind] + sum(f * numbers[k, kind] for k, kind, f in p.parts) for p in found], numbers
@@ -121,7 +121,7 @@ def test_many_joints_use_the_recursion_itself():
 
 
 def test_a_wrong_derivation_is_noticed(monkeypatch):
-    from symbolic.mechanics import tree
+    from exoid.symbolic.mechanics import tree
 
     form = tree.tree_form(KNEE, 9.7)
     monkeypatch.setattr(tree_columns, "tree_form", lambda *_: tree.TreeForm(form.parameters, 1.0001 * form.matrix))

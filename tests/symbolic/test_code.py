@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from ground.files import sha256
-from symbolic import Model
-from symbolic.codegen.code import generate, stale_files
-from symbolic.codegen.fingerprint import library_versions
+from exoid.ground.files import sha256
+from exoid.symbolic import Model
+from exoid.symbolic.codegen.code import generate, stale_files
+from exoid.symbolic.codegen.fingerprint import library_versions
 
 ROOT = Path(__file__).parents[2]
 GENERATED = ROOT / "generated"
@@ -27,7 +27,7 @@ def test_committed_files_are_reproduced():
 
 def test_another_process_with_another_hash_seed_writes_the_same_bytes():
     script = (
-        "from symbolic import Model; from symbolic.codegen.code import generate; print(generate(Model.standard()).code)"
+        "from exoid.symbolic import Model; from exoid.symbolic.codegen.code import generate; print(generate(Model.standard()).code)"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "4711"}
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True)

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from ground.errors import EffectError, ExpressionError
-from symbolic.effect import Coefficient, Effect, Shape
-from symbolic.effect_declaration import check_effect
+from exoid.ground.errors import EffectError, ExpressionError
+from exoid.symbolic.effect import Coefficient, Effect, Shape
+from exoid.symbolic.effect_declaration import check_effect
 
 C = {"c": Coefficient("N·m", min=0.0)}
 GOOD = Effect(id="brake", explains="", torque="c * sgn(dtheta)", coefficients=C)

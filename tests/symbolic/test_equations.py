@@ -8,11 +8,11 @@ import pytest
 import sympy
 
 import exoid
-from symbolic.codegen.kernel import compiled
-from symbolic.equations import EquationError
-from symbolic.joints import Joint
-from symbolic.motion import Motion
-from symbolic.writing_equations import FORMATS
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.equations import EquationError
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.motion import Motion
+from exoid.symbolic.writing_equations import FORMATS
 
 LEG = exoid.Model.standard(thigh_length=0.43)
 CHAIN = exoid.Model(

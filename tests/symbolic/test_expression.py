@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import NAMES, trees
 
-from ground.errors import ExpressionError
-from symbolic.language.parser import parse
-from symbolic.language.tokens import LONGEST_TEXT
-from symbolic.language.writing import to_text
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.tokens import LONGEST_TEXT
+from exoid.symbolic.language.writing import to_text
 
 HOSTILE = {
     "minus signs": "-" * 200_000,
@@ -244,8 +244,8 @@ def test_the_longest_text_still_parses_and_lowers():
 
 def test_the_catalogue_loads_without_symbolic_algebra():
     code = (
-        "import sys, symbolic.effect_declaration, symbolic.language.lower;"
-        "from symbolic.catalogue import catalogue; catalogue();"
+        "import sys, exoid.symbolic.effect_declaration, exoid.symbolic.language.lower;"
+        "from exoid.symbolic.catalogue import catalogue; catalogue();"
         "print([m for m in ('sympy', 'casadi', 'scipy', 'matplotlib') if m in sys.modules])"
     )
     root = Path(__file__).resolve().parents[2]

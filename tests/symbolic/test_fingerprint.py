@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from symbolic.codegen import fingerprint
-from symbolic.codegen.pruned import computing_part
+from exoid.symbolic.codegen import fingerprint
+from exoid.symbolic.codegen.pruned import computing_part
 
 SOURCE = '''"""Module."""
 LIMIT = 3

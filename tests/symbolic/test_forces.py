@@ -5,16 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ground.errors import EffectError, ModelFileError
-from symbolic.check import check_equations
-from symbolic.codegen.kernel import compiled
-from symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
-from symbolic.joints import Joint
-from symbolic.mechanics.newton_euler import BaseMotion
-from symbolic.mechanics.pushed import placed_joints, pushed_torques
-from symbolic.model import Model
-from symbolic.model_file import read_model, write_model
-from symbolic.motion import Motion
+from exoid.ground.errors import EffectError, ModelFileError
+from exoid.symbolic.check import check_equations
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.force import NORMAL, TORQUE, VERTICAL, WORLD, Force
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.mechanics.newton_euler import BaseMotion
+from exoid.symbolic.mechanics.pushed import placed_joints, pushed_torques
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import read_model, write_model
+from exoid.symbolic.motion import Motion
 
 CUFFS = (Force("thigh cuff", "hip", ("f1",)), Force("shank cuff", "knee", ("f2",)))
 GROUND = Force("ground", "knee", ("grf_x", "grf_z"))

@@ -7,12 +7,12 @@ import ctypes
 import numpy as np
 import pytest
 
-from symbolic.codegen.cache import GeneratedC, load_library
-from symbolic.codegen.compiler import EXACT
-from symbolic.codegen.information import central_differences, information, mean_sign
-from symbolic.codegen.instructions import PREAMBLE
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.symbolic.codegen.cache import GeneratedC, load_library
+from exoid.symbolic.codegen.compiler import EXACT
+from exoid.symbolic.codegen.information import central_differences, information, mean_sign
+from exoid.symbolic.codegen.instructions import PREAMBLE
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 LIMITS = np.array([[-0.13, 1.26, 1.92, 5.16], [-1.62, -0.23, 1.64, 5.16]])
 
@@ -53,7 +53,7 @@ def test_the_sums_are_those_of_the_regressor():
     info = made(model, grid=4000)
     swing, offset = motions(1)
     gram = info.sums(swing, offset, rescale=False).gram[0]
-    from measurement.trajectories.trajectory import Fourier
+    from exoid.measurement.trajectories.trajectory import Fourier
 
     motion = Fourier(offset[0], swing[0, :, :5], swing[0, :, 5:], 10.0).at(info.times)
     columns = model.columns(motion)

@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ground.errors import ExpressionError
-from symbolic import Coefficient, Effect, Model, Motion, Shape
-from symbolic.codegen import cache as library
-from symbolic.codegen import compiler
-from symbolic.codegen import fitness as fitness_module
-from symbolic.codegen.compiler import NoCompilerWarning
-from symbolic.codegen.fitness import CHUNK, STRETCH, fitness
-from symbolic.codegen.kernel import compiled
-from symbolic.columns import derived_columns, model_columns
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic import Coefficient, Effect, Model, Motion, Shape
+from exoid.symbolic.codegen import cache as library
+from exoid.symbolic.codegen import compiler
+from exoid.symbolic.codegen import fitness as fitness_module
+from exoid.symbolic.codegen.compiler import NoCompilerWarning
+from exoid.symbolic.codegen.fitness import CHUNK, STRETCH, fitness
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.columns import derived_columns, model_columns
 
 ROOT = Path(__file__).parents[2]
 N_M = Coefficient("N·m")
@@ -56,7 +56,7 @@ def rich_model():
 @pytest.fixture
 def fresh_cache(tmp_path, monkeypatch):
     """An empty cache, and no memory of what this process has loaded."""
-    from symbolic.codegen import kernel
+    from exoid.symbolic.codegen import kernel
 
     monkeypatch.setenv("EXOID_CACHE", str(tmp_path))
     monkeypatch.setattr(kernel, "_RECENT", {})
@@ -195,7 +195,7 @@ def test_fitness_keeps_nan_to_the_candidate_that_has_it():
 
 @needs_compiler
 def test_the_cache_is_used_and_a_damaged_entry_is_rebuilt(fresh_cache, monkeypatch):
-    from symbolic.codegen import kernel
+    from exoid.symbolic.codegen import kernel
 
     model, motion = Model.standard(), random_motion()
     wanted = model.columns(motion)
@@ -232,7 +232,7 @@ def test_leftovers_of_killed_processes_are_swept(fresh_cache):
 
 
 def test_a_cache_that_cannot_be_written_is_replaced_by_a_private_one(tmp_path, monkeypatch):
-    from ground.cache import cache_folder
+    from exoid.ground.cache import cache_folder
 
     blocked = tmp_path / "file"
     blocked.write_text("")
@@ -261,8 +261,8 @@ def test_fast_arithmetic_stays_inside_the_kernel():
 
 SCRIPT = """
 import numpy as np
-from symbolic import Model, Motion
-from symbolic.codegen.kernel import compiled
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.codegen.kernel import compiled
 one = compiled(Model.standard(0.37))
 motion = Motion(np.arange(3.0), *(np.ones((3, 2)) for _ in range(3)))
 print(one.backend, repr(float(one.columns(motion)[0, 0, 0])))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from symbolic import Model, Motion
-from symbolic.catalogue import catalogue
-from symbolic.codegen.kernel import compiled
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.codegen.kernel import compiled
 
 TERMS = [
     (effect.id, joint) for effect in catalogue().values() for joint in ((None,) if effect.on_both else effect.joints)

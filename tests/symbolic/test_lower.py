@@ -7,12 +7,12 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ground.errors import ExpressionError
-from symbolic.language.lower import to_casadi, to_numpy, to_sympy
-from symbolic.language.parser import parse
-from symbolic.language.torque import Torque, part_of
-from symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
-from symbolic.language.writing import to_text
+from exoid.ground.errors import ExpressionError
+from exoid.symbolic.language.lower import to_casadi, to_numpy, to_sympy
+from exoid.symbolic.language.parser import parse
+from exoid.symbolic.language.torque import Torque, part_of
+from exoid.symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
+from exoid.symbolic.language.writing import to_text
 
 NAMES = ("theta1", "dtheta2", "c", "v_s")
 STATES = np.array([[0.3, -0.7, 0.9, 0.2], [-0.4, 0.6, -1.0, 0.5], [0.8, 1.0, 0.1, 0.7]]).T

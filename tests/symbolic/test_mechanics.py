@@ -7,10 +7,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from symbolic import Model, Motion
-from symbolic.check import check_equations
-from symbolic.mechanics.mechanism import chain, leg
-from symbolic.mechanics.regressor import compare_with_printed, derive_regressor
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.check import check_equations
+from exoid.symbolic.mechanics.mechanism import chain, leg
+from exoid.symbolic.mechanics.regressor import compare_with_printed, derive_regressor
 from tests.newton_euler import Leg, base_parameters, torque
 
 SAMPLES = 7
@@ -89,7 +89,7 @@ def test_geometry(length, gravity, seed):
     motion = random_motion(seed)
     linear = np.concatenate([base_parameters(reference), np.zeros(4)])
     model = Model.standard(length, gravity)
-    from symbolic.codegen.kernel import compiled
+    from exoid.symbolic.codegen.kernel import compiled
 
     near(compiled(model, "vm").inverse_dynamics(motion, linear), expected(reference, motion))
 

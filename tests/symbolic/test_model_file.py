@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ground.errors import EffectError, ExoidError, ModelFileError
-from symbolic import Model
-from symbolic.model_file import read_model, read_numbers, write_model
-from symbolic.quantity import Estimate
+from exoid.ground.errors import EffectError, ExoidError, ModelFileError
+from exoid.symbolic import Model
+from exoid.symbolic.model_file import read_model, read_numbers, write_model
+from exoid.symbolic.quantity import Estimate
 
 TEXT = """name = "my leg"
 [geometry]
@@ -86,7 +86,7 @@ def test_identified_numbers(tmp_path):
 
 
 def test_a_failed_write_leaves_what_was_there(tmp_path):
-    from symbolic import Coefficient, Effect
+    from exoid.symbolic import Coefficient, Effect
 
     path = write_model(Model.standard(), tmp_path / "leg.toml")
     before = path.read_bytes()

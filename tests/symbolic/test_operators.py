@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ground.errors import EffectError
-from symbolic.language.operators import MEMORY, dahl, ddt, delay, play
+from exoid.ground.errors import EffectError
+from exoid.symbolic.language.operators import MEMORY, dahl, ddt, delay, play
 
 signals = arrays(float, st.integers(1, 40), elements=st.floats(-3.0, 3.0))
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from diagnosis.discover import discover
-from measurement.bench.hidden import parse_hidden
-from measurement.bench.leg import Leg, Segment, standard_leg
-from measurement.bench.simulation import Bench, simulate_runs
-from optimisation.fitting.identify import identify
-from symbolic import Model, Motion
-from symbolic.mechanics.payload import Payload, PayloadError
+from exoid.diagnosis.discover import discover
+from exoid.measurement.bench.hidden import parse_hidden
+from exoid.measurement.bench.leg import Leg, Segment, standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.optimisation.fitting.identify import identify
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.mechanics.payload import Payload, PayloadError
 from tests import newton_euler
 
 OWN = newton_euler.Leg((9.0, 5.0), (0.14, 0.11), (0.18, 0.22))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from measurement.bench.leg import random_leg
-from symbolic import Model, Motion
-from symbolic.codegen.kernel import compiled
+from exoid.measurement.bench.leg import random_leg
+from exoid.symbolic import Model, Motion
+from exoid.symbolic.codegen.kernel import compiled
 
 pin = pytest.importorskip("pinocchio")
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from symbolic import read_model
-from symbolic.planar_machine import moving_with, planar_machine
-from symbolic.robot_file import RobotFileError, parse_robot, read_robot
-from workbench.command import main
+from exoid.symbolic import read_model
+from exoid.symbolic.planar_machine import moving_with, planar_machine
+from exoid.symbolic.robot_file import RobotFileError, parse_robot, read_robot
+from exoid.workbench.command import main
 
 LEG = """<?xml version="1.0"?>
 <robot name="walker">

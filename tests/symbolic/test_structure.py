@@ -2,11 +2,11 @@
 
 import pytest
 
-from ground.errors import EffectError
-from symbolic import Coefficient, Effect, Model
-from symbolic import identifiability as structure
-from symbolic.identifiability import never_separable, structural_look_alikes
-from symbolic.term import Term
+from exoid.ground.errors import EffectError
+from exoid.symbolic import Coefficient, Effect, Model
+from exoid.symbolic import identifiability as structure
+from exoid.symbolic.identifiability import never_separable, structural_look_alikes
+from exoid.symbolic.term import Term
 
 N_M = Coefficient("N·m")
 

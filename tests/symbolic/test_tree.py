@@ -4,12 +4,12 @@ import casadi
 import numpy as np
 import pytest
 
-from ground.errors import EffectError
-from symbolic.codegen.translate import casadi_from_sympy
-from symbolic.joints import Joint, ancestors, check_joints, parents
-from symbolic.mechanics.base_parameters import base_parameters
-from symbolic.mechanics.newton_euler import link_torques
-from symbolic.mechanics.tree import tree_form
+from exoid.ground.errors import EffectError
+from exoid.symbolic.codegen.translate import casadi_from_sympy
+from exoid.symbolic.joints import Joint, ancestors, check_joints, parents
+from exoid.symbolic.mechanics.base_parameters import base_parameters
+from exoid.symbolic.mechanics.newton_euler import link_torques
+from exoid.symbolic.mechanics.tree import tree_form
 
 
 def chain(count):

@@ -1,8 +1,8 @@
 """Sentences name effects and numbers in words; an id that nothing is known of stays as it is."""
 
-from symbolic import Coefficient, Effect
-from symbolic.catalogue import every_effect, find_effect
-from symbolic.wording import called, number_called, number_said, title_of
+from exoid.symbolic import Coefficient, Effect
+from exoid.symbolic.catalogue import every_effect, find_effect
+from exoid.symbolic.wording import called, number_called, number_said, title_of
 
 
 def test_titles_have_their_place():

@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
+from exoid.symbolic.language.tree import FUNCTIONS, Binary, Call, Name, Number, Unary
 
 NAMES = ("theta1", "dtheta2", "c", "v_s")
 

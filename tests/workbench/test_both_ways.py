@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import exoid
-from diagnosis.question import own_effects
-from diagnosis.watching.settings import Settings
-from ground.engines.local import local
-from symbolic.codegen.code import generate
-from workbench.campaign.plan import read_plan
-from workbench.campaign.run import run_campaign
-from workbench.command import main
-from workbench.exporting import exporter
-from workbench.identified import Options, read_ready
+from exoid.diagnosis.question import own_effects
+from exoid.diagnosis.watching.settings import Settings
+from exoid.ground.engines.local import local
+from exoid.symbolic.codegen.code import generate
+from exoid.workbench.campaign.plan import read_plan
+from exoid.workbench.campaign.run import run_campaign
+from exoid.workbench.command import main
+from exoid.workbench.exporting import exporter
+from exoid.workbench.identified import Options, read_ready
 
 LEG = """\
 name = "my leg"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.command import BAD_INPUT, GROUPS, find_verbs, load_verb, main, verb_parser
+from exoid.workbench.command import BAD_INPUT, GROUPS, find_verbs, load_verb, main, verb_parser
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py")
 ROOT = Path(__file__).parents[2]
@@ -24,7 +24,7 @@ def in_a_process(code: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("arguments", [[], ["--help"], ["discover", "-h"], ["discovr"]])
 def test_help_does_not_even_load_numpy(arguments):
     code = (
-        f"import sys; from workbench.command import main; main({arguments!r}); print('numpy', 'numpy' in sys.modules)"
+        f"import sys; from exoid.workbench.command import main; main({arguments!r}); print('numpy', 'numpy' in sys.modules)"
     )
     assert "numpy False" in in_a_process(code).stdout
 
@@ -34,7 +34,7 @@ def test_help_does_not_even_load_numpy(arguments):
 )
 def test_help_and_catalogue_load_nothing_heavy(arguments):
     code = (
-        f"import sys; from workbench.command import main; status = main({arguments!r})\n"
+        f"import sys; from exoid.workbench.command import main; status = main({arguments!r})\n"
         f"print('LOADED', [m for m in {HEAVY!r} if m in sys.modules], 'STATUS', status)"
     )
     out = in_a_process(code)
@@ -143,7 +143,7 @@ def test_what_goes_wrong_has_its_own_status(error, status, said, monkeypatch, ca
 
 
 def test_a_reader_that_leaves_early_hears_nothing_more():
-    command = f"{sys.executable} -m workbench.command effects | head -1"
+    command = f"{sys.executable} -m exoid.workbench.command effects | head -1"
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
     out = subprocess.run(command, shell=True, capture_output=True, text=True, env=environment, check=False)
     assert out.stderr == ""
@@ -170,7 +170,7 @@ def test_options_may_stand_between_recordings():
 
 def without_greek(*arguments, **environment):
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii", **environment}
-    command = [sys.executable, "-m", "workbench.command", *arguments]
+    command = [sys.executable, "-m", "exoid.workbench.command", *arguments]
     out = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert (out.returncode, out.stderr) == (0, "")
     assert out.stdout.isascii()

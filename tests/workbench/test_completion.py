@@ -7,8 +7,8 @@ import subprocess
 
 import pytest
 
-from workbench.command import find_verbs, main
-from workbench.commands.completion import SHELLS, script
+from exoid.workbench.command import find_verbs, main
+from exoid.workbench.commands.completion import SHELLS, script
 
 ASK = """{script}
 COMP_WORDS=({words}); COMP_CWORD={place}; compopt() {{ :; }}; _exoid; printf '%s\\n' "${{COMPREPLY[@]}}"

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from workbench.command import main
+from exoid.workbench.command import main
 
 FAST = ["--starts", "0"]
 

@@ -10,17 +10,17 @@ import subprocess
 import numpy as np
 import pytest
 
-from measurement.bench.leg import random_leg, standard_leg
-from measurement.trajectories.trajectory import random_trajectory
-from symbolic.catalogue import catalogue
-from symbolic.model import Model
-from symbolic.model_file import Numbers, write_model
-from symbolic.motion import Motion
+from exoid.measurement.bench.leg import random_leg, standard_leg
+from exoid.measurement.trajectories.trajectory import random_trajectory
+from exoid.symbolic.catalogue import catalogue
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers, write_model
+from exoid.symbolic.motion import Motion
+from exoid.workbench.command import main
+from exoid.workbench.export import c, casadi, numpy, urdf
+from exoid.workbench.exporting import usual_formats
+from exoid.workbench.identified import ExportError, Options, ready
 from tests.exported_module import python_module
-from workbench.command import main
-from workbench.export import c, casadi, numpy, urdf
-from workbench.exporting import usual_formats
-from workbench.identified import ExportError, Options, ready
 
 STEP = 0.005
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]

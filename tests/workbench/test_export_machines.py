@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from optimisation.linear.links import LinkInertia, nearest_links
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.model_file import Numbers, write_model
-from symbolic.motion import Motion
-from symbolic.planar_machine import planar_machine
-from symbolic.robot_file import read_robot
+from exoid.optimisation.linear.links import LinkInertia, nearest_links
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers, write_model
+from exoid.symbolic.motion import Motion
+from exoid.symbolic.planar_machine import planar_machine
+from exoid.symbolic.robot_file import read_robot
+from exoid.workbench.command import main
+from exoid.workbench.export import c, mjcf, numpy, urdf
+from exoid.workbench.identified import ExportError, Options, ready
+from exoid.workbench.into_urdf import into_urdf
 from tests.exported_module import python_module
-from workbench.command import main
-from workbench.export import c, mjcf, numpy, urdf
-from workbench.identified import ExportError, Options, ready
-from workbench.into_urdf import into_urdf
 
 HKA = (Joint("hip", length=0.42), Joint("knee", length=0.4), Joint("ankle"))
 LEGS = (Joint("hip_l", length=0.42, parent="base"), Joint("knee_l"), Joint("hip_r", length=0.4, parent="base"),

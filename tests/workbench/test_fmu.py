@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 
 from benchmarks.python_updater import Updater
-from diagnosis.watching.front import CUTOFF
-from measurement.bench.leg import standard_leg
-from measurement.bench.simulation import Bench, simulate
-from symbolic.codegen.kernel import compiled
-from symbolic.model import Model
-from symbolic.model_file import Numbers
-from symbolic.motion import Motion
+from exoid.diagnosis.watching.front import CUTOFF
+from exoid.measurement.bench.leg import standard_leg
+from exoid.measurement.bench.simulation import Bench, simulate
+from exoid.symbolic.codegen.kernel import compiled
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Motion
+from exoid.workbench.command import main
+from exoid.workbench.export import c, fmu
+from exoid.workbench.fmu import VERSIONS, fmu_bytes
+from exoid.workbench.identified import ExportError, Options, ready
+from exoid.workbench.updater import residual_scale
 from tests.workbench.test_export import expected, motion, run_c, variant
-from workbench.command import main
-from workbench.export import c, fmu
-from workbench.fmu import VERSIONS, fmu_bytes
-from workbench.identified import ExportError, Options, ready
-from workbench.updater import residual_scale
 
 fmpy = pytest.importorskip("fmpy")
 COMPILER = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
@@ -264,7 +264,7 @@ def test_a_state_that_was_kept_comes_back(exported, tmp_path, version):
 
 
 def test_without_a_compiler_the_sources_are_there(monkeypatch, tmp_path):
-    monkeypatch.setattr("workbench.fmu.find_compiler", lambda: None)
+    monkeypatch.setattr("exoid.workbench.fmu.find_compiler", lambda: None)
     model, numbers = plain()
     for name, content in fmu.write(ready(model, numbers), Options("leg", STEP)).items():
         (tmp_path / name).write_bytes(content)
@@ -285,7 +285,7 @@ def test_what_cannot_be_an_fmu_is_said():
 
 
 def test_a_machine_of_three_joints_on_a_moving_base_has_its_inputs():
-    from symbolic.joints import Joint
+    from exoid.symbolic.joints import Joint
 
     chain = (Joint("a", length=0.3), Joint("b", length=0.2), Joint("c", length=0.1))
     model = Model(name="arm", chain=chain, moving_base=True)

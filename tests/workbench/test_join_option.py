@@ -3,9 +3,9 @@
 import pytest
 from recordings_of_a_leg import written
 
-from workbench.command import main
-from workbench.command_line.inputs import joins_of
-from workbench.command_line.parser import UsageError
+from exoid.workbench.command import main
+from exoid.workbench.command_line.inputs import joins_of
+from exoid.workbench.command_line.parser import UsageError
 
 
 def test_files_find_their_recordings():

@@ -5,10 +5,10 @@ import json
 import pytest
 from recordings_of_a_leg import COLUMNS, written
 
-from ground.errors import RecordingError
-from measurement.reading.mapping import FILE, MOST_BYTES, remembered
-from measurement.reading.read import read_recording
-from workbench.command import main
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.mapping import FILE, MOST_BYTES, remembered
+from exoid.measurement.reading.read import read_recording
+from exoid.workbench.command import main
 
 HEADER = "Zeit,A1,A2,M1,M2"
 TOLD = ["--map", "q1=A1,q2=A2,tau1=M1,tau2=M2", "--units", "q=deg"]

@@ -7,15 +7,15 @@ import re
 import pytest
 from workbench_fakes import HOSTILE
 
-from diagnosis import add, compare, diagnose
-from ground.html import bullets, code, lines, table
-from measurement import read_recording
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation import identify
-from optimisation.preparation.prepare import prepare
-from symbolic import Model
-from symbolic.catalogue import catalogue
-from workbench.commands.demo import DATA
+from exoid.diagnosis import add, compare, diagnose
+from exoid.ground.html import bullets, code, lines, table
+from exoid.measurement import read_recording
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation import identify
+from exoid.optimisation.preparation.prepare import prepare
+from exoid.symbolic import Model
+from exoid.symbolic.catalogue import catalogue
+from exoid.workbench.commands.demo import DATA
 
 
 @pytest.fixture(scope="module")

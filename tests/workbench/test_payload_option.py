@@ -2,10 +2,10 @@
 
 import pytest
 
-from symbolic.mechanics.payload import PayloadError
-from symbolic.model import Model
-from workbench.command_line.inputs import payload_of, payloads
-from workbench.command_line.parser import UsageError
+from exoid.symbolic.mechanics.payload import PayloadError
+from exoid.symbolic.model import Model
+from exoid.workbench.command_line.inputs import payload_of, payloads
+from exoid.workbench.command_line.parser import UsageError
 
 PATHS = ["a/run.csv", "b/run.csv", "b/x=1.csv"]
 

@@ -18,12 +18,12 @@ import numpy as np
 import pytest
 from workbench_fakes import HOSTILE, FakeComparison, FakeDiagnosis, FakeModel, figure, material, recording
 
-from diagnosis.extend import Waterfall
-from diagnosis.results import Step
-from ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
-from measurement.finding import Finding
-from workbench.report.material import Material, command_of
-from workbench.report.page import figure_file_name, find_sections, render_report, write_report
+from exoid.diagnosis.extend import Waterfall
+from exoid.diagnosis.results import Step
+from exoid.ground.figures import LARGEST_SVG, adaptive, to_data_uri, to_svg
+from exoid.measurement.finding import Finding
+from exoid.workbench.report.material import Material, command_of
+from exoid.workbench.report.page import figure_file_name, find_sections, render_report, write_report
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -158,7 +158,7 @@ def test_svg_follows_dark_mode_and_heavy_figures_become_png():
     assert to_data_uri(figure()).startswith("data:image/svg+xml")
     import numpy as np
 
-    from ground.figures import new_figure
+    from exoid.ground.figures import new_figure
 
     heavy = new_figure()
     heavy.subplots().scatter(np.arange(20000.0), np.sin(np.arange(20000.0)))

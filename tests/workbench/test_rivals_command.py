@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from workbench.command import main
+from exoid.workbench.command import main
 
 SMALL = ["rivals", "--seeds", "2", "--individuals", "8", "--generations", "4", "--jobs", "1"]
 

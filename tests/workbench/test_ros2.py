@@ -13,14 +13,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.model_file import Numbers
-from symbolic.motion import Motion
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers
+from exoid.symbolic.motion import Motion
+from exoid.workbench.export import ros2, urdf
+from exoid.workbench.identified import ExportError, Options, ready
 from tests.workbench.test_export import expected, variant
 from tests.workbench.test_export_machines import MACHINES, numbers
-from workbench.export import ros2, urdf
-from workbench.identified import ExportError, Options, ready
 
 COMPILER = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
 STAND_INS = {

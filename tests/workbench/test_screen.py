@@ -10,10 +10,10 @@ import time
 import numpy as np
 import pytest
 
-from ground.plain import plain
-from workbench.command_line.files import OutputError, check_folder, json_text, make_folder, write_text
-from workbench.terminal import progress as waiting
-from workbench.terminal.screen import Screen, bar
+from exoid.ground.plain import plain
+from exoid.workbench.command_line.files import OutputError, check_folder, json_text, make_folder, write_text
+from exoid.workbench.terminal import progress as waiting
+from exoid.workbench.terminal.screen import Screen, bar
 
 
 def test_no_terminal_no_bar(capsys):

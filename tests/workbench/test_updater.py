@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from benchmarks.python_updater import Updater
-from diagnosis.watching.front import CUTOFF
-from ground.errors import ExoidError
-from measurement.bench.simulation import Bench, simulate
-from symbolic.model import Model
-from symbolic.model_file import Numbers
-from workbench.updater import residual_scale, write_updater
+from exoid.diagnosis.watching.front import CUTOFF
+from exoid.ground.errors import ExoidError
+from exoid.measurement.bench.simulation import Bench, simulate
+from exoid.symbolic.model import Model
+from exoid.symbolic.model_file import Numbers
+from exoid.workbench.updater import residual_scale, write_updater
 
 COMPILER = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
 NUMBERS = Numbers(

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from workbench_fakes import FakeComparison, FakeDiagnosis, FakeFit, FakeModel
 
-from diagnosis.extend import Waterfall
-from workbench import commands
-from workbench.command import main
-from workbench.formula import pretty
-from workbench.terminal.screen import Screen
-from workbench.terminal.showing import show_limit, truth_sentence
+from exoid.diagnosis.extend import Waterfall
+from exoid.workbench import commands
+from exoid.workbench.command import main
+from exoid.workbench.formula import pretty
+from exoid.workbench.terminal.screen import Screen
+from exoid.workbench.terminal.showing import show_limit, truth_sentence
 
 DATA = Path(commands.__file__).parents[1] / "demo_data"
 TRAIN, VERIFY = str(DATA / "train_1.csv"), str(DATA / "verify.csv")
@@ -35,7 +35,7 @@ def stand_in(monkeypatch):
                 named["progress"](0.5, "half way")
             return answer
 
-        monkeypatch.setitem(sys.modules, f"diagnosis.{module}", SimpleNamespace(**{name: function}))
+        monkeypatch.setitem(sys.modules, f"exoid.diagnosis.{module}", SimpleNamespace(**{name: function}))
         return calls
 
     return put
@@ -43,7 +43,7 @@ def stand_in(monkeypatch):
 
 @pytest.fixture
 def addition(stand_in, monkeypatch, tmp_path):
-    """`diagnosis.extend.add` and a model writer, standing in."""
+    """`exoid.diagnosis.extend.add` and a model writer, standing in."""
     monkeypatch.chdir(tmp_path)
     written = []
 
@@ -51,7 +51,7 @@ def addition(stand_in, monkeypatch, tmp_path):
         written.append(str(path))
         Path(path).write_text("name = 'x'\n", "utf-8")
 
-    monkeypatch.setitem(sys.modules, "symbolic.model_file", SimpleNamespace(write_model=write_model))
+    monkeypatch.setitem(sys.modules, "exoid.symbolic.model_file", SimpleNamespace(write_model=write_model))
 
     def put(helped):
         steps = FakeDiagnosis().steps[:2]
@@ -145,7 +145,7 @@ def test_demo_opens_the_seal_and_writes_the_report(stand_in, tmp_path, monkeypat
     stand_in("discover", "discover", FakeDiagnosis())
     stand_in("compare", "compare_prepared", FakeComparison())
     control = SimpleNamespace(sentence="It follows better.", to_json=dict, figures=list)
-    monkeypatch.setattr("workbench.commands.demo._control", lambda *_: control)
+    monkeypatch.setattr("exoid.workbench.commands.demo._control", lambda *_: control)
     assert main(["demo"]) == 0
     out = capsys.readouterr().out
     assert "load_friction:knee" in out
@@ -241,9 +241,9 @@ def test_formulas_read_like_handwriting(text, shown):
 
 @pytest.mark.slow
 def test_watch_names_what_appears(tmp_path, monkeypatch, capsys):
-    from measurement.bench.hidden import Hidden
-    from measurement.bench.simulation import Bench, run_bench
-    from measurement.trajectories.trajectory import random_trajectory
+    from exoid.measurement.bench.hidden import Hidden
+    from exoid.measurement.bench.simulation import Bench, run_bench
+    from exoid.measurement.trajectories.trajectory import random_trajectory
 
     monkeypatch.chdir(tmp_path)
     path = random_trajectory(np.random.default_rng(1), period=47.0, harmonics=24)

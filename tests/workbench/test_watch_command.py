@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.command import main
+from exoid.workbench.command import main
 
 ROOT = Path(__file__).parents[2]
 HEADER = "t,q1,q2,tau1,tau2\n"

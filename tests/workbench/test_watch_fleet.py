@@ -16,18 +16,18 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.watching.events import Event
-from diagnosis.watching.settings import Settings
-from diagnosis.watching.state import StateError, WatchState
-from diagnosis.watching.watcher import Watcher
-from measurement.bench.simulation import Bench, run_bench
-from measurement.reading.live import Lines
-from symbolic.model import Model
-from workbench.command import main
-from workbench.command_line.parser import UsageError
-from workbench.watching.hook import Hook
-from workbench.watching.joint_states import heard, joint_state_line
-from workbench.watching.report import Report, device_of
+from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.settings import Settings
+from exoid.diagnosis.watching.state import StateError, WatchState
+from exoid.diagnosis.watching.watcher import Watcher
+from exoid.measurement.bench.simulation import Bench, run_bench
+from exoid.measurement.reading.live import Lines
+from exoid.symbolic.model import Model
+from exoid.workbench.command import main
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.watching.hook import Hook
+from exoid.workbench.watching.joint_states import heard, joint_state_line
+from exoid.workbench.watching.report import Report, device_of
 
 LEARN = 8
 """Blocks that say what is usual: the least that sets thresholds in a test."""
@@ -117,7 +117,7 @@ def test_a_command_that_fails_is_told_and_one_that_there_is_not_refused(tmp_path
 
 def test_numbers_and_counts_are_scraped_on_the_loopback_address(learnt):
     pytest.importorskip("prometheus_client")
-    from workbench.watching.prometheus import Scraped
+    from exoid.workbench.watching.prometheus import Scraped
 
     scraped = Scraped(0, "leg-7")
     try:
@@ -164,7 +164,7 @@ def test_events_reach_an_mqtt_broker(broker):
     from paho.mqtt.client import Client
     from paho.mqtt.enums import CallbackAPIVersion
 
-    from workbench.watching.mqtt import Broker
+    from exoid.workbench.watching.mqtt import Broker
 
     got = []
     listener = Client(CallbackAPIVersion.VERSION2)
@@ -199,7 +199,7 @@ def until(right):
 @pytest.mark.parametrize("address", ["host", "http://host", "mqtt://", "mqtt://user:secret@host", "mqtt://host/a/#"])
 def test_what_is_no_broker_is_refused(address):
     pytest.importorskip("paho.mqtt.client")
-    from workbench.watching.mqtt import Broker
+    from exoid.workbench.watching.mqtt import Broker
 
     with pytest.raises(UsageError):
         Broker(address, "leg-7")

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.results import Step
-from ground.figures import JOINT_COLOURS, figure_style, label, new_figure
-from measurement.finding import Finding
-from measurement.recording import Recording, Source
-from symbolic.joints import LEG
-from symbolic.quantity import Estimate
+from exoid.diagnosis.results import Step
+from exoid.ground.figures import JOINT_COLOURS, figure_style, label, new_figure
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording, Source
+from exoid.symbolic.joints import LEG
+from exoid.symbolic.quantity import Estimate
 
 HOSTILE = "<script>alert('x')</script> & \"quotes\""
 """Text that would break a page which forgets to escape."""
@@ -190,7 +190,7 @@ class FakeDiagnosis:
 
 
 def material() -> Any:
-    from workbench.report.material import Material, pictures_of
+    from exoid.workbench.report.material import Material, pictures_of
 
     found, comparison = FakeDiagnosis(), FakeComparison()
     return Material(

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ground.files import write_whole
-from workbench.campaign.plan import Plan
-from workbench.campaign.pooled import pool
-from workbench.campaign.table import effect_name, parameters, table_of, unreadable
+from exoid.ground.files import write_whole
+from exoid.workbench.campaign.plan import Plan
+from exoid.workbench.campaign.pooled import pool
+from exoid.workbench.campaign.table import effect_name, parameters, table_of, unreadable
 
 FOLDER = Path(__file__).parent
 SECONDS = 10
@@ -35,8 +35,8 @@ def render_campaign(
     """Return the page as HTML text; text from files is data in it, never markup."""
     from markupsafe import Markup
 
-    from workbench.report.page import FOLDER as REPORT
-    from workbench.report.page import environment
+    from exoid.workbench.report.page import FOLDER as REPORT
+    from exoid.workbench.report.page import environment
 
     # Embedded as JSON in which nothing can end the script element; the page sets it as text.
     content = json.dumps(data(plan, rows, events, running=running), ensure_ascii=False).replace("<", "\\u003c")

@@ -30,10 +30,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ground.errors import ModelFileError
-from ground.plain import AsJson
-from ground.suggest import did_you_mean
-from ground.toml_reader import Table, read_toml
+from exoid.ground.errors import ModelFileError
+from exoid.ground.plain import AsJson
+from exoid.ground.suggest import did_you_mean
+from exoid.ground.toml_reader import Table, read_toml
 
 BLIND = "blind"
 WATCH = "watch"
@@ -223,8 +223,8 @@ def _options(top: Table, verb: str) -> tuple[str, ...]:
     """Return the options of [options] as words of a command line, after its parser has accepted them."""
     if "options" not in top.values:
         return ()
-    from ground.errors import ExoidError
-    from workbench.command import verb_parser
+    from exoid.ground.errors import ExoidError
+    from exoid.workbench.command import verb_parser
 
     table = top.table("options")
     words: list[str] = []
@@ -258,7 +258,7 @@ def _natural(text: str) -> list[Any]:
 
 
 def _blind_jobs(top: Table, seed: int) -> tuple[tuple[Job, ...], tuple[str, ...]]:
-    from diagnosis.trials.cases import KINDS, cases
+    from exoid.diagnosis.trials.cases import KINDS, cases
 
     table = top.table("blind") if "blind" in top.values else top.child("blind", {})
     table.only("kinds", "seeds", "first", "only")

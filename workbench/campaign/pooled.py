@@ -14,8 +14,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ground.plain import AsJson
-from workbench.campaign.plan import Plan
+from exoid.ground.plain import AsJson
+from exoid.workbench.campaign.plan import Plan
 
 LEAST_DEVICES = 3
 """Devices below which a spread between them cannot be distinguished from the spread within."""
@@ -100,7 +100,7 @@ def _outliers(devices: Mapping[str, tuple[float, float]]) -> tuple[Outlier, ...]
         return ()
     from scipy.stats import t
 
-    from optimisation.contest.runtime import holm
+    from exoid.optimisation.contest.runtime import holm
 
     raw = []
     for device, (value, variance) in devices.items():

@@ -12,22 +12,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.cell import in_cell
-from ground.engines.engine import Engine, EngineError, completed
-from ground.errors import refused
-from ground.files import write_whole
-from ground.frames import pandas
-from ground.inside import refuse_links
-from ground.lock import FolderHeld, FolderLock
-from ground.plain import AsJson
-from ground.progress import Progress, silent
-from workbench.campaign.copies import describe_copies
-from workbench.campaign.plan import Job, Plan
-from workbench.campaign.store import FINAL, AwayError, CampaignError, JobStore, job_file_name, task_of
-from workbench.campaign.work import FUNCTION
+from exoid.ground.engines.cell import in_cell
+from exoid.ground.engines.engine import Engine, EngineError, completed
+from exoid.ground.errors import refused
+from exoid.ground.files import write_whole
+from exoid.ground.frames import pandas
+from exoid.ground.inside import refuse_links
+from exoid.ground.lock import FolderHeld, FolderLock
+from exoid.ground.plain import AsJson
+from exoid.ground.progress import Progress, silent
+from exoid.workbench.campaign.copies import describe_copies
+from exoid.workbench.campaign.plan import Job, Plan
+from exoid.workbench.campaign.store import FINAL, AwayError, CampaignError, JobStore, job_file_name, task_of
+from exoid.workbench.campaign.work import FUNCTION
 
 if TYPE_CHECKING:
-    from workbench.campaign.pooled import Pooled
+    from exoid.workbench.campaign.pooled import Pooled
 
 TABLES = ("table", "parameters", "unreadable")
 OWN = ("index.html", "reports", *(f"{name}.{end}" for name in TABLES for end in ("csv", "parquet")))
@@ -60,14 +60,14 @@ class Campaign(AsJson):
     @property
     def table(self) -> list[dict[str, Any]]:
         """A flat row per job."""
-        from workbench.campaign.table import table_of
+        from exoid.workbench.campaign.table import table_of
 
         return table_of(self.plan, self.rows)
 
     @property
     def pooled(self) -> list[Pooled]:
         """The parameters across devices."""
-        from workbench.campaign.pooled import pool
+        from exoid.workbench.campaign.pooled import pool
 
         return pool(self.plan, self.rows)
 
@@ -86,9 +86,9 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     Raises CampaignError where another campaign works in `folder`, and for workers with other versions. Interrupted at
     any moment, it goes on where it was when it is called again.
     """
-    from workbench.campaign.page import write_page
-    from workbench.campaign.table import write_tables
-    from workbench.command import versions
+    from exoid.workbench.campaign.page import write_page
+    from exoid.workbench.campaign.table import write_tables
+    from exoid.workbench.command import versions
 
     began, report = time.perf_counter(), progress or silent
     folder = Path(folder)

@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ground.errors import ExoidError, refused
-from ground.files import sha256, sha256_file, write_whole
-from ground.inputs import read_input
-from ground.inside import refuse_links
-from workbench.campaign.plan import Job
+from exoid.ground.errors import ExoidError, refused
+from exoid.ground.files import sha256, sha256_file, write_whole
+from exoid.ground.inputs import read_input
+from exoid.ground.inside import refuse_links
+from exoid.workbench.campaign.plan import Job
 
 SCHEMA = "exoid.campaign_job/1"
 LARGEST = 500_000_000

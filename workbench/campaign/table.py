@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ground.files import write_whole
-from workbench.campaign.copies import same_recordings
-from workbench.campaign.plan import Plan
-from workbench.campaign.store import job_file_name
-from workbench.report.sections.verdict import term
+from exoid.ground.files import write_whole
+from exoid.workbench.campaign.copies import same_recordings
+from exoid.workbench.campaign.plan import Plan
+from exoid.workbench.campaign.store import job_file_name
+from exoid.workbench.report.sections.verdict import term
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a spreadsheet takes for a formula at the start of a cell: a name from a file is not one."""
@@ -102,7 +102,7 @@ def parameters(plan: Plan, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, 
 
 
 def blind_lines(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return the results of blind trials as `diagnosis.trials.count` takes them; what broke down counts as wrong."""
+    """Return the results of blind trials as `exoid.diagnosis.trials.count` takes them; what broke down counts as wrong."""
     out = []
     for row in rows:
         hidden = [name for name in row["fields"]["hidden"].split("+") if name]

@@ -12,11 +12,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ground.errors import refused
-from ground.files import sha256_file
-from measurement.reading.sources import noting
-from workbench.campaign.plan import WATCH
-from workbench.campaign.store import CHANGED, AwayError
+from exoid.ground.errors import refused
+from exoid.ground.files import sha256_file
+from exoid.measurement.reading.sources import noting
+from exoid.workbench.campaign.plan import WATCH
+from exoid.workbench.campaign.store import CHANGED, AwayError
 
 ROLES = ("recordings", "verify")
 ATTEMPTS, PAUSE = 3, 1.0
@@ -35,13 +35,13 @@ def work(task: Mapping[str, Any]) -> dict[str, Any]:
     `task` has the fields of a Job; its recordings as {"path", "data"} where `data` (base64) is None for a file that
     the worker sees; the text of its model file; `report` (whether one is wanted) and the sender's `versions`.
     """
-    from workbench.command import versions
+    from exoid.workbench.command import versions
 
     here = dict(versions())
     if here != task["versions"]:
         return {"status": "versions", "reason": _differing(task["versions"], here)}
     if task["case"] is not None:
-        from diagnosis.trials.trial import run_case
+        from exoid.diagnosis.trials.trial import run_case
 
         return {"status": "done", "result": _steady(run_case(task["case"])), "notes": []}
     with tempfile.TemporaryDirectory(prefix="exoid-job-") as folder:
@@ -121,8 +121,8 @@ def _command(
     task: Mapping[str, Any], folder: Path, recordings: Sequence[str], verify: Sequence[str]
 ) -> tuple[int, Any, list[str], str | None]:
     """Return the exit status of the command, its JSON, what it said on stderr, and its report."""
-    from workbench.command import main
-    from workbench.commands.watch import STANDARD
+    from exoid.workbench.command import main
+    from exoid.workbench.commands.watch import STANDARD
 
     answer, out = folder / "answer.json", folder / "out"
     watches, model = task["verb"] == WATCH, folder / "model.toml"
@@ -200,9 +200,9 @@ def _unreadable(
 
 def _why_not(task: Mapping[str, Any], path: str) -> tuple[str, dict[str, str]]:
     """Return why a recording cannot be read, "" where it can, and what was read."""
-    from ground.errors import ExoidError
-    from workbench.command import verb_parser
-    from workbench.command_line.inputs import load
+    from exoid.ground.errors import ExoidError
+    from exoid.workbench.command import verb_parser
+    from exoid.workbench.command_line.inputs import load
 
     with noting() as noted:
         try:

@@ -7,16 +7,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.inputs import Inputs, check_new_model, load
-from workbench.report.material import Material
-from workbench.report.result import material_of_answer
-from workbench.terminal.progress import part, progress
-from workbench.terminal.screen import Screen
-from workbench.terminal.showing import show_diagnosis, show_steps
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.inputs import Inputs, check_new_model, load
+from exoid.workbench.report.material import Material
+from exoid.workbench.report.result import material_of_answer
+from exoid.workbench.terminal.progress import part, progress
+from exoid.workbench.terminal.screen import Screen
+from exoid.workbench.terminal.showing import show_diagnosis, show_steps
 
 Question = Callable[..., Any]
-"""`diagnose` or `discover` of `diagnosis.discover`."""
+"""`diagnose` or `discover` of `exoid.diagnosis.discover`."""
 
 
 def answer_question(
@@ -34,7 +34,7 @@ def answer_question(
     show_diagnosis(screen, found)
     show_steps(screen, found)
     if write:
-        from symbolic.model_file import write_model
+        from exoid.symbolic.model_file import write_model
 
         write_model(found.model, write, found.fit)
         screen.say(f"model: {write}")
@@ -51,7 +51,7 @@ def answer(args: argparse.Namespace, question: Question, given: Inputs, **more: 
         )  # fmt: skip
         comparison = None
         if args.out:
-            from diagnosis.compare import compare_prepared
+            from exoid.diagnosis.compare import compare_prepared
 
             report(0.95, "looking where the model fails")
             comparison = compare_prepared(found.given.fit, found.given.prepared)

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.files import check_folder, check_json, make_folder, write_json
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import check_folder, check_json, make_folder, write_json
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from workbench.report.material import Material
+    from exoid.workbench.report.material import Material
 
 
 def check_places(args: argparse.Namespace) -> None:
@@ -35,8 +35,8 @@ def deliver_results(
     if material is None:
         screen.say(f"wrote {folder}")
         return
-    from workbench.report.material import command_of, settings_of
-    from workbench.report.page import write_report
+    from exoid.workbench.report.material import command_of, settings_of
+    from exoid.workbench.report.page import write_report
 
     made = material()
     told = {**settings_of(args), **made.settings}

@@ -12,12 +12,12 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from ground.delivery import Delivery, current
-from ground.errors import ExoidError, refused
-from ground.inputs import read_input
-from ground.inside import refuse_links
-from ground.plain import plain
-from workbench.terminal.encoding import spells
+from exoid.ground.delivery import Delivery, current
+from exoid.ground.errors import ExoidError, refused
+from exoid.ground.inputs import read_input
+from exoid.ground.inside import refuse_links
+from exoid.ground.plain import plain
+from exoid.workbench.terminal.encoding import spells
 
 LARGEST_JSON = 100_000_000
 """Bytes of a result that is read back; those of exoid have at most a few million."""
@@ -53,7 +53,7 @@ def write_text(path: str | Path, text: str) -> Path:
 
 def write_bytes(path: str | Path, content: bytes) -> Path:
     """Write `content` to `path`, whole or not at all; raises OutputError."""
-    from ground.files import write_whole
+    from exoid.ground.files import write_whole
 
     with _writing(path):
         return write_whole(path, content)

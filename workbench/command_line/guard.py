@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ground.delivery import Delivery
+from exoid.ground.delivery import Delivery
 
 OUTPUTS = ("json", "out", "write", "state")
 """Options that name what is written, a state read before that; whatever else names a file on a command line names an

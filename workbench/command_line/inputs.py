@@ -11,20 +11,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.suggest import did_you_mean
-from measurement.signals.methods import BUTTERWORTH
-from symbolic.quantity import JOINTS
-from workbench.command_line.options import merged
-from workbench.command_line.parser import UsageError
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import warn
+from exoid.ground.suggest import did_you_mean
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.symbolic.quantity import JOINTS
+from exoid.workbench.command_line.options import merged
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
-    from measurement.reading.mapping import StatedMapping
-    from measurement.recording import Recording
-    from symbolic.joints import Joint
-    from symbolic.mechanics.payload import Payload
-    from symbolic.model import Model
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.measurement.recording import Recording
+    from exoid.symbolic.joints import Joint
+    from exoid.symbolic.mechanics.payload import Payload
+    from exoid.symbolic.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,18 +48,18 @@ class Inputs:
 
 def load_model(path: str | None) -> Model:
     """Return the model in the file `path`, or the standard leg for None."""
-    from symbolic.model import Model
+    from exoid.symbolic.model import Model
 
     if path is None:
         return Model.standard()
-    from symbolic.model_file import read_model
+    from exoid.symbolic.model_file import read_model
 
     return read_model(path)
 
 
 def load(args: argparse.Namespace) -> Inputs:
     """Read what `args` name: --model, REC..., --verify, what belongs to reading, --derivative, --payload, --wearer."""
-    from measurement.forces import pushed_model
+    from exoid.measurement.forces import pushed_model
 
     model = load_model(getattr(args, "model", None))
     model = worn(model, getattr(args, "wearer", None))
@@ -79,7 +79,7 @@ def load(args: argparse.Namespace) -> Inputs:
 
 def worn(model: Model, wearer: str | None) -> Model:
     """Return `model` worn by the person that --wearer tells of; BodyError where it tells of none."""
-    from symbolic.mechanics.body import Body
+    from exoid.symbolic.mechanics.body import Body
 
     if not wearer:
         return model
@@ -91,8 +91,8 @@ def told_recordings(
     args: argparse.Namespace, joints: Sequence[str]
 ) -> tuple[list[str], list[str], dict[str, StatedMapping]]:
     """Return the files that `args` mean to be fitted and to be held out, and what they tell of each."""
-    from measurement.reading.mapping import StatedMapping
-    from measurement.reading.sources import expand
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.measurement.reading.sources import expand
 
     held_out = list(getattr(args, "verify", []))
     refuse_repeats(args.recordings, held_out)
@@ -121,8 +121,8 @@ def read(
 
     A mapping that was remembered is said too, every time.
     """
-    from measurement.reading.mapping import StatedMapping
-    from measurement.reading.read import read_as_told
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.measurement.reading.read import read_as_told
 
     # Only a file that takes more than a glance is worth a bar.
     with progress(f"reading {Path(path).name}", quiet=quiet) as report:
@@ -233,7 +233,7 @@ def payloads(given: Sequence[str], paths: Sequence[str]) -> dict[str, list[Paylo
 
 def payload_of(text: str) -> Payload:
     """Return the payload that a text such as 2@0.35 or thigh:2@0.2 means; UsageError where it means none."""
-    from symbolic.mechanics.payload import Payload
+    from exoid.symbolic.mechanics.payload import Payload
 
     link, colon, load = text.rpartition(":")
     mass, _, along = load.partition("@")
@@ -276,7 +276,7 @@ def split_joint(text: str, joints: Sequence[str] = JOINTS) -> tuple[str, str | N
 
 def check_new_model(target: str, source: str | None) -> None:
     """Refuse a model file that would overwrite the one it comes from or what is no model, or cannot be written."""
-    from workbench.command_line.files import OutputError, check_target
+    from exoid.workbench.command_line.files import OutputError, check_target
 
     if target == "-":
         raise OutputError("a model is written to a file", where=target, remedy="name a file ending in .toml")

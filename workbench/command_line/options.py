@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.parser import Seldom, UsageError
+from exoid.workbench.command_line.parser import Seldom, UsageError
 
 if TYPE_CHECKING:
-    from ground.settings import Setting, VerbSettings
+    from exoid.ground.settings import Setting, VerbSettings
 
 
 def add_common(parser: argparse.ArgumentParser, out: str = "write the report and its figures into DIR") -> None:
@@ -27,7 +27,7 @@ def add_settings(
     group: argparse._ActionsContainer | Seldom, record: type[VerbSettings], *names: str, **named: dict[str, Any]
 ) -> None:
     """Add an option for each setting called in `names`, as its record has it; in `named` with other words for it."""
-    from ground.settings import default_of, settings_in
+    from exoid.ground.settings import default_of, settings_in
 
     known = {entry.name: (entry, about) for entry, about in settings_in(record)}
     for name in (*names, *named):
@@ -45,7 +45,7 @@ def add_settings(
 
 def settings_given(args: argparse.Namespace, record: type[VerbSettings], *but: str) -> dict[str, Any]:
     """Return {setting: value} of the settings of `record` that `args` know, but for some of them."""
-    from ground.settings import settings_in
+    from exoid.ground.settings import settings_in
 
     names = [entry.name for entry, _ in settings_in(record) if entry.name not in but]
     return {name: getattr(args, name) for name in names if hasattr(args, name)}
@@ -149,7 +149,7 @@ def add_reading(parser: argparse.ArgumentParser, rows: bool = True, *, everyday:
 
 def add_derivative(parser: argparse.ArgumentParser) -> None:
     """Add --derivative, how velocities and accelerations come from angles, --payload and --wearer."""
-    from diagnosis.settings import DiscoverySettings
+    from exoid.diagnosis.settings import DiscoverySettings
 
     seldom = Seldom(parser)
     seldom.add_argument(

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
-from ground.errors import ExoidError
-from ground.suggest import did_you_mean
+from exoid.ground.errors import ExoidError
+from exoid.ground.suggest import did_you_mean
 
 HELP = ("--help", "--help-all")
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.options import add_common, add_question
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.options import add_common, add_question
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "answer"
 HELP = """add an effect to the model, refit, and show the error before and after
@@ -31,8 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Extend, refit, show; 1 when the effect does not help on unseen recordings."""
-    from workbench.command_line.files import make_folder
-    from workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
+    from exoid.workbench.command_line.files import make_folder
+    from exoid.workbench.command_line.inputs import beside, check_new_model, load, load_model, split_joint
 
     model = load_model(args.model)
     effect, joint = split_joint(args.effect, model.joint_names)
@@ -43,10 +43,10 @@ def run(args: argparse.Namespace) -> int:
     check_new_model(target, args.model)
     given = load(args)
     with progress(f"adding {args.effect}", quiet=args.quiet):
-        from diagnosis.extend import add
+        from exoid.diagnosis.extend import add
 
         found = add(given.model, args.effect, given.recordings, given.verify, **given.filter)
-    from symbolic.model_file import write_model
+    from exoid.symbolic.model_file import write_model
 
     write_model(found.model, target, found.after)
     screen = Screen.of(args)
@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _show(screen: Screen, found: Any, target: str) -> None:
-    from workbench.terminal.showing import number, show_steps
+    from exoid.workbench.terminal.showing import number, show_steps
 
     new = [e for e in found.after.estimates if e.name not in {b.name for b in found.before.estimates}]
     rows = [(e.name, number(e.value), e.unit, number(e.low), number(e.high)) for e in new]
@@ -68,7 +68,7 @@ def _show(screen: Screen, found: Any, target: str) -> None:
 
 
 def _material(args: argparse.Namespace, given: Any, found: Any) -> Any:
-    from workbench.report.result import material_of_addition
+    from exoid.workbench.report.result import material_of_addition
 
     made = material_of_addition(found, args.effect)
     return replace(made, recordings=given.recordings, verify=given.verify)

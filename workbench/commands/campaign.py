@@ -8,15 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.command_line.files import check_folder, write_json
-from workbench.command_line.options import whole_number
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen, warn
+from exoid.workbench.command_line.files import check_folder, write_json
+from exoid.workbench.command_line.options import whole_number
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
-    from ground.engines.engine import Engine
-    from workbench.campaign.plan import Plan
-    from workbench.campaign.run import Campaign
+    from exoid.ground.engines.engine import Engine
+    from exoid.workbench.campaign.plan import Plan
+    from exoid.workbench.campaign.run import Campaign
 
 GROUP = "run"
 HELP = """run a command over many recordings or simulated legs: one table, one page
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run and show; status 1 where jobs crashed, were late, or were refused."""
-    from workbench.campaign.plan import read_plan
+    from exoid.workbench.campaign.plan import read_plan
 
     plan = read_plan(args.plan)
     if args.seed is not None:
@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
             write_json(args.json, {"schema": "exoid.campaign_plan/1", "jobs": plan.jobs})
         return 0
     check_folder(args.out)
-    from workbench.campaign.run import run_campaign
+    from exoid.workbench.campaign.run import run_campaign
 
     engine = _engine(args, plan)
     ended = False
@@ -79,29 +79,29 @@ def run(args: argparse.Namespace) -> int:
 
 def _engine(args: argparse.Namespace, plan: Plan) -> Engine:
     if args.dask:
-        from ground.engines.dask import dask
+        from exoid.ground.engines.dask import dask
 
         return dask(args.dask, args.jobs)
     if args.slurm:
-        from ground.engines.slurm import slurm
+        from exoid.ground.engines.slurm import slurm
 
         return slurm(args.slurm, Path(os.path.realpath(args.out)) / "slurm", args.jobs, plan.timeout)
-    from ground.engines.local import local
+    from exoid.ground.engines.local import local
 
     return local(args.jobs)
 
 
 def _show(screen: Screen, found: Campaign, engine: Engine, folder: Path) -> None:
-    from workbench.campaign.plan import BLIND
-    from workbench.campaign.pooled import has_statsmodels
-    from workbench.campaign.table import blind_lines, has_parquet, unreadable
+    from exoid.workbench.campaign.plan import BLIND
+    from exoid.workbench.campaign.pooled import has_statsmodels
+    from exoid.workbench.campaign.table import blind_lines, has_parquet, unreadable
 
     rows = found.table
     if len(rows) <= 60:
         heads = ("job", "status", "verdict", "effects", "reason")
         screen.table("", heads, [[str(row[head])[:200] for head in heads] for row in rows])
     if found.plan.verb == BLIND:
-        from diagnosis.trials.count import HEADS, counted, describe_miss, right
+        from exoid.diagnosis.trials.count import HEADS, counted, describe_miss, right
 
         lines = blind_lines(found.rows)
         screen.table("", HEADS, counted(lines))

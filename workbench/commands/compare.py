@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.options import add_common, add_limit, add_question, exclusive
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.options import add_common, add_limit, add_question, exclusive
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "answer"
 HELP = """how large the error of the model is, and where it sits
@@ -30,17 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Fit, compare, show; 1 when the error is above --limit."""
-    from workbench.command_line.inputs import load
+    from exoid.workbench.command_line.inputs import load
 
     if args.against:
         return _against(args)
     given = load(args)
     with progress("comparing", quiet=args.quiet):
-        from diagnosis.compare import compare
+        from exoid.diagnosis.compare import compare
 
         found = compare(given.model, given.recordings, verify=given.verify, **given.filter)
-    from workbench.report.result import material_of_comparison
-    from workbench.terminal.showing import show_comparison, show_limit
+    from exoid.workbench.report.result import material_of_comparison
+    from exoid.workbench.terminal.showing import show_comparison, show_limit
 
     screen = Screen.of(args)
     show_comparison(screen, found)
@@ -55,16 +55,16 @@ def run(args: argparse.Namespace) -> int:
 
 def _against(args: argparse.Namespace) -> int:
     """Say what differs between two sets of recordings; that nothing does is an answer too."""
-    from workbench.command_line.inputs import load
-    from workbench.report.material import Material, pictures_of
-    from workbench.terminal.showing import show_differences
+    from exoid.workbench.command_line.inputs import load
+    from exoid.workbench.report.material import Material, pictures_of
+    from exoid.workbench.terminal.showing import show_differences
 
     exclusive(args, "against", "verify", "what is held out is chosen by exoid here")
     exclusive(args, "against", "limit")
     args.verify = args.against
     given = load(args)
     with progress("comparing before and after", quiet=args.quiet):
-        from diagnosis.watching.differences import compare_against
+        from exoid.diagnosis.watching.differences import compare_against
 
         found = compare_against(
             given.model, given.recordings, given.verify, seed=args.seed, extra=given.model.custom, **given.filter

@@ -8,7 +8,7 @@ import shlex
 import sys
 from typing import Any
 
-from workbench.command_line.options import add_common
+from exoid.workbench.command_line.options import add_common
 
 GROUP = "look up"
 HELP = """print the completion script for bash, zsh or fish
@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the script to standard output (and to --out)."""
-    from workbench.command_line.files import make_folder, write_json, write_text
+    from exoid.workbench.command_line.files import make_folder, write_json, write_text
 
     text = script(args.shell)
     if args.json:
@@ -63,10 +63,10 @@ def script(shell: str) -> str:
     """Return the completion script of `shell` for every command there is."""
     import shtab
 
-    from symbolic.catalogue import catalogue
-    from symbolic.quantity import JOINTS
-    from workbench.command import find_verbs, load_verb
-    from workbench.command_line.parser import Parser
+    from exoid.symbolic.catalogue import catalogue
+    from exoid.symbolic.quantity import JOINTS
+    from exoid.workbench.command import find_verbs, load_verb
+    from exoid.workbench.command_line.parser import Parser
 
     words = {"effects": " ".join(sorted(catalogue())), "joints": " ".join(JOINTS)}
     effect = {"bash": EFFECTS, "zsh": EFFECTS, "fish": words["effects"]}

@@ -8,16 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.command_line.files import check_folder, default_folder
-from workbench.command_line.options import add_common
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import check_folder, default_folder
+from exoid.workbench.command_line.options import add_common
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from diagnosis.results import Diagnosis
-    from measurement.bench.control import Tracking
-    from measurement.bench.seal import Truth
-    from optimisation.fitting.fit import Fit
-    from symbolic.model import Model
+    from exoid.diagnosis.results import Diagnosis
+    from exoid.measurement.bench.control import Tracking
+    from exoid.measurement.bench.seal import Truth
+    from exoid.optimisation.fitting.fit import Fit
+    from exoid.symbolic.model import Model
 
 GROUP = "answer"
 HELP = """the whole loop on shipped recordings with a hidden effect, and a report to read"""
@@ -39,13 +39,13 @@ def run(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     screen.say("Four recordings of a leg with something hidden in it; the standard model knows nothing of it.")
 
-    from diagnosis.discover import discover
-    from measurement.bench.seal import open_seal
-    from workbench.command_line.asking import answer, material_of
-    from workbench.command_line.deliver import deliver_results
-    from workbench.command_line.inputs import Inputs, load_model, read
-    from workbench.report.material import Material, pictures_of
-    from workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
+    from exoid.diagnosis.discover import discover
+    from exoid.measurement.bench.seal import open_seal
+    from exoid.workbench.command_line.asking import answer, material_of
+    from exoid.workbench.command_line.deliver import deliver_results
+    from exoid.workbench.command_line.inputs import Inputs, load_model, read
+    from exoid.workbench.report.material import Material, pictures_of
+    from exoid.workbench.terminal.showing import show_comparison, show_diagnosis, show_steps, truth_sentence
 
     recordings = [one for path in sorted(DATA.glob("train*.csv")) for one in read(str(path))]
     verify = [one for path in sorted(DATA.glob("verify*.csv")) for one in read(str(path))]
@@ -72,8 +72,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _control(model: Model, before: Fit, found: Diagnosis, truth: Truth, seed: int) -> Tracking:
     """Let the leg of the demo follow a motion, fed forward by the model before and after."""
-    from measurement.bench.control import track
-    from measurement.bench.hidden import Hidden
+    from exoid.measurement.bench.control import track
+    from exoid.measurement.bench.hidden import Hidden
 
     models = {"the base model": (model, before.linear, before.shape)}
     if found.accepted:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.files import make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import (
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.files import make_folder, write_bytes, write_json, write_text
+from exoid.workbench.command_line.options import (
     add_common,
     add_reading,
     add_settings,
@@ -17,9 +17,9 @@ from workbench.command_line.options import (
     limits,
     settings_given,
 )  # fmt: skip
-from workbench.command_line.parser import Seldom, UsageError
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen, warn
+from exoid.workbench.command_line.parser import Seldom, UsageError
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen, warn
 
 GROUP = "measure"
 HELP = """design the motion to record next, inside the limits of the leg
@@ -33,8 +33,8 @@ exoid design --separate stribeck:hip,viscous_quadratic:hip --model leg.toml run1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from diagnosis.separation.settings import SeparationSettings
-    from optimisation.excitation.settings import DesignSettings
+    from exoid.diagnosis.separation.settings import SeparationSettings
+    from exoid.optimisation.excitation.settings import DesignSettings
 
     parser.add_argument(
         "inputs", metavar="MODEL|REC", nargs="*",
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
     exclusive(args, "free", "middle")
     exclusive(args, "separate", "check")
     if args.out and not args.check:
-        from measurement.trajectories.trajectory_file import samples_per_period
+        from exoid.measurement.trajectories.trajectory_file import samples_per_period
 
         samples_per_period(args.period, args.rate)  # told before the search, not after it
     if args.separate:
@@ -87,13 +87,13 @@ def run(args: argparse.Namespace) -> int:
 
 def _design(args: argparse.Namespace) -> int:
     """Design a motion for one model, or evaluate a given one."""
-    from measurement.trajectories.trajectory_file import sample_table
-    from workbench.command_line.inputs import load_model
+    from exoid.measurement.trajectories.trajectory_file import sample_table
+    from exoid.workbench.command_line.inputs import load_model
 
     path = _model_path(args)
     model = load_model(path)
     numbers = _numbers(path)
-    from optimisation.excitation.design import NoMotionError
+    from exoid.optimisation.excitation.design import NoMotionError
 
     try:
         found = _found(args, model, numbers)
@@ -107,7 +107,7 @@ def _design(args: argparse.Namespace) -> int:
     _show(screen, found)
     if args.out:
         _write_motion(screen, args.out, found, sampled)
-    from ground.ties import least_of
+    from exoid.ground.ties import least_of
 
     missed = args.target is not None and not found.value <= args.target
     if missed:
@@ -125,14 +125,14 @@ def _design(args: argparse.Namespace) -> int:
 
 def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
     """Return the Excitation that `args` ask for."""
-    from optimisation.excitation.criteria import Noise
-    from optimisation.excitation.design import design, evaluate
-    from optimisation.excitation.settings import DesignSettings
+    from exoid.optimisation.excitation.criteria import Noise
+    from exoid.optimisation.excitation.design import design, evaluate
+    from exoid.optimisation.excitation.settings import DesignSettings
 
     noise = Noise.white(args.noise, args.rate, model.joints)
     if args.check:
-        from measurement.trajectories.trajectory import paper_trajectory
-        from measurement.trajectories.trajectory_file import read_trajectory
+        from exoid.measurement.trajectories.trajectory import paper_trajectory
+        from exoid.measurement.trajectories.trajectory_file import read_trajectory
 
         paper = args.check == "paper"
         given = paper_trajectory(args.period) if paper else read_trajectory(args.check, model.joint_names)
@@ -148,8 +148,8 @@ def _found(args: argparse.Namespace, model: Any, numbers: Any) -> Any:
 
 def _show(screen: Screen, found: Any) -> None:
     """Show the searches, the limits and what the motion will tell."""
-    from measurement.trajectories.extremes import shortest_period
-    from optimisation.excitation.result import MEANING
+    from exoid.measurement.trajectories.extremes import shortest_period
+    from exoid.optimisation.excitation.result import MEANING
 
     rows = [(c.name, f"{c.value:.5g}", c.evaluations, f"{c.seconds:.1f}", c.status) for c in found.candidates]
     head = (f"{found.criterion}: {MEANING[found.criterion]}", "value", "steps", "s", "said")
@@ -184,7 +184,7 @@ def _show(screen: Screen, found: Any) -> None:
 
 def _material(title: str, answer: str, found: Any, alt: str) -> Any:
     """Return what the report draws on."""
-    from workbench.report.material import Material, Picture
+    from exoid.workbench.report.material import Material, Picture
 
     pictures = () if found.trajectory is None else (Picture("The motion", alt, found.plot(), "motion"),)
     return Material(title=title, answer=answer, model=found.model, pictures=pictures, seconds=found.seconds)
@@ -192,8 +192,8 @@ def _material(title: str, answer: str, found: Any, alt: str) -> Any:
 
 def _write_motion(screen: Screen, out: str, found: Any, sampled: str) -> None:
     """Write coefficients, samples and picture of a motion."""
-    from ground.figures import to_png
-    from measurement.trajectories.trajectory_file import write_trajectory
+    from exoid.ground.figures import to_png
+    from exoid.measurement.trajectories.trajectory_file import write_trajectory
 
     folder = make_folder(out)
     write_trajectory(found.trajectory, folder / "motion.toml", found.model.joint_names)
@@ -215,15 +215,15 @@ def _model_path(args: argparse.Namespace) -> str | None:
 
 def _numbers(path: str | None) -> Any:
     """Return the identified numbers of a model file, where it has some."""
-    from symbolic.model_file import read_numbers
+    from exoid.symbolic.model_file import read_numbers
 
     return None if path is None else read_numbers(path)
 
 
 def _separate(args: argparse.Namespace) -> int:
     """Design the motion that distinguishes rivals."""
-    from optimisation.excitation.criteria import Noise
-    from workbench.command_line.inputs import load, load_model
+    from exoid.optimisation.excitation.criteria import Noise
+    from exoid.workbench.command_line.inputs import load, load_model
 
     joints = load_model(args.model).joints
     white = Noise.white(args.noise, args.rate, joints) if args.noise else None
@@ -233,8 +233,8 @@ def _separate(args: argparse.Namespace) -> int:
     args.recordings = args.inputs
     given = load(args)
     with progress("designing the motion", quiet=args.quiet) as report:
-        from diagnosis.separation.design import separate
-        from diagnosis.separation.settings import SeparationSettings
+        from exoid.diagnosis.separation.design import separate
+        from exoid.diagnosis.separation.settings import SeparationSettings
 
         found = separate(
             given.model, [name.strip() for name in args.separate.split(",") if name.strip()], given.recordings,
@@ -244,7 +244,7 @@ def _separate(args: argparse.Namespace) -> int:
     screen = Screen.of(args)
     _show_separation(screen, found)
     if args.out and found.trajectory is not None:
-        from measurement.trajectories.trajectory_file import sample_table
+        from exoid.measurement.trajectories.trajectory_file import sample_table
 
         _write_motion(screen, args.out, found, sample_table(found.trajectory, args.rate))
     alt = "How far apart the rivals will be on this motion, at random and at present; the angles of all joints."

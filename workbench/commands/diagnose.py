@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.asking import answer_question
-from workbench.command_line.options import add_common, add_question
+from exoid.workbench.command_line.asking import answer_question
+from exoid.workbench.command_line.options import add_common, add_question
 
 GROUP = "answer"
 HELP = """which physical effect is missing, how sure that is, and what looks like it
@@ -21,6 +21,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose and show; a missing effect is an answer (0), channels that cannot be what they say are none (1)."""
-    from diagnosis.discover import diagnose
+    from exoid.diagnosis.discover import diagnose
 
     return answer_question(args, diagnose, "Which effect is missing")

@@ -6,17 +6,17 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ground.plain import picked
-from workbench.command_line.files import make_folder, write_json, write_text
-from workbench.command_line.inputs import split_joint
-from workbench.command_line.options import add_common
-from workbench.formula import formula
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen, width
+from exoid.ground.plain import picked
+from exoid.workbench.command_line.files import make_folder, write_json, write_text
+from exoid.workbench.command_line.inputs import split_joint
+from exoid.workbench.command_line.options import add_common
+from exoid.workbench.formula import formula
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen, width
 
 if TYPE_CHECKING:
-    from symbolic.effect import Coefficient, Effect, Shape
-    from symbolic.model import Model
+    from exoid.symbolic.effect import Coefficient, Effect, Shape
+    from exoid.symbolic.model import Model
 
 WIDE = 110
 """Columns of a terminal from which on the list shows formulas too."""
@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the catalogue, or the entry asked for."""
-    from symbolic.catalogue import catalogue, find_effect
-    from workbench.command_line.inputs import load_model
+    from exoid.symbolic.catalogue import catalogue, find_effect
+    from exoid.workbench.command_line.inputs import load_model
 
     own = {effect.id: effect for effect in load_model(args.model).custom} if args.model else {}
     known = {**catalogue(), **own}
@@ -83,7 +83,7 @@ def joints(effect: Effect) -> str:
 
 def never(effect: Effect, model: Model, quiet: bool) -> Mapping[str, tuple[str, ...]]:
     """Return {term: what makes the same torque at every state of `model`}, for each joint the effect may sit at."""
-    from symbolic.identifiability import every_candidate, never_separable
+    from exoid.symbolic.identifiability import every_candidate, never_separable
 
     names = [term.name for term in (*model.terms, *every_candidate(model)) if term.effect.id == effect.id]
     with progress("comparing its torque with every other effect's, once", quiet=quiet):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json
-from workbench.command_line.options import add_common
-from workbench.terminal.screen import Screen, warn
+from exoid.workbench.command_line.files import default_folder, make_folder, write_bytes, write_json
+from exoid.workbench.command_line.options import add_common
+from exoid.workbench.terminal.screen import Screen, warn
 
 GROUP = "build"
 HELP = """write an identified model for controllers and simulators: C99, CasADi, NumPy, URDF, MJCF, FMU, ROS 2
@@ -24,7 +24,7 @@ DEFAULT_FOLDER = "exported"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from workbench.exporting import formats
+    from exoid.workbench.exporting import formats
 
     known = formats()
     parser.add_argument("model", metavar="MODEL", help="model file with identified numbers (exoid identify --write)")
@@ -53,8 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write every format asked for; 1 when one of several cannot carry this model."""
-    from workbench.exporting import exporter, usual_formats
-    from workbench.identified import ExportError, Options, read_ready
+    from exoid.workbench.exporting import exporter, usual_formats
+    from exoid.workbench.identified import ExportError, Options, read_ready
 
     options = Options(args.name, args.sample_time, args.sign_width)
     ready = read_ready(args.model)
@@ -70,15 +70,15 @@ def run(args: argparse.Namespace) -> int:
                 raise
             refused[name] = str(error)
     if args.updater:
-        from diagnosis.watching.front import CUTOFF
-        from workbench.updater import write_updater
+        from exoid.diagnosis.watching.front import CUTOFF
+        from exoid.workbench.updater import write_updater
 
         written["updater"] = write_updater(
             ready.model, ready.numbers, name=args.name, sample_time=args.sample_time, cutoff=CUTOFF
         )
     own: dict[str, bytes] = {}
     if args.into:
-        from workbench.into_urdf import into_urdf
+        from exoid.workbench.into_urdf import into_urdf
 
         content, said = into_urdf(ready, args.into)
         notes += said

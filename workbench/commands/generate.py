@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
-from workbench.command_line.options import add_common, exclusive
-from workbench.command_line.parser import UsageError
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import default_folder, make_folder, write_bytes, write_json, write_text
+from exoid.workbench.command_line.options import add_common, exclusive
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "build"
 HELP = """derive the equations of a model, print them, or generate its C code and compile it
@@ -25,7 +25,7 @@ exoid generate leg.toml --print --as latex --out equations"""
 
 DEFAULT_FOLDER = "generated"
 FORMATS = {"text": "txt", "latex": "tex", "sympy": "py", "casadi": "py"}
-"""How equations can be printed -> ending of their file; `symbolic.writing_equations` writes them."""
+"""How equations can be printed -> ending of their file; `exoid.symbolic.writing_equations` writes them."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,9 +52,9 @@ def run(args: argparse.Namespace) -> int:
         return _print(args)
     if args.form:
         raise UsageError(f"--as {args.form} says how equations are printed", remedy="add --print")
-    from symbolic.codegen.code import generate
-    from symbolic.codegen.kernel import compiled
-    from workbench.command_line.inputs import load_model
+    from exoid.symbolic.codegen.code import generate
+    from exoid.symbolic.codegen.kernel import compiled
+    from exoid.workbench.command_line.inputs import load_model
 
     model = load_model(args.model)
     folder = Path(args.out or default_folder(DEFAULT_FOLDER))
@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
         backend = str(compiled(model).backend)  # so that the next command need not compile
         properties: tuple[Any, ...] = ()
         if args.check:
-            from symbolic.check import check_equations
+            from exoid.symbolic.check import check_equations
 
             report(0.6, "checking the equations")
             properties = check_equations(model)
@@ -97,8 +97,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _print(args: argparse.Namespace) -> int:
     """Print the equations; with --out, write them there as well."""
-    from symbolic.equations import equations
-    from workbench.command_line.inputs import load_model
+    from exoid.symbolic.equations import equations
+    from exoid.workbench.command_line.inputs import load_model
 
     model, form = load_model(args.model), args.form or "text"
     with progress("deriving the equations", quiet=args.quiet):

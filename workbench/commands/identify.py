@@ -6,24 +6,24 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.options import (
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.options import (
     add_common,
     add_limit,
     add_question,
     add_settings,
     settings_given,
 )
-from workbench.command_line.parser import Seldom
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.parser import Seldom
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from diagnosis.compare import Verification
-    from optimisation.fitting.fit import Fit
-    from optimisation.fitting.neighbours import Neighbours
-    from optimisation.fitting.thigh_length import ThighLength
-    from workbench.command_line.inputs import Inputs
+    from exoid.diagnosis.compare import Verification
+    from exoid.optimisation.fitting.fit import Fit
+    from exoid.optimisation.fitting.neighbours import Neighbours
+    from exoid.optimisation.fitting.thigh_length import ThighLength
+    from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "build"
 HELP = """find the parameters: SSE, then Huber, by NFO and IPOPT, with certificate and intervals
@@ -33,7 +33,7 @@ exoid identify run1.csv run2.csv --verify run3.csv --model leg.toml --write leg_
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from optimisation.fitting.settings import FitSettings
+    from exoid.optimisation.fitting.settings import FitSettings
 
     add_question(parser)
     seldom = Seldom(parser)
@@ -49,16 +49,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Identify, show; 1 when the error is above --limit."""
-    from workbench.command_line.inputs import check_new_model, load
+    from exoid.workbench.command_line.inputs import check_new_model, load
 
     if args.write:
         check_new_model(args.write, args.model)
     given = load(args)
     fit, unseen, near, length = _identified(args, given)
-    from optimisation.fitting.by_recording import by_recording
-    from workbench.report.material import Material, picture_of_fit
-    from workbench.terminal.screen import per_joint
-    from workbench.terminal.showing import show_by_recording, show_fit, show_limit
+    from exoid.optimisation.fitting.by_recording import by_recording
+    from exoid.workbench.report.material import Material, picture_of_fit
+    from exoid.workbench.terminal.screen import per_joint
+    from exoid.workbench.terminal.showing import show_by_recording, show_fit, show_limit
 
     screen, joints, unit = Screen.of(args), given.model.joint_names, given.model.torque_unit
     show_fit(screen, fit)
@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     if args.per_recording:
         show_by_recording(screen, alone)
     if args.write:
-        from symbolic.model_file import write_model
+        from exoid.symbolic.model_file import write_model
 
         write_model(given.model, args.write, fit)
         screen.say(f"model: {args.write}")
@@ -99,9 +99,9 @@ def _identified(
     and the thigh length that the torques ask for.
     """
     with progress("identifying", quiet=args.quiet) as report:
-        from optimisation.fitting.identify import identify
-        from optimisation.fitting.settings import FitSettings
-        from optimisation.preparation.prepare import prepare
+        from exoid.optimisation.fitting.identify import identify
+        from exoid.optimisation.fitting.settings import FitSettings
+        from exoid.optimisation.preparation.prepare import prepare
 
         prepared = prepare(given.model, given.recordings, given.verify, **given.filter)
         steps = iter(range(1, 100))
@@ -109,12 +109,12 @@ def _identified(
             given.model, prepared.train, **settings_given(args, FitSettings),
             progress=lambda text: report(min(0.95, next(steps) / 9), text),
         )  # fmt: skip
-        from diagnosis.compare import verification
-        from diagnosis.evidence.channels import channel_findings
-        from diagnosis.evidence.fitted import fitted_model
-        from optimisation.fitting.neighbours import neighbours
-        from optimisation.fitting.thigh_length import wanted_thigh_length
-        from workbench.terminal.showing import of_the_set
+        from exoid.diagnosis.compare import verification
+        from exoid.diagnosis.evidence.channels import channel_findings
+        from exoid.diagnosis.evidence.fitted import fitted_model
+        from exoid.optimisation.fitting.neighbours import neighbours
+        from exoid.optimisation.fitting.thigh_length import wanted_thigh_length
+        from exoid.workbench.terminal.showing import of_the_set
 
         unseen = verification(fit, prepared)
         report(0.97, "neighbouring cut-offs")

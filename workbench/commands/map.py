@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.files import write_json
-from workbench.command_line.options import add_common, add_model, add_reading, merged
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import write_json
+from exoid.workbench.command_line.options import add_common, add_model, add_reading, merged
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from symbolic.joints import Joint
+    from exoid.symbolic.joints import Joint
 
 GROUP = "measure"
 HELP = """say which column is what, once for all recordings with these columns
@@ -36,11 +36,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Show the columns, ask for what is not said, check the answer and keep it."""
-    from measurement.reading.mapping import FILE, StatedMapping, entries, remember
-    from measurement.reading.read import open_table
-    from measurement.reading.sources import folder_of
-    from workbench.command_line.files import make_folder
-    from workbench.command_line.inputs import load_model
+    from exoid.measurement.reading.mapping import FILE, StatedMapping, entries, remember
+    from exoid.measurement.reading.read import open_table
+    from exoid.measurement.reading.sources import folder_of
+    from exoid.workbench.command_line.files import make_folder
+    from exoid.workbench.command_line.inputs import load_model
 
     screen = Screen.of(args)
     joints = load_model(args.model).joints
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _checked(table: Any, told: Any, where: str, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return {canonical name: column} as `told`; RecordingError, which names the option, where something is open."""
-    from measurement.reading.columns import assign, legs
+    from exoid.measurement.reading.columns import assign, legs
 
     one = replace(told, leg=next(iter(legs(table, joints)), "")) if told.leg == "both" else told
     return assign(table, one, where=where, joints=joints)
@@ -97,9 +97,9 @@ def _show(screen: Screen, table: Any) -> None:
 
 def _asked(table: Any, told: Any, where: str, screen: Screen, joints: Sequence[Joint]) -> Any:
     """Return `told` completed by the answers to one question after the other; an empty line leaves a column out."""
-    from ground.errors import RecordingError
-    from measurement.reading.columns import required
-    from measurement.reading.mapped import numbered
+    from exoid.ground.errors import RecordingError
+    from exoid.measurement.reading.columns import required
+    from exoid.measurement.reading.mapped import numbered
 
     names = numbered(table.names)
     for _ in range(50):

@@ -6,9 +6,9 @@ import argparse
 import re
 from pathlib import Path
 
-from workbench.command_line.files import make_folder, write_json
-from workbench.command_line.options import add_common, between
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import make_folder, write_json
+from exoid.workbench.command_line.options import add_common, between
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "build"
 HELP = """write a model file for the planar machine in a URDF
@@ -32,10 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the URDF, write the model file, and say what was found."""
-    from symbolic.model_file import model_content, write_model
-    from symbolic.planar_machine import planar_machine
-    from symbolic.robot_file import read_robot
-    from workbench.command_line.inputs import check_new_model
+    from exoid.symbolic.model_file import model_content, write_model
+    from exoid.symbolic.planar_machine import planar_machine
+    from exoid.symbolic.robot_file import read_robot
+    from exoid.workbench.command_line.inputs import check_new_model
 
     names = [name.strip() for name in (args.joints or "").split(",") if name.strip()]
     found = planar_machine(read_robot(args.from_urdf), names, args.gravity, args.from_urdf)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.options import add_common, add_question, between, whole_number
+from exoid.workbench.command_line.options import add_common, add_question, between, whole_number
 
 GROUP = "answer"
 HELP = """the workbench in the browser: compare, point at a suspect, add it, watch the error fall
@@ -29,14 +29,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C."""
-    from ground.cache import cache_folder
-    from workbench.page.serve import serve
-    from workbench.page.workspace import Workspace
+    from exoid.ground.cache import cache_folder
+    from exoid.workbench.page.serve import serve
+    from exoid.workbench.page.workspace import Workspace
 
     workspace = Workspace(cache_folder() / "mappings", args.seed, args.cutoff, args.derivative)
     try:
         if args.out:
-            from workbench.page.saved import free_for_session, keep_in
+            from exoid.workbench.page.saved import free_for_session, keep_in
 
             keep_in(workspace, free_for_session(Path(args.out)))
         _open(workspace, args)
@@ -46,8 +46,8 @@ def run(args: argparse.Namespace) -> int:
         workspace.close()
         raise
     if args.json:
-        from workbench.command_line.files import write_json
-        from workbench.page.views import state
+        from exoid.workbench.command_line.files import write_json
+        from exoid.workbench.page.views import state
 
         write_json(args.json, {"schema": "exoid.workspace/1", **state(workspace)})
     return 0
@@ -55,10 +55,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _open(workspace: Any, args: argparse.Namespace) -> None:
     """Hand over what the command line names; what does not exist is refused here."""
-    from workbench.command_line.inputs import told_recordings
-    from workbench.command_line.parser import UsageError
-    from workbench.page.given import FIT, VERIFY
-    from workbench.page.saved import is_session, reopen
+    from exoid.workbench.command_line.inputs import told_recordings
+    from exoid.workbench.command_line.parser import UsageError
+    from exoid.workbench.page.given import FIT, VERIFY
+    from exoid.workbench.page.saved import is_session, reopen
 
     if args.wearer:
         remedy = "write [wearer] with mass and height into a model file, and give it with --model"

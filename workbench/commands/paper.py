@@ -6,16 +6,16 @@ import argparse
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from optimisation.paper.item import FAILS, HOLDS, KINDS, SEEDS
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.files import make_folder, write_bytes, write_text
-from workbench.command_line.options import add_common, whole_number
-from workbench.command_line.parser import UsageError
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.optimisation.paper.item import FAILS, HOLDS, KINDS, SEEDS
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.files import make_folder, write_bytes, write_text
+from exoid.workbench.command_line.options import add_common, whole_number
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from optimisation.paper.reproduce import Reproduced
+    from exoid.optimisation.paper.reproduce import Reproduced
 
 GROUP = "look up"
 HELP = """make the figures, tables and equations of the paper again, and say whether it holds
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     if args.list:
         return _list(args, screen)
     with progress("the paper", quiet=args.quiet) as report:
-        from optimisation.paper.reproduce import reproduce_paper
+        from exoid.optimisation.paper.reproduce import reproduce_paper
 
         found = reproduce_paper(
             figure=args.figure, table=args.table, equation=args.equation, seed=args.seed, seeds=args.seeds,
@@ -57,13 +57,13 @@ def run(args: argparse.Namespace) -> int:
         )  # fmt: skip
     _show(screen, found)
     if args.out:
-        from workbench.paper_page import page_of, pictures_in
+        from exoid.workbench.paper_page import page_of, pictures_in
 
         folder = make_folder(args.out)
         for name, content in pictures_in(found).items():
             write_bytes(folder / name, content)
         screen.say(f"page: {write_text(folder / PAGE, page_of(found))}")
-    from workbench.report.material import Material, Picture
+    from exoid.workbench.report.material import Material, Picture
 
     deliver_results(args, screen, {"schema": "exoid.paper/1", **found.to_json()}, lambda: Material(
         title="The paper, made again", answer=_sentence(found), seconds=found.seconds,
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace, screen: Screen) -> int:
-    from optimisation.paper.reproduce import paper_items
+    from exoid.optimisation.paper.reproduce import paper_items
 
     if args.figure or args.table or args.equation or args.out:
         raise UsageError("--list makes nothing", remedy="leave out --list, or everything else")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.options import add_common
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.options import add_common
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "measure"
 HELP = """open the seal of blind recordings: what was hidden in the leg, and was the diagnosis right
@@ -26,8 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Open the seal and show its content; with --diagnosis 1 when the diagnosis was wrong."""
-    from measurement.bench.seal import open_seal
-    from workbench.terminal.showing import truth_sentence
+    from exoid.measurement.bench.seal import open_seal
+    from exoid.workbench.terminal.showing import truth_sentence
 
     truth = open_seal(args.seal, args.recordings or ()).truth
     screen = Screen.of(args)
@@ -35,8 +35,8 @@ def run(args: argparse.Namespace) -> int:
         screen.say(truth_sentence(truth))
         deliver_results(args, screen, {"schema": "exoid.truth/1", **truth.to_json()})
         return 0
-    from diagnosis.grading import score
-    from workbench.command_line.files import read_json
+    from exoid.diagnosis.grading import score
+    from exoid.workbench.command_line.files import read_json
 
     scored = score(truth, read_json(args.diagnosis), args.diagnosis)
     screen.say(truth_sentence(truth))

@@ -6,16 +6,16 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.command_line.deliver import deliver_results
-from workbench.command_line.files import make_folder
-from workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
-from workbench.command_line.parser import UsageError
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.deliver import deliver_results
+from exoid.workbench.command_line.files import make_folder
+from exoid.workbench.command_line.options import add_common, add_model, add_recordings, add_settings, settings_given
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 if TYPE_CHECKING:
-    from optimisation.contest.standings import Rivals
-    from workbench.command_line.inputs import Inputs
+    from exoid.optimisation.contest.standings import Rivals
+    from exoid.workbench.command_line.inputs import Inputs
 
 GROUP = "run"
 HELP = """compare NFO, PSO, GA, DE and CMA-ES with the certified optimum, or the best motion known
@@ -28,7 +28,7 @@ with --out, what was stopped goes on where it was: give the same command again""
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    from optimisation.contest.settings import ContestSettings
+    from exoid.optimisation.contest.settings import ContestSettings
 
     add_recordings(parser, verify=False, required=False, rows=False, everyday=False)
     add_model(parser)
@@ -43,8 +43,8 @@ def run(args: argparse.Namespace) -> int:
     """Compare and show."""
     given = _given(args)
     with progress("optimising", quiet=args.quiet) as report:
-        from optimisation.contest.rivals import entrants, rivals
-        from optimisation.contest.settings import ContestSettings
+        from exoid.optimisation.contest.rivals import entrants, rivals
+        from exoid.optimisation.contest.settings import ContestSettings
 
         competing = _chosen(entrants(args.whitened or bool(args.only), args.problem), args)
         found = rivals(
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out:
         found.write_logs(Path(args.out) / "ioh")
         screen.say(f"IOHprofiler logs: {Path(args.out) / 'ioh'}")
-    from workbench.report.material import Material, pictures_of
+    from exoid.workbench.report.material import Material, pictures_of
 
     payload = {"schema": "exoid.rivals/1", **found.to_json()}
     deliver_results(args, screen, payload, lambda: Material(
@@ -71,7 +71,7 @@ def _given(args: argparse.Namespace) -> Inputs | None:
     if args.recordings and args.problem == "excitation":
         raise UsageError("motions compete on a model alone", remedy="leave out the recordings, or --problem")
     if args.recordings:
-        from workbench.command_line.inputs import load
+        from exoid.workbench.command_line.inputs import load
 
         return load(args)
     for option in ("model", "map", "units", "leg", "cutoff"):
@@ -86,11 +86,11 @@ def _given(args: argparse.Namespace) -> Inputs | None:
 def _subject(given: Inputs | None, args: argparse.Namespace) -> Any:
     """Return the fit whose problem is competed on, or the model whose motions; None for the paper's leg."""
     if given is None:
-        from workbench.command_line.inputs import load_model
+        from exoid.workbench.command_line.inputs import load_model
 
         return load_model(args.model) if args.problem == "excitation" else None
-    from optimisation.fitting.identify import identify
-    from optimisation.preparation.prepare import prepare
+    from exoid.optimisation.fitting.identify import identify
+    from exoid.optimisation.preparation.prepare import prepare
 
     prepared = prepare(given.model, given.recordings, cutoff=given.cutoff)
     return identify(given.model, prepared.train, optimisers=(), seed=args.seed)
@@ -100,7 +100,7 @@ def _chosen(known: Any, args: argparse.Namespace) -> Any:
     """Return those of --only; all without it."""
     if not args.only:
         return known
-    from ground.suggest import did_you_mean
+    from exoid.ground.suggest import did_you_mean
 
     for name in args.only:
         if name not in known:
@@ -111,7 +111,7 @@ def _chosen(known: Any, args: argparse.Namespace) -> Any:
 
 def _show(screen: Screen, found: Rivals) -> None:
     """Show who came how near, how fast."""
-    from workbench.terminal.showing import number
+    from exoid.workbench.terminal.showing import number
 
     screen.say(f"{found.contest.name}: {found.contest.standard}")
     if found.resumed:
@@ -135,7 +135,7 @@ def _show(screen: Screen, found: Rivals) -> None:
 
 def _gap(value: float) -> str:
     """Return a gap; differences within rounding are not shown."""
-    from optimisation.contest.standings import ROUNDING
+    from exoid.optimisation.contest.standings import ROUNDING
 
     return f"<{ROUNDING:.0e}" if value < ROUNDING else f"{value:.0e}"
 

@@ -7,10 +7,10 @@ import os
 from pathlib import Path
 from typing import Any
 
-from workbench.command_line.files import make_folder, write_json
-from workbench.command_line.options import add_common, between, exclusive, positive_number, whole_number
-from workbench.terminal.progress import progress
-from workbench.terminal.screen import Screen
+from exoid.workbench.command_line.files import make_folder, write_json
+from exoid.workbench.command_line.options import add_common, between, exclusive, positive_number, whole_number
+from exoid.workbench.terminal.progress import progress
+from exoid.workbench.terminal.screen import Screen
 
 GROUP = "measure"
 HELP = """make recordings on the virtual bench, with an effect hidden in the leg; truth.seal keeps what was hidden
@@ -58,10 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Simulate and write; never overwrites a recording."""
-    from measurement.bench.hidden import parse_hidden, true_model
-    from measurement.bench.simulation import bench_machine
-    from workbench.command_line.inputs import load_model, worn
-    from workbench.terminal.showing import truth_sentence
+    from exoid.measurement.bench.hidden import parse_hidden, true_model
+    from exoid.measurement.bench.simulation import bench_machine
+    from exoid.workbench.command_line.inputs import load_model, worn
+    from exoid.workbench.terminal.showing import truth_sentence
 
     exclusive(args, "trajectory", "blind", "blind runs draw motions of their own")
     exclusive(args, "payload", "blind", "simulate the loaded runs without --blind")
@@ -96,7 +96,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _loaded(leg: Any, text: str | None, model: Any) -> Any:
     """Return `leg`, or machine of `model`, with the payload that --payload names."""
-    from workbench.command_line.inputs import payload_of
+    from exoid.workbench.command_line.inputs import payload_of
 
     load = payload_of(text) if text else None
     if load is None:
@@ -106,9 +106,9 @@ def _loaded(leg: Any, text: str | None, model: Any) -> Any:
 
 def _bench(args: argparse.Namespace) -> Any:
     """Return the bench that the arguments ask for."""
-    from measurement.bench.simulation import Bench
-    from measurement.bench.walk import Walk
-    from measurement.bench.wearer import Wearer
+    from exoid.measurement.bench.simulation import Bench
+    from exoid.measurement.bench.walk import Walk
+    from exoid.measurement.bench.wearer import Wearer
 
     measured = None
     if args.measured is not None:
@@ -121,9 +121,9 @@ def _simulate(
     args: argparse.Namespace, folder: Path, model: Any, leg: Any, hidden: Any, bench: Any
 ) -> tuple[Any, Path, Any]:
     """Write the recordings and their truth; return the paths of both, and the truth."""
-    from measurement.bench.blind import write_runs
-    from measurement.bench.simulation import simulate_runs
-    from measurement.trajectories.trajectory_file import read_trajectory
+    from exoid.measurement.bench.blind import write_runs
+    from exoid.measurement.bench.simulation import simulate_runs
+    from exoid.measurement.trajectories.trajectory_file import read_trajectory
 
     path = read_trajectory(args.trajectory, model.joint_names) if args.trajectory else None
     runs = simulate_runs(args.runs, model, leg, effects=hidden, seed=args.seed, excitation=path, bench=bench)
@@ -134,15 +134,15 @@ def _draw(seed: int, model: Any) -> Any:
     """Return something to hide, drawn at random from the catalogue."""
     import numpy as np
 
-    from measurement.bench.blind import draw_hidden
-    from symbolic.catalogue import catalogue
+    from exoid.measurement.bench.blind import draw_hidden
+    from exoid.symbolic.catalogue import catalogue
 
     # A stream of its own: the motion drawn from the same seed must not tell what is hidden.
     return draw_hidden(np.random.default_rng([seed, 99]), catalogue().values(), model=model)
 
 
 def _refuse_overwriting(folder: Path, count: int) -> None:
-    from workbench.command_line.files import OutputError, check_target
+    from exoid.workbench.command_line.files import OutputError, check_target
 
     names = [*(f"run_{k}.csv" for k in range(count)), "truth.seal"]
     there = [name for name in names if os.path.lexists(folder / name)]

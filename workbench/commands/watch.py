@@ -10,16 +10,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ground.errors import ExoidError
-from workbench.command_line.options import add_columns, add_common, between, positive_number, whole_number
-from workbench.command_line.parser import Seldom
-from workbench.terminal.screen import warn
+from exoid.ground.errors import ExoidError
+from exoid.workbench.command_line.options import add_columns, add_common, between, positive_number, whole_number
+from exoid.workbench.command_line.parser import Seldom
+from exoid.workbench.terminal.screen import warn
 
 if TYPE_CHECKING:
-    from diagnosis.watching.watcher import Watcher
-    from workbench.watching.keeping import Kept
-    from workbench.watching.prometheus import Scraped
-    from workbench.watching.report import Report
+    from exoid.diagnosis.watching.watcher import Watcher
+    from exoid.workbench.watching.keeping import Kept
+    from exoid.workbench.watching.prometheus import Scraped
+    from exoid.workbench.watching.report import Report
 
 GROUP = "measure"
 HELP = """follow a machine while it runs: numbers with intervals, and what changed, named
@@ -73,11 +73,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Watch until the source ends; 1 when something changed."""
-    from diagnosis.watching.front import CUTOFF
-    from diagnosis.watching.settings import Settings
-    from diagnosis.watching.watcher import Watcher
-    from workbench.command_line.inputs import load_model
-    from workbench.command_line.parser import UsageError
+    from exoid.diagnosis.watching.front import CUTOFF
+    from exoid.diagnosis.watching.settings import Settings
+    from exoid.diagnosis.watching.watcher import Watcher
+    from exoid.workbench.command_line.inputs import load_model
+    from exoid.workbench.command_line.parser import UsageError
 
     given = None if args.model == STANDARD and not Path(STANDARD).exists() else args.model
     model = load_model(given)
@@ -92,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
     watcher = Watcher(model, settings, model.custom, restored=None if kept is None else kept.read())
     report, scraped = _told(args, watcher)
     if given is not None:
-        from symbolic.model_file import read_numbers
+        from exoid.symbolic.model_file import read_numbers
 
         if read_numbers(given) is not None:
             report.note(f"the numbers in {given} are not used: the first {args.learn:g} s say what is usual")
@@ -118,8 +118,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _kept(args: argparse.Namespace) -> Kept | None:
     """Return where what is learnt is kept; None where it is not."""
-    from workbench.command_line.files import check_target
-    from workbench.watching.keeping import Kept
+    from exoid.workbench.command_line.files import check_target
+    from exoid.workbench.watching.keeping import Kept
 
     if args.state is None:
         return None
@@ -129,19 +129,19 @@ def _kept(args: argparse.Namespace) -> Kept | None:
 
 def _told(args: argparse.Namespace, watcher: Watcher) -> tuple[Report, Scraped | None]:
     """Return what tells events, with every destination that was asked for, and what is scraped."""
-    from workbench.watching.report import Report, device_of
+    from exoid.workbench.watching.report import Report, device_of
 
     report, scraped = Report(args, watcher, device_of(args.device)), None
     if args.on_event is not None:
-        from workbench.watching.hook import Hook
+        from exoid.workbench.watching.hook import Hook
 
         report.others.append(Hook(args.on_event))
     if args.mqtt is not None:
-        from workbench.watching.mqtt import Broker
+        from exoid.workbench.watching.mqtt import Broker
 
         report.others.append(Broker(args.mqtt, report.device))
     if args.prometheus is not None:
-        from workbench.watching.prometheus import Scraped
+        from exoid.workbench.watching.prometheus import Scraped
 
         scraped = Scraped(args.prometheus, report.device)
         report.others.append(scraped)
@@ -153,7 +153,7 @@ def _follow(
     args: argparse.Namespace, watcher: Watcher, report: Report, scraped: Scraped | None, kept: Kept | None
 ) -> None:
     """Take samples until there are no more, or a signal ends it."""
-    from workbench.watching.sources import is_live, live_samples
+    from exoid.workbench.watching.sources import is_live, live_samples
 
     live = is_live(args)
     with _stopped_by_signals() as stopped:

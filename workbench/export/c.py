@@ -14,11 +14,11 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ground.text import in_comment
-from symbolic.codegen.instructions import PLAIN, scalar_c
-from symbolic.joints import Joint, units
-from symbolic.model import Model
-from workbench.identified import ExportedOperator, ExportError, Options, Ready
+from exoid.ground.text import in_comment
+from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
+from exoid.symbolic.joints import Joint, units
+from exoid.symbolic.model import Model
+from exoid.workbench.identified import ExportedOperator, ExportError, Options, Ready
 
 HELP = "C99 and a header for a controller: no dependency but math.h, no allocation"
 

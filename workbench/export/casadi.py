@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from workbench.identified import Options, Ready
+from exoid.workbench.identified import Options, Ready
 
 HELP = "a CasADi function (load it with casadi.Function.load)"
 

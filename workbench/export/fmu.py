@@ -13,11 +13,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-from ground.errors import ExoidError
-from symbolic.joints import Joint
-from workbench.export import c
-from workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes
-from workbench.identified import ExportError, Options, Ready
+from exoid.ground.errors import ExoidError
+from exoid.symbolic.joints import Joint
+from exoid.workbench.export import c
+from exoid.workbench.fmu import INPUT, OUTPUT, RATE, STATE, VERSIONS, FmuModel, FmuVariable, fmu_bytes
+from exoid.workbench.identified import ExportError, Options, Ready
 
 HELP = "FMUs (FMI 2.0 and 3.0) of inverse dynamics, forward dynamics and the estimator, sources inside"
 ON_REQUEST = True
@@ -105,8 +105,8 @@ def _forward(ready: Ready, options: Options) -> FmuModel:
 
 
 def _estimator(ready: Ready, options: Options) -> FmuModel:
-    from diagnosis.watching.front import CUTOFF
-    from workbench.updater import write_updater
+    from exoid.diagnosis.watching.front import CUTOFF
+    from exoid.workbench.updater import write_updater
 
     model, name = ready.model, options.name
     sources = write_updater(model, ready.numbers, name=name, sample_time=options.sample_time, cutoff=CUTOFF)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from math import isfinite
 
-from optimisation.linear.links import tree_of
-from symbolic.joints import Joint, parents
-from workbench.bodies import friction_of, left_out, link_names, links_of, terms_of
-from workbench.identified import Options, Ready
+from exoid.optimisation.linear.links import tree_of
+from exoid.symbolic.joints import Joint, parents
+from exoid.workbench.bodies import friction_of, left_out, link_names, links_of, terms_of
+from exoid.workbench.identified import Options, Ready
 
 HELP = "MJCF (MuJoCo) of the rigid machine with friction, rotor inertias and joint springs"
 CARRIED = ("rotor_inertia", "joint_spring")

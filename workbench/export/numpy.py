@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from ground.text import in_comment
-from symbolic.codegen.instructions import FORMS, Language, scalar_c
-from workbench.identified import Options, Ready
+from exoid.ground.text import in_comment
+from exoid.symbolic.codegen.instructions import FORMS, Language, scalar_c
+from exoid.workbench.identified import Options, Ready
 
 HELP = "a Python module with only NumPy in it"
 

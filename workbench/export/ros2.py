@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
-from diagnosis.watching.estimator_c import filled
-from ground.text import in_comment
-from workbench.bodies import base_name, link_names
-from workbench.export import c, urdf
-from workbench.identified import ExportError, Options, Ready
+from exoid.diagnosis.watching.estimator_c import filled
+from exoid.ground.text import in_comment
+from exoid.workbench.bodies import base_name, link_names
+from exoid.workbench.export import c, urdf
+from exoid.workbench.identified import ExportError, Options, Ready
 
 HELP = "a ROS 2 package: inverse dynamics with friction as a plugin of ros2_control's controllers, URDF, parameters"
 ON_REQUEST = True

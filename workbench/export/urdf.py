@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from math import isfinite
 
-from optimisation.linear.links import LinkInertia, tree_of
-from symbolic.joints import Joint, parents
-from workbench.bodies import base_name, friction_of, left_out, link_names, links_of
-from workbench.identified import Options, Ready
+from exoid.optimisation.linear.links import LinkInertia, tree_of
+from exoid.symbolic.joints import Joint, parents
+from exoid.workbench.bodies import base_name, friction_of, left_out, link_names, links_of
+from exoid.workbench.identified import Options, Ready
 
 HELP = "URDF of the rigid machine with viscous and Coulomb friction"
 UNLIMITED = 1e3

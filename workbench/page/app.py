@@ -15,19 +15,19 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from ground.errors import ExoidError, RecordingError
-from measurement.reading.limits import MOST_BYTES
-from measurement.reading.mapping import FILE as MAPPING
-from measurement.reading.sources import is_recording
-from workbench.page import numbers, saved, takeaway, views
-from workbench.page.given import FIT, error_json, internal, mapping_preview, shown_name
-from workbench.page.guard import Guard
-from workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
+from exoid.ground.errors import ExoidError, RecordingError
+from exoid.measurement.reading.limits import MOST_BYTES
+from exoid.measurement.reading.mapping import FILE as MAPPING
+from exoid.measurement.reading.sources import is_recording
+from exoid.workbench.page import numbers, saved, takeaway, views
+from exoid.workbench.page.given import FIT, error_json, internal, mapping_preview, shown_name
+from exoid.workbench.page.guard import Guard
+from exoid.workbench.page.message import LONGEST, RELOAD, folder_in, obey, read_message
 
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-    from workbench.page.workspace import Workspace
+    from exoid.workbench.page.workspace import Workspace
 
 STATIC = Path(__file__).parent / "static"
 REPORT_STYLE = Path(__file__).parent.parent / "report" / "page.css"
@@ -100,7 +100,7 @@ ANSWERS: dict[str, Callable[[Workspace, Request], Response]] = {
 
 
 def _demo(workspace: Workspace, told: dict[str, Any]) -> None:
-    from workbench.commands.demo import DATA
+    from exoid.workbench.commands.demo import DATA
 
     if workspace.given:
         raise RecordingError("recordings are open already", remedy="close them first, or open the demo in a new window")
@@ -110,7 +110,7 @@ def _demo(workspace: Workspace, told: dict[str, Any]) -> None:
 
 
 def _map(workspace: Workspace, told: dict[str, Any]) -> None:
-    from measurement.reading.mapping import StatedMapping
+    from exoid.measurement.reading.mapping import StatedMapping
 
     columns, units = ({str(k): str(v) for k, v in told[key].items() if v} for key in ("columns", "units"))
     idle = told.get("passive", workspace.find(int(told["file"])).told.passive)
@@ -127,7 +127,7 @@ def _read_as(workspace: Workspace, told: dict[str, Any]) -> None:
 
 
 def _brush(workspace: Workspace, told: dict[str, Any]) -> dict[str, Any]:
-    from workbench.page.workspace import spans_of
+    from exoid.workbench.page.workspace import spans_of
 
     joint = told.get("joint")
     found = numbers.explained(

@@ -17,13 +17,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ground.delivery import PREFIX, SUFFIX, deliver, sweep
-from ground.errors import RecordingError, refused
-from ground.files import sha256, sha256_file, write_whole
-from ground.inputs import open_input, read_input
-from ground.inside import is_inside, refuse_links
-from ground.lock import LOCK, FolderHeld, FolderLock
-from workbench.page.given import safe_name
+from exoid.ground.delivery import PREFIX, SUFFIX, deliver, sweep
+from exoid.ground.errors import RecordingError, refused
+from exoid.ground.files import sha256, sha256_file, write_whole
+from exoid.ground.inputs import open_input, read_input
+from exoid.ground.inside import is_inside, refuse_links
+from exoid.ground.lock import LOCK, FolderHeld, FolderLock
+from exoid.workbench.page.given import safe_name
 
 SESSION = "session.json"
 LARGEST = 100_000_000
@@ -82,8 +82,8 @@ class SessionFolder:
         """
         if is_inside(os.path.realpath(source), self.folder):
             return Path(os.path.realpath(source)).relative_to(self.folder).as_posix()
-        from measurement.reading.sources import digest as digest_of
-        from measurement.reading.sources import opened
+        from exoid.measurement.reading.sources import digest as digest_of
+        from exoid.measurement.reading.sources import opened
 
         known, seen = self._named(called, digest) if digest else None, _identity(source)
         if known is None and seen is not None:
@@ -192,7 +192,7 @@ class SessionFolder:
 
 def inside(folder: Path, name: Any) -> Path:
     """Return a file of a saved session; ValueError where it is not in its folder, or not what was kept there."""
-    from measurement.reading.sources import digest
+    from exoid.measurement.reading.sources import digest
 
     path = folder / str(name)
     try:

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError
-from ground.plain import picked
-from ground.text import printable
-from measurement.reading.mapping import StatedMapping
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import picked
+from exoid.ground.text import printable
+from exoid.measurement.reading.mapping import StatedMapping
 
 if TYPE_CHECKING:
-    from measurement.reading.raw import RawColumn, RawTable
-    from measurement.recording import Recording
-    from symbolic.joints import Joint
+    from exoid.measurement.reading.raw import RawColumn, RawTable
+    from exoid.measurement.recording import Recording
+    from exoid.symbolic.joints import Joint
 
 FIT, VERIFY = "fit", "verify"
 SHOWN = 8
@@ -59,9 +59,9 @@ def read_given(given: Given, remembered: Path, joints: Sequence[Joint] | None = 
     that of the file: a copy of it lies elsewhere. `joints` are those of the machine; without them the columns say which
     there are.
     """
-    from measurement.reading.mapping import remembered as mapping_for
-    from measurement.reading.read import open_table, read_as_told
-    from measurement.reading.sources import folder_of
+    from exoid.measurement.reading.mapping import remembered as mapping_for
+    from exoid.measurement.reading.read import open_table, read_as_told
+    from exoid.measurement.reading.sources import folder_of
 
     try:
         if not given.told.columns:
@@ -80,8 +80,8 @@ def read_as_others(given: Given, answers: Sequence[StatedMapping], joints: Seque
     Of an answer counts what this file has: its leg, convention and passive joints, and the columns and units of those
     that are there.
     """
-    from measurement.reading.mapped import factors_of
-    from measurement.reading.read import open_table, read_as_told
+    from exoid.measurement.reading.mapped import factors_of
+    from exoid.measurement.reading.read import open_table, read_as_told
 
     try:
         names = set(open_table(given.path).names)
@@ -112,11 +112,11 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, required
-    from measurement.reading.conventions import conventions_of_machine
-    from measurement.reading.mapped import numbered
-    from measurement.reading.names import kind_of
-    from measurement.reading.read import open_table
+    from exoid.measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, required
+    from exoid.measurement.reading.conventions import conventions_of_machine
+    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.names import kind_of
+    from exoid.measurement.reading.read import open_table
 
     table = open_table(given.path)
     told = given.told
@@ -158,8 +158,8 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
 
 def _in_words(name: str, joints: Sequence[Joint]) -> str:
     """Return what an angle, a torque, ... of a joint is called ("knee torque"), other columns by their names."""
-    from measurement.auditing.channels import WORDS
-    from measurement.reading.names import quantity_of
+    from exoid.measurement.auditing.channels import WORDS
+    from exoid.measurement.reading.names import quantity_of
 
     quantity = quantity_of(name)
     number = name.removeprefix(quantity)
@@ -171,7 +171,7 @@ def _in_words(name: str, joints: Sequence[Joint]) -> str:
 
 def remember_mapping(folder: Path, table: RawTable, told: StatedMapping) -> None:
     """Keep a mapping for the next file with these columns."""
-    from measurement.reading.mapping import remember as keep
+    from exoid.measurement.reading.mapping import remember as keep
 
     if told:
         folder.mkdir(parents=True, exist_ok=True)
@@ -186,8 +186,8 @@ def told_of_all(given: Sequence[Given]) -> StatedMapping:
 
 def keep_mappings(folder: Path, path: Path) -> None:
     """Keep every mapping in a file of `exoid map`; RecordingError where it is none."""
-    from measurement.reading.mapping import entries
-    from measurement.reading.mapping import remember as keep
+    from exoid.measurement.reading.mapping import entries
+    from exoid.measurement.reading.mapping import remember as keep
 
     folder.mkdir(parents=True, exist_ok=True)
     for header, told in entries(path):
@@ -198,7 +198,7 @@ def numbers_meant(entry: dict[str, Any]) -> dict[str, Any]:
     """Return an effect whose numbers have units. One of which nothing was said and that resembles a word of the
     language (dthta) is no number: it is left out, and refused where it stands.
     """
-    from symbolic.language.words import OWN
+    from exoid.symbolic.language.words import OWN
 
     out = dict(entry)
     for kind in ("coefficients", "shape"):

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from diagnosis.evidence.fitted import FittedModel
-    from diagnosis.results import Diagnosis
-    from diagnosis.session.session import Session
-    from workbench.page.search import BackgroundSearch
+    from exoid.diagnosis.evidence.fitted import FittedModel
+    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.session.session import Session
+    from exoid.workbench.page.search import BackgroundSearch
 
 Then = Callable[["Session", "Diagnosis | None", str], None]
 
@@ -37,7 +37,7 @@ class Judging:
 
     def start(self, session: Session) -> None:
         """Search beside nothing, in a process of its own."""
-        from workbench.page.search import BackgroundSearch
+        from exoid.workbench.page.search import BackgroundSearch
 
         self.stop()
         self._session = session
@@ -49,7 +49,7 @@ class Judging:
 
     def after(self, session: Session) -> FittedModel | None:
         """Return the model that was found, on the recordings of this session; None where it is not known (yet)."""
-        from diagnosis.evidence.fitted import fitted_model
+        from exoid.diagnosis.evidence.fitted import fitted_model
 
         found = self.answer(session)
         if found is None:

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ground.errors import ExoidError
+from exoid.ground.errors import ExoidError
 
 if TYPE_CHECKING:
-    from workbench.page.folder import SessionFolder
+    from exoid.workbench.page.folder import SessionFolder
 
 
 class Keeping:

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import RecordingError, refused
+from exoid.ground.errors import RecordingError, refused
 
 if TYPE_CHECKING:
-    from workbench.page.workspace import Workspace
+    from exoid.workbench.page.workspace import Workspace
 
 LONGEST = 1_000_000
 """Bytes of a message; files are no messages."""

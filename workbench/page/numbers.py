@@ -7,14 +7,14 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import RecordingError
+from exoid.ground.errors import RecordingError
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from diagnosis.evidence.fitted import FittedModel
-    from diagnosis.session.session import Session
-    from workbench.page.workspace import Workspace
+    from exoid.diagnosis.evidence.fitted import FittedModel
+    from exoid.diagnosis.session.session import Session
+    from exoid.workbench.page.workspace import Workspace
 
 
 def packed(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -36,7 +36,7 @@ def motion_of(session: Session, index: int) -> bytes:
     """Return what a recording measured: torque, motion and load (J, K), and which samples count."""
     import numpy as np
 
-    from diagnosis.evidence.curves import signal_of
+    from exoid.diagnosis.evidence.curves import signal_of
 
     one, base = _recording(session, index), session.fitted()
     motion = one.motion
@@ -93,8 +93,8 @@ def column_of(workspace: Workspace, session: Session, index: int, name: str) -> 
     """Return any column of the file of a recording (1, K), as it stands there, at the instants of the plots."""
     import numpy as np
 
-    from measurement.reading.mapped import numbered
-    from measurement.reading.read import open_table
+    from exoid.measurement.reading.mapped import numbered
+    from exoid.measurement.reading.read import open_table
 
     one = _recording(session, index)
     recording = (*session.recordings, *session.verify)[index]
@@ -151,7 +151,7 @@ def explained(
 
 
 def _variable(session: Session, place: int, fitted: FittedModel, variable: str, joint: int) -> np.ndarray:
-    from diagnosis.evidence.curves import signal_of
+    from exoid.diagnosis.evidence.curves import signal_of
 
     one = session.searched.all[place]
     if variable == "time":

@@ -7,15 +7,15 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError
-from ground.plain import AsJson
-from workbench.page.given import error_json, internal
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import AsJson
+from exoid.workbench.page.given import error_json, internal
 
 if TYPE_CHECKING:
-    from diagnosis.watching.replay import Replay
-    from measurement.recording import Recording
-    from symbolic.effect import Effect
-    from symbolic.model import Model
+    from exoid.diagnosis.watching.replay import Replay
+    from exoid.measurement.recording import Recording
+    from exoid.symbolic.effect import Effect
+    from exoid.symbolic.model import Model
 
 
 class BackgroundWatch(AsJson):
@@ -49,7 +49,7 @@ class BackgroundWatch(AsJson):
         return self.to_json() | begins | ({} if self.played is None else self.played.to_json())
 
     def _run(self) -> None:
-        from diagnosis.watching.replay import replay
+        from exoid.diagnosis.watching.replay import replay
 
         try:
             self.played = replay(self._model, self.recording, extra=self._extra, progress=self._heard)

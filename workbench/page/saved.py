@@ -10,17 +10,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError, RecordingError, refused
-from ground.files import write_whole
-from ground.inputs import read_input
-from ground.lock import LOCK, FolderHeld
-from ground.plain import picked, plain
-from workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
-from workbench.page.given import FIT, VERIFY
-from workbench.page.takeaway import MODEL, REPORT, model_toml, report
+from exoid.ground.errors import ExoidError, RecordingError, refused
+from exoid.ground.files import write_whole
+from exoid.ground.inputs import read_input
+from exoid.ground.lock import LOCK, FolderHeld
+from exoid.ground.plain import picked, plain
+from exoid.workbench.page.folder import LARGEST, SESSION, SessionFolder, inside
+from exoid.workbench.page.given import FIT, VERIFY
+from exoid.workbench.page.takeaway import MODEL, REPORT, model_toml, report
 
 if TYPE_CHECKING:
-    from workbench.page.workspace import Workspace
+    from exoid.workbench.page.workspace import Workspace
 
 SCHEMA = "exoid.session/1"
 
@@ -129,7 +129,7 @@ SPOILT = (KeyError, TypeError, ValueError, OverflowError, RecursionError, Attrib
 
 def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) -> None:
     """Take in the session of a folder."""
-    from diagnosis.session.history import History
+    from exoid.diagnosis.session.history import History
 
     text = place.read() if place is not None else read_input(folder / SESSION, LARGEST, remember=False, inside=folder)
     content = json.loads(text)
@@ -160,8 +160,8 @@ def _take_in(workspace: Workspace, folder: Path, place: SessionFolder | None) ->
 
 def _given(folder: Path, entry: dict[str, Any]) -> dict[str, Any]:
     """Return a recording of a saved session as the workspace takes it."""
-    from measurement.reading.mapping import StatedMapping
-    from symbolic.mechanics.payload import Payload
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.symbolic.mechanics.payload import Payload
 
     lags = [(inside(folder, file), None if lag is None else float(lag)) for file, lag in entry["join"]]
     if not all(lag is None or math.isfinite(lag) for _, lag in lags):

@@ -9,13 +9,13 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.processes import alone
-from ground.errors import ExoidError
-from ground.plain import plain
+from exoid.ground.engines.processes import alone
+from exoid.ground.errors import ExoidError
+from exoid.ground.plain import plain
 
 if TYPE_CHECKING:
-    from diagnosis.results import Diagnosis
-    from diagnosis.session.session import Session
+    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.session.session import Session
 
 
 class BackgroundSearch:

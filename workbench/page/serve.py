@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING
 
 import uvicorn
 
-from ground.errors import ExoidError, refused
-from workbench.page.app import application
-from workbench.page.work import start_work
+from exoid.ground.errors import ExoidError, refused
+from exoid.workbench.page.app import application
+from exoid.workbench.page.work import start_work
 
 if TYPE_CHECKING:
-    from workbench.page.workspace import Workspace
+    from exoid.workbench.page.workspace import Workspace
 
 HOST = "127.0.0.1"
 BROWSER = "browser"

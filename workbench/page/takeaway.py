@@ -10,14 +10,14 @@ import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ground.errors import ExoidError, RecordingError
-from ground.files import write_whole
-from measurement.signals.methods import BUTTERWORTH
-from workbench.page.given import FIT, VERIFY
+from exoid.ground.errors import ExoidError, RecordingError
+from exoid.ground.files import write_whole
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.workbench.page.given import FIT, VERIFY
 
 if TYPE_CHECKING:
-    from workbench.page.given import Given
-    from workbench.page.workspace import Workspace
+    from exoid.workbench.page.given import Given
+    from exoid.workbench.page.workspace import Workspace
 
 MODEL = "model.toml"
 """Name of the model file that is taken away."""
@@ -35,7 +35,7 @@ def model_toml(workspace: Workspace) -> str:
     """Return the present model as a model file, with its numbers where it is fitted."""
     import tomli_w
 
-    from symbolic.model_file import model_content
+    from exoid.symbolic.model_file import model_content
 
     session = workspace.session
     if session is None:
@@ -54,10 +54,10 @@ def report(workspace: Workspace) -> str:
     """Return today's report of the present model as one page, and keep it where the session is kept; RecordingError
     where nothing is open.
     """
-    from diagnosis.extend import Waterfall
-    from workbench.report.material import Material, before_and_after, pictures_of, without_folders
-    from workbench.report.page import render_report
-    from workbench.report.sections.verdict import WORDS
+    from exoid.diagnosis.extend import Waterfall
+    from exoid.workbench.report.material import Material, before_and_after, pictures_of, without_folders
+    from exoid.workbench.report.page import render_report
+    from exoid.workbench.report.sections.verdict import WORDS
 
     session, folder = workspace.opened(), workspace.keeping.folder
     names = workspace.names
@@ -103,8 +103,8 @@ def exported(workspace: Workspace, kind: str) -> bytes:
     """Return the present model at its numbers as code, in an archive; ExportError where the format cannot carry it,
     RecordingError where nothing is open or there is no such format.
     """
-    from workbench.exporting import exporter, formats
-    from workbench.identified import Options, read_ready
+    from exoid.workbench.exporting import exporter, formats
+    from exoid.workbench.identified import Options, read_ready
 
     if kind not in formats():
         raise RecordingError(f"there is no format {kind[:20]!r}", remedy=f"use {', '.join(formats())}")

@@ -6,29 +6,29 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.evidence.fitted import pooled_rms
-from diagnosis.evidence.score import share_of_own_joints
-from diagnosis.sureness import MEANINGS
-from ground.plain import picked, plain_dict
-from ground.text import printable
-from measurement.reading.sources import suffixes
-from optimisation.linear.links import tree_of
-from symbolic.joints import parents
-from symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
-from symbolic.wording import called, number_said, title_of
-from workbench.exporting import formats
-from workbench.page.given import VERIFY, error_json
-from workbench.report.sections.verdict import term
+from exoid.diagnosis.evidence.fitted import pooled_rms
+from exoid.diagnosis.evidence.score import share_of_own_joints
+from exoid.diagnosis.sureness import MEANINGS
+from exoid.ground.plain import picked, plain_dict
+from exoid.ground.text import printable
+from exoid.measurement.reading.sources import suffixes
+from exoid.optimisation.linear.links import tree_of
+from exoid.symbolic.joints import parents
+from exoid.symbolic.language.tree import CONSTANTS, FUNCTIONS, OPERATORS
+from exoid.symbolic.wording import called, number_said, title_of
+from exoid.workbench.exporting import formats
+from exoid.workbench.page.given import VERIFY, error_json
+from exoid.workbench.report.sections.verdict import term
 
 if TYPE_CHECKING:
-    from diagnosis.evidence.score import Score
-    from diagnosis.results import Diagnosis
-    from diagnosis.session.ranking import Ranking
-    from diagnosis.session.session import Session
-    from measurement.finding import Finding
-    from measurement.recording import Recording
-    from symbolic.effect import Effect
-    from workbench.page.workspace import Names, Workspace
+    from exoid.diagnosis.evidence.score import Score
+    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.session.ranking import Ranking
+    from exoid.diagnosis.session.session import Session
+    from exoid.measurement.finding import Finding
+    from exoid.measurement.recording import Recording
+    from exoid.symbolic.effect import Effect
+    from exoid.workbench.page.workspace import Names, Workspace
 
 NOTHING_HELD_OUT = "Nothing is held out: hold a recording back to see whether it holds on unseen motion."
 SURE = 1.96

@@ -11,13 +11,13 @@ import traceback
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ground.errors import ExoidError
-from workbench.page.given import FIT, VERIFY, Given, internal, read_as_others, read_given
-from workbench.page.workspace import TOLD_EVERY, Names, Workspace
+from exoid.ground.errors import ExoidError
+from exoid.workbench.page.given import FIT, VERIFY, Given, internal, read_as_others, read_given
+from exoid.workbench.page.workspace import TOLD_EVERY, Names, Workspace
 
 if TYPE_CHECKING:
-    from diagnosis.session.ranking import Ranking
-    from diagnosis.session.session import Session
+    from exoid.diagnosis.session.ranking import Ranking
+    from exoid.diagnosis.session.session import Session
 
 
 def start_work(workspace: Workspace) -> None:
@@ -93,7 +93,7 @@ def _read(space: Workspace, one: Given) -> None:
 
 def _rebuild(space: Workspace) -> None:
     """Make a new session of the files as they are now; effects and history stay."""
-    from diagnosis.session.session import Session
+    from exoid.diagnosis.session.session import Session
 
     with space.lock:
         space.stale = False

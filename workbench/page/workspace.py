@@ -14,25 +14,25 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.session.history import History
-from ground.errors import EffectError, ExoidError, RecordingError
-from ground.lock import private_folder
-from measurement.signals.methods import BUTTERWORTH
-from workbench.page import given as files
-from workbench.page.given import FIT, VERIFY, Given, numbers_meant
-from workbench.page.judging import Judging
-from workbench.page.keeping import Keeping
+from exoid.diagnosis.session.history import History
+from exoid.ground.errors import EffectError, ExoidError, RecordingError
+from exoid.ground.lock import private_folder
+from exoid.measurement.signals.methods import BUTTERWORTH
+from exoid.workbench.page import given as files
+from exoid.workbench.page.given import FIT, VERIFY, Given, numbers_meant
+from exoid.workbench.page.judging import Judging
+from exoid.workbench.page.keeping import Keeping
 
 if TYPE_CHECKING:
-    from diagnosis.results import Diagnosis
-    from diagnosis.session.ranking import Ranking, Trial
-    from diagnosis.session.session import Session
-    from measurement.reading.mapping import StatedMapping
-    from symbolic.effect import Effect
-    from symbolic.joints import Joint
-    from symbolic.model import Model
-    from workbench.page.playing import BackgroundWatch
-    from workbench.page.search import BackgroundSearch
+    from exoid.diagnosis.results import Diagnosis
+    from exoid.diagnosis.session.ranking import Ranking, Trial
+    from exoid.diagnosis.session.session import Session
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.symbolic.effect import Effect
+    from exoid.symbolic.joints import Joint
+    from exoid.symbolic.model import Model
+    from exoid.workbench.page.playing import BackgroundWatch
+    from exoid.workbench.page.search import BackgroundSearch
 
 Names = tuple[str, ...]
 TOLD_EVERY = 0.3
@@ -173,7 +173,7 @@ class Workspace:
 
     def map_file(self, id: int, told: StatedMapping) -> Given:
         """Read a file as told and keep that for the next one like it; RecordingError where it does not fit."""
-        from measurement.reading.read import open_table
+        from exoid.measurement.reading.read import open_table
 
         old = self.find(id)
         kept = {name: getattr(old.told, name) for name in ("join", "payloads", "only")}
@@ -233,7 +233,7 @@ class Workspace:
     @property
     def model(self) -> Model:
         """The model that everything starts from."""
-        from symbolic.model import Model
+        from exoid.symbolic.model import Model
 
         if self._model is None:
             self._model = Model.standard()
@@ -246,7 +246,7 @@ class Workspace:
 
     def use_model(self, path: Path, name: str) -> None:
         """Start from the model in a file; its own errors where it is none."""
-        from symbolic.model_file import read_model
+        from exoid.symbolic.model_file import read_model
 
         model = read_model(path)
         with self.change:
@@ -257,8 +257,8 @@ class Workspace:
 
     def add_effect(self, entry: dict[str, Any]) -> Effect:
         """Let an effect of the user's own join the suspects; ExpressionError with a caret where its torque is wrong."""
-        from ground.toml_reader import Table
-        from symbolic.custom_effect import read_custom_effect
+        from exoid.ground.toml_reader import Table
+        from exoid.symbolic.custom_effect import read_custom_effect
 
         entry = numbers_meant(entry)
         effect = read_custom_effect(Table(entry, (), "", ""), self.model.joints)
@@ -321,7 +321,7 @@ class Workspace:
 
     def discover(self) -> None:
         """Start the whole search beside the present effects, in a process of its own."""
-        from workbench.page.search import BackgroundSearch
+        from exoid.workbench.page.search import BackgroundSearch
 
         with self.change:
             session, names = self.opened(), self.names
@@ -340,7 +340,7 @@ class Workspace:
 
     def play(self, index: int) -> None:
         """Play a recording through a watch of the present model, in a thread of its own."""
-        from workbench.page.playing import BackgroundWatch
+        from exoid.workbench.page.playing import BackgroundWatch
 
         with self.change:
             session, names = self.opened(), self.names

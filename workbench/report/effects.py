@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from symbolic.effect import Effect
+    from exoid.symbolic.effect import Effect
 
 
 def effect_of(name: str, model: Any = None) -> Effect | None:
     """Return the effect of "stribeck:knee", one of the user's own in `model` first; None for an unknown name."""
-    from symbolic.catalogue import every_effect
-    from symbolic.effect import Effect
+    from exoid.symbolic.catalogue import every_effect
+    from exoid.symbolic.effect import Effect
 
     id = name.partition(":")[0]
     own = [*getattr(model, "custom", ()), *(getattr(t, "effect", None) for t in getattr(model, "terms", ()))]
@@ -28,7 +28,7 @@ def said_of(name: str, model: Any = None, what: str = "explains") -> str:
 
 def torque(name: str, model: Any = None) -> str:
     """Return the torque the effect adds, as a person would write it, or ""."""
-    from workbench.formula import formula
+    from exoid.workbench.formula import formula
 
     effect = effect_of(name, model)
     if effect is None:

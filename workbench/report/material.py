@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from measurement.recording import Recording
+    from exoid.measurement.recording import Recording
 
 FALLING = "The error falling"
 """Title of the figure that every result with steps draws."""

@@ -9,11 +9,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.workers import share_out
-from ground.folder import modules_in
-from workbench.command_line.files import make_folder, write_bytes, write_text
-from workbench.report import sections
-from workbench.report.material import Material, Picture, without_folders
+from exoid.ground.engines.workers import share_out
+from exoid.ground.folder import modules_in
+from exoid.workbench.command_line.files import make_folder, write_bytes, write_text
+from exoid.workbench.report import sections
+from exoid.workbench.report.material import Material, Picture, without_folders
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -72,7 +72,7 @@ def write_report(material: Material, folder: str | Path) -> Path:
     drawn = _drawn(material.pictures)
     page = write_text(target / "report.html", _page(material, drawn))
     if drawn:
-        from ground.figures import png_of_uri
+        from exoid.ground.figures import png_of_uri
 
         figures = make_folder(target / "figures")
         for index, (picture, (_, png)) in enumerate(drawn.items(), start=1):
@@ -84,7 +84,7 @@ def _drawn(pictures: Sequence[Picture]) -> dict[Picture, tuple[str, str]]:
     """Return every picture as two data URIs, as it stands in a page and as PNG; several processes draw."""
     if not pictures:
         return {}
-    from ground.figures import to_uris
+    from exoid.ground.figures import to_uris
 
     found: dict[int, tuple[str, str]] = {}
     share_out(

@@ -8,10 +8,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from workbench.report.material import Material, before_and_after, pictures_of
-from workbench.report.page import write_report
-from workbench.terminal.screen import per_joint
-from workbench.terminal.showing import NOTHING_HELD_OUT
+from exoid.workbench.report.material import Material, before_and_after, pictures_of
+from exoid.workbench.report.page import write_report
+from exoid.workbench.terminal.screen import per_joint
+from exoid.workbench.terminal.showing import NOTHING_HELD_OUT
 
 FOLDER = "exoid-report"
 """Where a report goes unless told otherwise."""
@@ -41,7 +41,7 @@ def material_of_answer(title: str, found: Any, comparison: Any, truth: str = "")
 
 
 def _of_answer(found: Any) -> Material:
-    from diagnosis.compare import compare_prepared
+    from exoid.diagnosis.compare import compare_prepared
 
     first = None if found.given is None else compare_prepared(found.given.fit, found.given.prepared)
     return material_of_answer("What the model was missing", found, first)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ground.progress import Progress, silent
+from exoid.ground.progress import Progress, silent
 
 PATIENCE = 1.0
 """Seconds of silence before a bar appears."""

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ground.text import printable
-from workbench.terminal.encoding import ascii_text, spells
+from exoid.ground.text import printable
+from exoid.workbench.terminal.encoding import ascii_text, spells
 
 BLOCKS = " ▏▎▍▌▋▊▉█"
 EMPTY = (None, "", "–")

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from diagnosis.sureness import meanings_of
-from workbench.report.sections.verdict import term
-from workbench.report.sections.where import error_sizes
-from workbench.terminal.screen import Screen, bar
+from exoid.diagnosis.sureness import meanings_of
+from exoid.workbench.report.sections.verdict import term
+from exoid.workbench.report.sections.where import error_sizes
+from exoid.workbench.terminal.screen import Screen, bar
 
 SPIKES = "torque_outliers"
 MOST_SUSPECTS = 8

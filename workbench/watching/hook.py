@@ -16,8 +16,8 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.command_line.parser import UsageError
-from workbench.terminal.screen import warn
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.screen import warn
 
 LIMIT = 30.0
 """s that a command may take."""

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from ground.errors import ExoidError
+from exoid.ground.errors import ExoidError
 
 WAIT = 0.2
 """s after which nothing is said where no message has come."""

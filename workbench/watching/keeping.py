@@ -6,14 +6,14 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ground.errors import refused
-from ground.files import write_whole
-from ground.inputs import read_input
-from workbench.command_line.files import OutputError
+from exoid.ground.errors import refused
+from exoid.ground.files import write_whole
+from exoid.ground.inputs import read_input
+from exoid.workbench.command_line.files import OutputError
 
 if TYPE_CHECKING:
-    from diagnosis.watching.state import WatchState
-    from diagnosis.watching.watcher import Watcher
+    from exoid.diagnosis.watching.state import WatchState
+    from exoid.diagnosis.watching.watcher import Watcher
 
 OFTEN = 60.0
 """s of the wall clock after which it is written again, at least."""
@@ -29,7 +29,7 @@ class Kept:
 
     def read(self) -> WatchState | None:
         """Return what an earlier watch has left, None where there is no such file yet; StateError for another file."""
-        from diagnosis.watching.state import LARGEST, StateError, WatchState
+        from exoid.diagnosis.watching.state import LARGEST, StateError, WatchState
 
         if not self.path.exists():
             return None

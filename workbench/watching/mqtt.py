@@ -13,10 +13,10 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
-from ground.engines.engine import not_installed
-from ground.errors import ExoidError
-from workbench.command_line.parser import UsageError
-from workbench.terminal.screen import warn
+from exoid.ground.engines.engine import not_installed
+from exoid.ground.errors import ExoidError
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.screen import warn
 
 PORTS = {"mqtt": 1883, "mqtts": 8883}
 """Schemes and their usual ports; the second is encrypted."""

@@ -12,11 +12,11 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ground.engines.engine import not_installed
-from workbench.command_line.parser import UsageError
+from exoid.ground.engines.engine import not_installed
+from exoid.workbench.command_line.parser import UsageError
 
 if TYPE_CHECKING:
-    from diagnosis.watching.watcher import Watcher
+    from exoid.diagnosis.watching.watcher import Watcher
 
 LOOPBACK = "127.0.0.1"
 

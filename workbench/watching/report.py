@@ -12,14 +12,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Protocol
 
-from ground.plain import plain_dict
-from workbench.command_line.parser import UsageError
-from workbench.terminal.screen import Screen, warn
+from exoid.ground.plain import plain_dict
+from exoid.workbench.command_line.parser import UsageError
+from exoid.workbench.terminal.screen import Screen, warn
 
 if TYPE_CHECKING:
-    from diagnosis.watching.events import Event
-    from diagnosis.watching.watcher import Watcher
-    from measurement.reading.live import LineNote
+    from exoid.diagnosis.watching.events import Event
+    from exoid.diagnosis.watching.watcher import Watcher
+    from exoid.measurement.reading.live import LineNote
 
 DEVICE = re.compile(r"[A-Za-z0-9_.-]{1,64}")
 """What a device may be called: its name is part of topics."""
@@ -48,7 +48,7 @@ class Report:
     """Tells events, and now and then that the watch is alive."""
 
     def __init__(self, args: argparse.Namespace, watcher: Watcher, device: str) -> None:
-        from diagnosis.watching.replay import Logbook
+        from exoid.diagnosis.watching.replay import Logbook
 
         self.args, self.watcher, self.device = args, watcher, device
         self.screen = Screen.of(args)
@@ -78,7 +78,7 @@ class Report:
 
     def line(self, one: LineNote, t: float) -> None:
         """Tell what is to be said of a line that came after `t` s."""
-        from diagnosis.watching.events import Event
+        from exoid.diagnosis.watching.events import Event
 
         warn(f"line {one.line}{' is passed over' if one.event == 'skipped' else ''}: {one.what}")
         self._object(Event(one.event, t, one.what, more={"line": one.line}).to_json())
@@ -89,7 +89,7 @@ class Report:
 
     def beat(self, came: int) -> None:
         """Say, every --heartbeat s of the wall clock, that the watch is alive; `came` samples since the last call."""
-        from diagnosis.watching.wording import heartbeat_event
+        from exoid.diagnosis.watching.wording import heartbeat_event
 
         now = time.monotonic()
         self.came = now if came else self.came
@@ -118,8 +118,8 @@ class Report:
 
     def write(self) -> None:
         """Write the events, and the numbers over time, into the folder of --out."""
-        from workbench.command_line.deliver import deliver_results
-        from workbench.report.material import Material, pictures_of
+        from exoid.workbench.command_line.deliver import deliver_results
+        from exoid.workbench.report.material import Material, pictures_of
 
         assert self.course is not None
         played = self.course.played()

@@ -9,12 +9,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.command_line.parser import UsageError
+from exoid.workbench.command_line.parser import UsageError
 
 if TYPE_CHECKING:
-    from measurement.reading.live import LineNote, Lines
-    from symbolic.model import Model
-    from symbolic.motion import Float
+    from exoid.measurement.reading.live import LineNote, Lines
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.motion import Float
 
 PIPE, TOPIC = "-", "ros2:"
 """What a source is called that is standard input; with what one begins that is a topic."""
@@ -29,11 +29,11 @@ def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float
     """Yield samples (N, 1 + 2 J) as they come, now and then none, and what is to be told of lines."""
     import numpy as np
 
-    from measurement.reading.growing import check_text, grown, piped
-    from measurement.reading.live import Lines
-    from measurement.reading.mapping import StatedMapping
-    from workbench.command_line.inputs import read
-    from workbench.command_line.options import merged
+    from exoid.measurement.reading.growing import check_text, grown, piped
+    from exoid.measurement.reading.live import Lines
+    from exoid.measurement.reading.mapping import StatedMapping
+    from exoid.workbench.command_line.inputs import read
+    from exoid.workbench.command_line.options import merged
 
     told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"))
     if args.source == PIPE:
@@ -42,13 +42,13 @@ def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float
         yield from _lines(Lines(model.joints, told), piped(sys.stdin.buffer))
         return
     if args.source.startswith(TOPIC):
-        from workbench.watching.joint_states import heard
+        from exoid.workbench.watching.joint_states import heard
 
         topic = args.source.removeprefix(TOPIC)
         yield from _lines(Lines(model.joints, told, where=topic), heard(topic))
         return
     if not Path(args.source).is_file() and not args.follow:
-        from measurement.reading.sources import expand
+        from exoid.measurement.reading.sources import expand
 
         expand([args.source])  # says what is wrong with the name, and what is near it
     if args.follow or _may_grow(args.source):
@@ -64,7 +64,7 @@ def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float
 
 def _may_grow(source: str) -> bool:
     """Whether the file is text by its name and was written to a moment ago."""
-    from measurement.reading.growing import RECENT
+    from exoid.measurement.reading.growing import RECENT
 
     path = Path(source)
     texts = (".csv", ".tsv", ".txt", ".log", ".jsonl", ".json", ".ndjson")
@@ -73,7 +73,7 @@ def _may_grow(source: str) -> bool:
 
 
 def _lines(lines: Lines, texts: Iterator[str | None]) -> Iterator[tuple[Float, Sequence[LineNote]]]:
-    from measurement.reading.live import TOLD, LineNote
+    from exoid.measurement.reading.live import TOLD, LineNote
 
     for text in texts:
         rows = lines.feed(text or "", last=text is None)

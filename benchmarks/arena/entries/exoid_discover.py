@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks.arena.task import Answer, Task
-from diagnosis.discover import discover
+from exoid.diagnosis.discover import discover
 
 TITLE = "exoid, `discover`"
 

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.arena.task import Run, Sealed, number_of
-from diagnosis.trials.cases import CONVENTION, PASSIVE, Case, cases, hide, singles, subject
-from diagnosis.trials.chains import CHAINS
-from diagnosis.trials.machines import MACHINES, kept_in, without_knee_drive
-from measurement.bench.hidden import Hidden
-from measurement.bench.leg import Leg
-from measurement.bench.sensors import Sensors
-from measurement.bench.simulation import Bench, BenchError, BenchRun, simulate_runs
-from symbolic.effect import Effect
+from exoid.diagnosis.trials.cases import CONVENTION, PASSIVE, Case, cases, hide, singles, subject
+from exoid.diagnosis.trials.chains import CHAINS
+from exoid.diagnosis.trials.machines import MACHINES, kept_in, without_knee_drive
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.leg import Leg
+from exoid.measurement.bench.sensors import Sensors
+from exoid.measurement.bench.simulation import Bench, BenchError, BenchRun, simulate_runs
+from exoid.symbolic.effect import Effect
 
 SEED = 5100
 """First seed of the arena: the campaign and the tests draw others."""

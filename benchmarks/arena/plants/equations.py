@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.arena.task import Run, Sealed, measured, number_of
-from measurement.recording import Recording
-from symbolic.joints import Joint
-from symbolic.model import Model
-from symbolic.motion import Float, Motion
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import Joint
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Float, Motion
 
 SECONDS = 20.0
 NAMES = ("hip", "knee", "ankle")

@@ -11,9 +11,9 @@ import numpy as np
 
 from benchmarks import mujoco_chains, mujoco_leg
 from benchmarks.arena.task import Left, Run, Sealed, measured, number_of
-from measurement.signals.conditioning import derivatives
-from symbolic.model import Model
-from symbolic.motion import Motion
+from exoid.measurement.signals.conditioning import derivatives
+from exoid.symbolic.model import Model
+from exoid.symbolic.motion import Motion
 
 SECONDS = 20.0
 NOISES = (0.4, 0.1)

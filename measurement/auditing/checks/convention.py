@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from measurement.auditing.convention import check_conventions
-from measurement.finding import Finding
-from measurement.recording import Recording
-from symbolic.joints import is_leg
+from exoid.measurement.auditing.convention import check_conventions
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import is_leg
 
 
 def check(recording: Recording) -> list[Finding]:

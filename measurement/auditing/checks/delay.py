@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from ground.ties import index_of_least
-from measurement.auditing.channels import place
-from measurement.auditing.rough import smooth, unexplained
-from measurement.finding import Finding
-from measurement.recording import Recording
-from symbolic.joints import is_leg
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.rough import smooth, unexplained
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import is_leg
 
 TRIED = np.arange(-120, 121, 5) * 1e-3
 """s; positive: the torque column is late."""

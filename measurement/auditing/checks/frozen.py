@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import FORCE, Channel, channels, place, runs
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import FORCE, Channel, channels, place, runs
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 LEAST_ROWS = Threshold(10, "rows of one value: a slow turning point on a coarse grid passes for a frozen channel")
 LEAST_SECONDS = Threshold(0.1, "s of one value: the same at a high rate")

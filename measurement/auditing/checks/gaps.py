@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import place
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 WIDE = Threshold(2.5, "median steps: jitter would be counted as gaps")
 MISSING = Threshold(0.01, "share of samples, below which short gaps are not warned of: a lost packet")

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import place
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 NOTED = Threshold(0.05, "variation of the time step that is noted: rounded stamps")
 HEAVY = Threshold(0.30, "variation that is warned of: stamps of arrival make accelerations of their own")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import place
-from measurement.finding import SELECTION, Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.finding import SELECTION, Finding
+from exoid.measurement.recording import Recording
 
 LEAST_ROWS = Threshold(50, "usable rows: a fit of ten parameters to a handful of samples")
 LEAST_SECONDS = Threshold(1.0, "s: the filter alone takes more")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import NOTHING, channels, place, torque_spans
-from measurement.finding import Finding
-from measurement.reading.mapped import listed
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import NOTHING, channels, place, torque_spans
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.mapped import listed
+from exoid.measurement.recording import Recording
 
 STILL = Threshold(0.01, "rad, 2nd to 98th percentile, below which a joint stands: a brake's play taken for motion")
 LITTLE = Threshold(0.15, "the same, below which it hardly moves: its inertia and friction cannot be seen")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import channels, place
-from measurement.finding import Finding
-from measurement.reading.angles import running_median, sampled
-from measurement.recording import Recording
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import channels, place
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.angles import running_median, sampled
+from exoid.measurement.recording import Recording
+from exoid.symbolic.motion import Float
 
 NOTED = Threshold(0.02, "share of such torques that is noted: a few that reversing friction makes are no finding")
 HEAVY = Threshold(0.12, "share that is warned of: as many that are not found pull even the Huber loss")

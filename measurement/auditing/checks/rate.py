@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import place
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 LEAST = Threshold(10.0, "Hz: inertias from accelerations that were never sampled")
 GOOD = Threshold(40.0, "Hz, below which it is warned: a leg moves at a few hertz, accelerations need ten times that")

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import FORCE, Channel, channels, place, runs, step_of
-from measurement.finding import Finding
-from measurement.recording import Recording
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import FORCE, Channel, channels, place, runs, step_of
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.symbolic.motion import Float
 
 PILE = Threshold(
     8.0,

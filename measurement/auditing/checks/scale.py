@@ -10,14 +10,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from ground.ties import index_of_least, least_of
-from measurement.auditing.channels import place
-from measurement.auditing.rough import Smooth, smooth, unexplained
-from measurement.finding import Finding
-from measurement.recording import Recording
-from symbolic.joints import is_leg
-from symbolic.motion import Float
+from exoid.ground.thresholds import Threshold
+from exoid.ground.ties import index_of_least, least_of
+from exoid.measurement.auditing.channels import place
+from exoid.measurement.auditing.rough import Smooth, smooth, unexplained
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import is_leg
+from exoid.symbolic.motion import Float
 
 TRIED = np.logspace(-3, 3, 37)
 SPARSE = TRIED[::3]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import FORCE, channels, place
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import FORCE, channels, place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 LOW = Threshold(0.15, "part of its range above its lowest value up to which the foot is in the air: stance would count")
 SWING = Threshold(0.15, "share of the samples that must be so low: a foot that never leaves the ground has no zero")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import channels, place
-from measurement.finding import Finding
-from measurement.recording import Recording
-from symbolic.joints import is_leg
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import channels, place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
+from exoid.symbolic.joints import is_leg
 
 TURNS = Threshold(4 * np.pi, "rad: a link that swings right over (2π and a little more) would be taken for degrees")
 EACH = Threshold(np.pi, "rad, reached by every angle that is read in degrees: one in rad beside it would be as well")

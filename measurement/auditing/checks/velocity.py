@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ground.thresholds import Threshold
-from measurement.auditing.channels import WORDS, place
-from measurement.finding import Finding
-from measurement.recording import Recording
+from exoid.ground.thresholds import Threshold
+from exoid.measurement.auditing.channels import WORDS, place
+from exoid.measurement.finding import Finding
+from exoid.measurement.recording import Recording
 
 WINDOW = 0.1
 """s over which the velocity is summed: long enough to average noise, short against the motion."""

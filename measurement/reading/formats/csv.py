@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ground.errors import RecordingError
-from ground.inputs import open_input
-from measurement.finding import Finding, row_ranges
-from measurement.reading.camera import with_time
-from measurement.reading.limits import Budget
-from measurement.reading.raw import RawColumn, RawTable, column_from_cells
-from measurement.reading.sniff import COMMENTS, POINTS, Layout, decode, sniff, split_line
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.ground.inputs import open_input
+from exoid.measurement.finding import Finding, row_ranges
+from exoid.measurement.reading.camera import with_time
+from exoid.measurement.reading.limits import Budget
+from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells
+from exoid.measurement.reading.sniff import COMMENTS, POINTS, Layout, decode, sniff, split_line
+from exoid.symbolic.motion import Float
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".log", ".asc")
 SIGNATURES: tuple[bytes, ...] = ()

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading.limits import TEXT, Budget, damaged
-from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.limits import TEXT, Budget, damaged
+from exoid.measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 
 SUFFIXES = (".h5", ".hdf5", ".hdf", ".he5")
 SIGNATURES = (b"\x89HDF\r\n\x1a\n",)

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.finding import Finding, row_ranges
-from measurement.reading.limits import Budget, damaged
-from measurement.reading.raw import RawTable, named_column, table_from_arrays
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding, row_ranges
+from exoid.measurement.reading.limits import Budget, damaged
+from exoid.measurement.reading.raw import RawTable, named_column, table_from_arrays
 
 SUFFIXES = (".json", ".jsonl", ".ndjson")
 SIGNATURES = (b'{"', b"[{")

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading import mat_sizes
-from measurement.reading.formats import hdf5
-from measurement.reading.limits import Budget, damaged
-from measurement.reading.raw import RawTable, label_matrices, table_from_arrays
-from measurement.reading.stamps import since_first
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading import mat_sizes
+from exoid.measurement.reading.formats import hdf5
+from exoid.measurement.reading.limits import Budget, damaged
+from exoid.measurement.reading.raw import RawTable, label_matrices, table_from_arrays
+from exoid.measurement.reading.stamps import since_first
 
 SUFFIXES = (".mat",)
 SIGNATURES = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")

@@ -10,9 +10,9 @@ from tokenize import TokenError
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading.limits import Budget, damaged
-from measurement.reading.raw import RawTable, table_from_arrays
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.limits import Budget, damaged
+from exoid.measurement.reading.raw import RawTable, table_from_arrays
 
 SUFFIXES = (".npz",)
 SIGNATURES = (b"PK\x03\x04",)

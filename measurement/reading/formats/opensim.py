@@ -9,11 +9,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from ground.errors import RecordingError
-from ground.inputs import open_input
-from measurement.reading.formats import csv
-from measurement.reading.names import quantity_of, recognise
-from measurement.reading.raw import RawColumn, RawTable
+from exoid.ground.errors import RecordingError
+from exoid.ground.inputs import open_input
+from exoid.measurement.reading.formats import csv
+from exoid.measurement.reading.names import quantity_of, recognise
+from exoid.measurement.reading.raw import RawColumn, RawTable
 
 SUFFIXES = (".mot", ".sto")
 SIGNATURES: tuple[bytes, ...] = ()

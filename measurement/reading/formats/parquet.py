@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.reading.limits import TEXT, Budget, damaged, needing
-from measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
+from exoid.ground.errors import RecordingError
+from exoid.measurement.reading.limits import TEXT, Budget, damaged, needing
+from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
 
 SUFFIXES = (".parquet", ".pq")
 SIGNATURES = (b"PAR1",)

@@ -19,14 +19,14 @@ from typing import IO, Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading import limits
-from measurement.reading.limits import Budget, Within, damaged, needing
-from measurement.reading.names import quantity_of, recognise
-from measurement.reading.raw import RawColumn, RawTable
-from measurement.reading.resample import onto
-from symbolic.motion import Float
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading import limits
+from exoid.measurement.reading.limits import Budget, Within, damaged, needing
+from exoid.measurement.reading.names import quantity_of, recognise
+from exoid.measurement.reading.raw import RawColumn, RawTable
+from exoid.measurement.reading.resample import onto
+from exoid.symbolic.motion import Float
 
 SUFFIXES = (".bag", ".mcap", ".db3")
 SIGNATURES = (b"#ROSBAG V", b"\x89MCAP0\r\n")

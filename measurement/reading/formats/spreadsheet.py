@@ -16,15 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from ground.errors import RecordingError
-from measurement.finding import Finding
-from measurement.reading import limits, sheet_process
-from measurement.reading.camera import with_time
-from measurement.reading.limits import TEXT, Budget, needing
-from measurement.reading.names import recognise
-from measurement.reading.raw import RawTable, column_from_cells, split_unit
-from measurement.reading.sniff import FLEXION, under_groups
-from measurement.reading.units import is_unit
+from exoid.ground.errors import RecordingError
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading import limits, sheet_process
+from exoid.measurement.reading.camera import with_time
+from exoid.measurement.reading.limits import TEXT, Budget, needing
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.raw import RawTable, column_from_cells, split_unit
+from exoid.measurement.reading.sniff import FLEXION, under_groups
+from exoid.measurement.reading.units import is_unit
 
 SUFFIXES = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 SIGNATURES = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")

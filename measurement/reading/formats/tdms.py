@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from measurement.finding import Finding
-from measurement.reading.limits import TEXT, Budget, Within, damaged, needing
-from measurement.reading.names import recognise
-from measurement.reading.raw import RawTable, table_from_arrays
+from exoid.measurement.finding import Finding
+from exoid.measurement.reading.limits import TEXT, Budget, Within, damaged, needing
+from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.raw import RawTable, table_from_arrays
 
 SUFFIXES = (".tdms",)
 SIGNATURES = (b"TDSm",)

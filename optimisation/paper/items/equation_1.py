@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.optimiser import Box
-from optimisation.optimisers.nfo import NFO
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer
+from exoid.optimisation.optimiser import Box
+from exoid.optimisation.optimisers.nfo import NFO
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer
 
 TITLE = "the neighbours of NFO"
 SAYS = "x_k is the nearest individual with f(x_k) < f(x_i), x_w the nearest with, as printed, f(x_k) > f(x_i)."

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.trajectories.trajectory import CENTRE, paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import HOLDS, ItemAnswer
+from exoid.measurement.trajectories.trajectory import CENTRE, paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import HOLDS, ItemAnswer
 
 TITLE = "the excitation as a Fourier series"
 SAYS = f"five harmonics per joint about θ_0 = ({CENTRE[0]:g}, {CENTRE[1]:g}) rad."

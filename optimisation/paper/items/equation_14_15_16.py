@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.linear.loss import huber
-from optimisation.paper.experiments import USUAL, Experiments
-from optimisation.paper.item import HOLDS, ItemAnswer
-from optimisation.paper.printed import PAPER_DELTA
+from exoid.optimisation.linear.loss import huber
+from exoid.optimisation.paper.experiments import USUAL, Experiments
+from exoid.optimisation.paper.item import HOLDS, ItemAnswer
+from exoid.optimisation.paper.printed import PAPER_DELTA
 
 TITLE = "SSE and the Huber loss"
 SAYS = "SSE = Σ r²; Huber has four cases, by whether |r| of the hip and of the knee exceed δ."

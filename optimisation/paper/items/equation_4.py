@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import FAILS, HOLDS, ItemAnswer
-from symbolic.check import check_equations, paper_checks
-from symbolic.equations import equations
-from symbolic.writing_equations import matrix_lines
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, ItemAnswer
+from exoid.symbolic.check import check_equations, paper_checks
+from exoid.symbolic.equations import equations
+from exoid.symbolic.writing_equations import matrix_lines
 
 TITLE = "the equation of motion"
 SAYS = "M(θ) θ'' + C(θ, θ') θ' + G(θ) + τ_f(θ') = τ + J(θ)ᵀ F_dis, friction τ_f = k1 sgn θ' + k2 θ'."

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import FAILS, IN_PART, ItemAnswer
-from symbolic.check import paper_checks, paper_coriolis
-from symbolic.equations import equations
-from symbolic.mechanics.mechanism import leg
-from symbolic.writing_equations import matrix_lines
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import FAILS, IN_PART, ItemAnswer
+from exoid.symbolic.check import paper_checks, paper_coriolis
+from exoid.symbolic.equations import equations
+from exoid.symbolic.mechanics.mechanism import leg
+from exoid.symbolic.writing_equations import matrix_lines
 
 TITLE = "the Coriolis matrix"
 SAYS = "C = m_sh a_th l_sh sin θ2 [[-2 θ2', -θ2'], [θ1', 0]]."

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import FAILS, IN_PART, ItemAnswer
-from symbolic.mechanics.mechanism import leg
-from symbolic.mechanics.regressor import derive_regressor
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import FAILS, IN_PART, ItemAnswer
+from exoid.symbolic.mechanics.mechanism import leg
+from exoid.symbolic.mechanics.regressor import derive_regressor
 
 TITLE = "the minimal parameters Φ"
 SAYS = "four inertial parameters and two of friction per joint determine the torque; Φ5 to Φ8 have printed units."

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
-from symbolic.equations import equations
-from symbolic.mechanics.regressor import compare_with_printed
-from symbolic.writing_equations import matrix_lines
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
+from exoid.symbolic.equations import equations
+from exoid.symbolic.mechanics.regressor import compare_with_printed
+from exoid.symbolic.writing_equations import matrix_lines
 
 TITLE = "the regressor Y"
 SAYS = "the torque is Y Φ with this matrix of 2 × 8 entries."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture
-from optimisation.paper.sketches import POSES, leg_figure
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture
+from exoid.optimisation.paper.sketches import POSES, leg_figure
 
 TITLE = "the leg"
 SAYS = "an exoskeleton leg whose hip and knee are driven and move in one plane; its picture is of the machine itself."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.contest.standings import Rivals
-from optimisation.paper.experiments import ENTRANTS, Experiments
-from optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.pictures import gap_figure
+from exoid.optimisation.contest.standings import Rivals
+from exoid.optimisation.paper.experiments import ENTRANTS, Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture, PaperTable
+from exoid.optimisation.paper.pictures import gap_figure
 
 TITLE = "PSO, GA and NFO on the fit (SSE, and Huber beside it)"
 SAYS = "minimising SSE, NFO reaches the optimum, and before PSO and GA."

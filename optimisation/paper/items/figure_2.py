@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from sympy import diff
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture
-from optimisation.paper.sketches import mechanism_figure
-from symbolic.mechanics.mechanism import leg
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture
+from exoid.optimisation.paper.sketches import mechanism_figure
+from exoid.symbolic.mechanics.mechanism import leg
 
 TITLE = "the mechanism"
 SAYS = "θ1 from the downward vertical, θ2 relative to the thigh, a_th and l_th from the hip, l_sh “from the hip motor”."

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.bench.controller import Controller
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import HOLDS, ItemAnswer, PaperPicture
-from optimisation.paper.sketches import loop_figure
+from exoid.measurement.bench.controller import Controller
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import HOLDS, ItemAnswer, PaperPicture
+from exoid.optimisation.paper.sketches import loop_figure
 
 TITLE = "the control loop"
 SAYS = "joint controllers make the leg follow the excitation while encoders, torque and force sensors are sampled."

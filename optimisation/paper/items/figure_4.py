@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from measurement.trajectories.extremes import shortest_period
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import FAILS, IN_PART, ItemAnswer, PaperPicture
+from exoid.measurement.trajectories.extremes import shortest_period
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import FAILS, IN_PART, ItemAnswer, PaperPicture
 
 TITLE = "the excitation"
 SAYS = "angle, velocity and acceleration of both joints stay inside Table 1 with the published coefficients."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.paper.experiments import ONE_SIDED, USUAL, Experiments
-from optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture
-from optimisation.paper.pictures import torque_figure
-from optimisation.paper.printed import RATE
+from exoid.optimisation.paper.experiments import ONE_SIDED, USUAL, Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture
+from exoid.optimisation.paper.pictures import torque_figure
+from exoid.optimisation.paper.printed import RATE
 
 TITLE = "the fit on the identification motion"
 SAYS = "the torques of the identified models follow the measured ones of hip and knee on the identification motion."

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from optimisation.paper.experiments import ERRORS, ONE_SIDED, USUAL, Experiments, PaperFits
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.pictures import ratio_figure, torque_figure
-from optimisation.paper.printed import PAPER_RATIO, RATE
+from exoid.optimisation.paper.experiments import ERRORS, ONE_SIDED, USUAL, Experiments, PaperFits
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
+from exoid.optimisation.paper.pictures import ratio_figure, torque_figure
+from exoid.optimisation.paper.printed import PAPER_RATIO, RATE
 
 TITLE = "SSE and Huber on another motion"
 SAYS = f"on a verification motion Huber's error is {PAPER_RATIO} of that of SSE."

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from optimisation.contest.standings import Rivals
-from optimisation.paper.experiments import ENTRANTS, Experiments
-from optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.pictures import condition_figure
+from exoid.optimisation.contest.standings import Rivals
+from exoid.optimisation.paper.experiments import ENTRANTS, Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperPicture, PaperTable
+from exoid.optimisation.paper.pictures import condition_figure
 
 TITLE = "PSO, GA and NFO on the excitation"
 SAYS = "NFO finds a smaller condition number than PSO and GA, and sooner."

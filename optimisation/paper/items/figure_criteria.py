@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from optimisation.excitation.design import evaluate
-from optimisation.excitation.settings import CRITERION_NAMES
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.pictures import criteria_figure
+from exoid.optimisation.excitation.design import evaluate
+from exoid.optimisation.excitation.settings import CRITERION_NAMES
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
+from exoid.optimisation.paper.pictures import criteria_figure
 
 TITLE = "criteria of an excitation"
 SAYS = "of the measures of a motion the condition number of Ȳ is taken, not a determinant of ȲᵀȲ."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
-from optimisation.paper.items.figure_9 import condition_curve, run_conditions
-from optimisation.paper.pictures import condition_figure
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperPicture, PaperTable
+from exoid.optimisation.paper.items.figure_9 import condition_curve, run_conditions
+from exoid.optimisation.paper.pictures import condition_figure
 
 TITLE = "cond(Ȳ) as fitness, ∞ outside the limits"
 SAYS = "NFO finds the motion with the least condition number when a motion outside Table 1 counts as ∞."

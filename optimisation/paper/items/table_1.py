@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.trajectories.extremes import shortest_period
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperTable
+from exoid.measurement.trajectories.extremes import shortest_period
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import FAILS, HOLDS, ItemAnswer, PaperTable
 
 TITLE = "limits of the joints"
 SAYS = "hip and knee stay inside these angles, velocities and accelerations."

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from measurement.trajectories.trajectory import paper_trajectory
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
-from symbolic.quantity import JOINTS
+from exoid.measurement.trajectories.trajectory import paper_trajectory
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
+from exoid.symbolic.quantity import JOINTS
 
 TITLE = "the coefficients of the excitation"
 SAYS = "these coefficients of the Fourier series (13) make the motion with the least condition number."

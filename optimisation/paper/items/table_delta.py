@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.linear.loss import OUTLIER_SHARE
-from optimisation.paper.experiments import Experiments
-from optimisation.paper.item import HOLDS, ItemAnswer, PaperTable
-from optimisation.paper.printed import PAPER_DELTA
+from exoid.optimisation.linear.loss import OUTLIER_SHARE
+from exoid.optimisation.paper.experiments import Experiments
+from exoid.optimisation.paper.item import HOLDS, ItemAnswer, PaperTable
+from exoid.optimisation.paper.printed import PAPER_DELTA
 
 TITLE = "the thresholds δ"
 SAYS = f"δ leaves {100 * OUTLIER_SHARE:.0f} % of the points outside: {PAPER_DELTA[0]} and {PAPER_DELTA[1]} N·m."

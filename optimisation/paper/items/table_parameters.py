@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from optimisation.fitting.plausibility import check_plausibility
-from optimisation.paper.experiments import ONE_SIDED, USUAL, Experiments
-from optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
-from optimisation.paper.printed import PAPER_HUBER, PAPER_SSE
-from symbolic.quantity import Estimate
+from exoid.optimisation.fitting.plausibility import check_plausibility
+from exoid.optimisation.paper.experiments import ONE_SIDED, USUAL, Experiments
+from exoid.optimisation.paper.item import IN_PART, ItemAnswer, PaperTable
+from exoid.optimisation.paper.printed import PAPER_HUBER, PAPER_SSE
+from exoid.symbolic.quantity import Estimate
 
 TITLE = "the identified parameters"
 SAYS = "these Φ come of the SSE and of the Huber fit."

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from workbench.report.material import Material
+from exoid.workbench.report.material import Material
 
 TITLE = "The falling error"
 ORDER = 20

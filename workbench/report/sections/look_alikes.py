@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.report.effects import said_of
-from workbench.report.material import Material
-from workbench.report.sections.verdict import term
+from exoid.workbench.report.effects import said_of
+from exoid.workbench.report.material import Material
+from exoid.workbench.report.sections.verdict import term
 
 TITLE = "Look-alikes"
 ORDER = 45

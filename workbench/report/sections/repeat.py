@@ -6,8 +6,8 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.command_line.files import json_text
-from workbench.report.material import Material, without_folders
+from exoid.workbench.command_line.files import json_text
+from exoid.workbench.report.material import Material, without_folders
 
 TITLE = "To repeat this"
 ORDER = 90
@@ -17,7 +17,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     """Return command, settings, model and versions."""
     from markupsafe import Markup
 
-    from workbench.command import versions
+    from exoid.workbench.command import versions
 
     model = material.model
     text = "" if material.payload is None else without_folders(json_text(material.payload))

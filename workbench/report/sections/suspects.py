@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from diagnosis.sureness import meanings_of
-from workbench.report.cells import share
-from workbench.report.effects import said_of
-from workbench.report.material import Material
-from workbench.report.sections.verdict import term, title
-from workbench.terminal.screen import without_empty
+from exoid.diagnosis.sureness import meanings_of
+from exoid.workbench.report.cells import share
+from exoid.workbench.report.effects import said_of
+from exoid.workbench.report.material import Material
+from exoid.workbench.report.sections.verdict import term, title
+from exoid.workbench.terminal.screen import without_empty
 
 TITLE = "Suspects"
 ORDER = 40

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from diagnosis.rules import RULES
-from diagnosis.thresholds import thresholds_of_a_diagnosis
-from workbench.report.material import Material
+from exoid.diagnosis.rules import RULES
+from exoid.diagnosis.thresholds import thresholds_of_a_diagnosis
+from exoid.workbench.report.material import Material
 
 TITLE = "Thresholds of the diagnosis"
 ORDER = 85

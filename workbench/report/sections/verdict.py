@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from diagnosis.sureness import meanings_of
-from workbench.report.effects import effect_of, said_of, torque
-from workbench.report.material import Material
+from exoid.diagnosis.sureness import meanings_of
+from exoid.workbench.report.effects import effect_of, said_of, torque
+from exoid.workbench.report.material import Material
 
 TITLE = "Answer"
 ORDER = 10
@@ -79,7 +79,7 @@ def accepted_entry(one: Mapping[str, Any], model: Any) -> Mapping[str, Any]:
 
 def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Mapping[str, Any]]:
     """Return words, name, value, unit and interval of each parameter of an effect, the name without the effect's."""
-    from symbolic.wording import number_said
+    from exoid.symbolic.wording import number_said
 
     out: list[Mapping[str, Any]] = []
     for full, p in parameters.items():
@@ -91,7 +91,7 @@ def numbers(parameters: Mapping[str, Mapping[str, Any]], effect: Any) -> list[Ma
 
 def title(name: str, model: Any) -> str:
     """Return what an effect such as "stribeck:knee" is called."""
-    from symbolic.wording import title_of
+    from exoid.symbolic.wording import title_of
 
     effect = effect_of(name, model)
     return name if effect is None else title_of(effect, name.partition(":")[2] or None)

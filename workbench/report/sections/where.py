@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from workbench.report.cells import share
-from workbench.report.material import Material
-from workbench.terminal.screen import without_empty
+from exoid.workbench.report.cells import share
+from exoid.workbench.report.material import Material
+from exoid.workbench.terminal.screen import without_empty
 
 TITLE = "Where the model fails"
 ORDER = 30
@@ -54,8 +54,8 @@ def error_sizes(found: Any) -> tuple[list[str], list[tuple[Any, ...]]]:
 
 def words(variable: str, joints: Sequence[str]) -> str:
     """Return "knee velocity" for "dq2"; a name that is not a variable of the diagnosis stays what it is."""
-    from diagnosis.evidence.curves import variables
-    from symbolic.joints import Joint
+    from exoid.diagnosis.evidence.curves import variables
+    from exoid.symbolic.joints import Joint
 
     known = variables(tuple(Joint(name) for name in joints))
     return known[variable][0] if variable in known else variable
