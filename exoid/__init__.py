@@ -19,17 +19,19 @@ figures          `figure_style`, `new_figure`, `label`
 bad input        `ExoidError`: what is wrong, where, what to do
 
 Wherever recordings are asked for, paths, folders, DataFrames, mappings {name: array} and arrays will do, one or many.
-`dir(exoid)` has them all. Every name lives in one of the packages `symbolic`, `measurement`, `optimisation` and
-`diagnosis`, which can be imported from as well, and is loaded at its first use: `import exoid` itself costs nothing.
+`dir(exoid)` has them all. Every name lives in one of the packages `exoid.symbolic`, `exoid.measurement`,
+`exoid.optimisation` and `exoid.diagnosis`, which can be imported from as well, and is loaded at its first use:
+`import exoid` itself costs nothing.
 """
 
-from exoid.own_packages import check_own_packages  # first: it takes the current folder, and its `typing.py`, away
+from exoid.places import folders_of_packages, leave_out_folder_of_m
 
-check_own_packages()
+leave_out_folder_of_m()  # first: a `typing.py` lies there perhaps
+__path__ = folders_of_packages()
 
 from typing import TYPE_CHECKING  # noqa: E402
 
-from exoid.ground.lazy import lend  # noqa: E402 - after the check: another package would fail without saying why
+from exoid.ground.lazy import lend  # noqa: E402
 
 if TYPE_CHECKING:
     from exoid.diagnosis import *  # noqa: F403

@@ -15,8 +15,8 @@ from pathlib import Path
 SAFE = "PYTHONSAFEPATH"
 """Set, Python puts neither the current folder nor that of a script on the path."""
 PATH = "PYTHONPATH"
-HOME = str(Path(__file__).resolve().parents[1])
-"""The folder in which the packages of exoid lie."""
+HOME = str(Path(str(sys.modules[__name__.partition(".")[0]].__file__)).resolve().parents[1])
+"""The folder in which exoid lies."""
 
 
 def leave_out_current_folder() -> None:

@@ -13,6 +13,8 @@ from types import ModuleType
 from typing import Any, Generic, TypeVar, cast
 
 Value = TypeVar("Value")
+HOUSE = __name__.partition(".")[0]
+"""The one name under which everything is imported: exoid."""
 
 
 class LazyPackage(ModuleType):
@@ -44,6 +46,19 @@ class LazyPackage(ModuleType):
         return sorted({*super().__dir__(), *self._homes})
 
 
+def only_inside(package: str) -> None:
+    """Raise ImportError where a package of exoid is imported by itself, as one can where its folder is on the path.
+
+    Its modules would be loaded a second time, and a Model of the one is no Model of the other.
+    """
+    if package.partition(".")[0] != HOUSE:
+        raise ImportError(
+            f"{package!r} is a part of {HOUSE} and cannot be imported by itself\n"
+            f"  what to do: write `from {HOUSE}.{package} import ...` instead of `from {package} import ...`",
+            name=package,
+        )
+
+
 _LENT = re.compile(r"^    from (\S+) import (\w+|\*)", re.MULTILINE)
 """A line below `if TYPE_CHECKING:`."""
 
@@ -54,6 +69,7 @@ def lend(package: str) -> list[str]:
     What stands below `if TYPE_CHECKING:` is so the one place that says which names there are and where they live. A
     star takes all names of another package that lends.
     """
+    only_inside(package)
     module = sys.modules[package]
     homes: dict[str, str] = {}
     for home, name in _LENT.findall(module.__loader__.get_source(package)):  # type: ignore[union-attr]

@@ -1,3 +1,3 @@
-"""The names of the ways from angles to accelerations; `exoid.measurement.signals.derivatives` has the ways themselves."""
+"""The names of the ways from angles to accelerations; the ways are in `exoid.measurement.signals.derivatives`."""
 
 BUTTERWORTH, SAVGOL, FOURIER = DERIVATIVES = "butterworth", "savgol", "fourier"

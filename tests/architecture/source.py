@@ -15,6 +15,20 @@ LAYERS = ("ground", "symbolic", "measurement", "optimisation", "diagnosis", "wor
 SOURCES = sorted(path for layer in LAYERS for path in (ROOT / layer).rglob("*.py"))
 
 
+def module_of(path: Path) -> str:
+    """Return the name under which the file is imported."""
+    name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    return name if layer_of(path) == "exoid" else f"exoid.{name}"
+
+
+def layer_named(module: str) -> str:
+    """Return the layer that a module belongs to; "" where it is not ours."""
+    house, *rest = module.split(".")
+    if house != "exoid":
+        return ""
+    return rest[0] if rest and rest[0] in LAYERS else "exoid"
+
+
 def name_of(path: Path) -> str:
     return str(path.relative_to(ROOT))
 

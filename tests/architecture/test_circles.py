@@ -7,7 +7,7 @@ from graphlib import CycleError, TopologicalSorter
 
 import pytest
 
-from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, layer_of, telling_nodes
+from tests.architecture.source import ROOT, SOURCES, faults, imported, layer_named, layer_of, module_of, telling_nodes
 
 SLOW_TO_IMPORT = {
     "casadi", "cma", "cycler", "h5py", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
@@ -31,7 +31,7 @@ the doors to the derivation, which a model whose code is compiled already never 
 
 def modules():
     """Return {dotted name: path} of every module of ours."""
-    return {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in SOURCES}
+    return {module_of(p): p for p in SOURCES}
 
 
 def needs(path, known):
@@ -61,8 +61,7 @@ def test_imports_inside_functions_are_for_start_up_time():
         functions = [n for n in telling_nodes(path) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))]
         inside = {(n.lineno, m) for f in functions for n in ast.walk(f) for m in imported(n)}
         lazy = layer_of(path) == EDGE or path.relative_to(ROOT).as_posix() in DOORS
-        allowed = SLOW_TO_IMPORT | (set(LAYERS) if lazy else set())
-        return sorted(found for found in inside if found[1].split(".")[0] not in allowed)
+        return sorted((n, m) for n, m in inside if not ((layer_named(m) and lazy) or m.split(".")[0] in SLOW_TO_IMPORT))
 
     assert faults(SOURCES, needless) == {}
 

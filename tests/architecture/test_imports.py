@@ -6,7 +6,17 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.architecture.source import LAYERS, ROOT, SOURCES, faults, imported, layer_of, telling_nodes, tree_of
+from tests.architecture.source import (
+    LAYERS,
+    ROOT,
+    SOURCES,
+    faults,
+    imported,
+    layer_named,
+    layer_of,
+    telling_nodes,
+    tree_of,
+)
 
 HEAVY = ("sympy", "casadi", "scipy", "matplotlib", "pandas", "rich", "jinja2", "h5py", "numpy")
 CHEAP = ("symbolic/effect.py", "symbolic/catalogue.py", "ground/errors.py", "symbolic/quantity.py",
@@ -43,7 +53,7 @@ def test_there_is_something_to_look_at():
 def test_imports_point_down():
     def upwards(path):
         above = LAYERS[LAYERS.index(layer_of(path)) + 1 :]
-        return [module for module in modules_of(telling_nodes(path)) if module.split(".")[0] in above]
+        return [module for module in modules_of(telling_nodes(path)) if layer_named(module) in above]
 
     assert faults(SOURCES, upwards) == {}
 

@@ -9,11 +9,11 @@ from types import ModuleType
 
 import pytest
 
-PACKAGES = ("symbolic", "measurement", "optimisation", "diagnosis", "workbench")
+PACKAGES = ("exoid.symbolic", "exoid.measurement", "exoid.optimisation", "exoid.diagnosis", "exoid.workbench")
 HEAVY = ("numpy", "sympy", "casadi", "scipy", "pandas", "matplotlib")
 SHADOWED = [
-    ("diagnosis", "compare"),
-    ("diagnosis", "discover"),
+    ("exoid.diagnosis", "compare"),
+    ("exoid.diagnosis", "discover"),
 ]
 """Functions that live in a file of their own name."""
 

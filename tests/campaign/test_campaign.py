@@ -201,7 +201,7 @@ def test_the_events_of_a_watched_recording_are_one_row():
 @pytest.mark.slow
 def test_killed_at_any_moment_it_goes_on_and_gives_the_same_bytes(finished, plan_file, tmp_path):
     _, whole = finished
-    command = [sys.executable, "-m", "exoid.workbench.command", "campaign", str(plan_file), "--out", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "exoid", "campaign", str(plan_file), "--out", str(tmp_path / "out")]
     process = subprocess.Popen([*command, "--jobs", "1"], cwd=ROOT, stdout=subprocess.DEVNULL)
     jobs = tmp_path / "out" / "jobs"
     while not (jobs.is_dir() and any(jobs.glob("*.json"))) and process.poll() is None:

@@ -178,9 +178,9 @@ def test_the_catalogue_itself_needs_no_arrays_and_no_algebra():
     # The package's front door offers Model, which needs NumPy; behind it the catalogue does not.
     code = (
         "import importlib.util, sys, types\n"
-        "package = types.ModuleType('symbolic')\n"
-        "package.__path__ = importlib.util.find_spec('symbolic').submodule_search_locations\n"
-        "sys.modules['symbolic'] = package\n"
+        "package = types.ModuleType('exoid.symbolic')\n"
+        "package.__path__ = importlib.util.find_spec('exoid.symbolic').submodule_search_locations\n"
+        "sys.modules['exoid.symbolic'] = package\n"
         "from exoid.symbolic.catalogue import catalogue\n"
         "assert catalogue()\n"
         "print([m for m in ('numpy', 'sympy', 'casadi', 'scipy') if m in sys.modules])\n"

@@ -27,7 +27,8 @@ def test_committed_files_are_reproduced():
 
 def test_another_process_with_another_hash_seed_writes_the_same_bytes():
     script = (
-        "from exoid.symbolic import Model; from exoid.symbolic.codegen.code import generate; print(generate(Model.standard()).code)"
+        "from exoid.symbolic import Model; from exoid.symbolic.codegen.code import generate; "
+        "print(generate(Model.standard()).code)"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "4711"}
     done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True)

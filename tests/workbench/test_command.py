@@ -24,7 +24,8 @@ def in_a_process(code: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("arguments", [[], ["--help"], ["discover", "-h"], ["discovr"]])
 def test_help_does_not_even_load_numpy(arguments):
     code = (
-        f"import sys; from exoid.workbench.command import main; main({arguments!r}); print('numpy', 'numpy' in sys.modules)"
+        f"import sys; from exoid.workbench.command import main; main({arguments!r}); "
+        "print('numpy', 'numpy' in sys.modules)"
     )
     assert "numpy False" in in_a_process(code).stdout
 

@@ -102,7 +102,7 @@ def parameters(plan: Plan, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, 
 
 
 def blind_lines(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return the results of blind trials as `exoid.diagnosis.trials.count` takes them; what broke down counts as wrong."""
+    """Return blind trials' results as `exoid.diagnosis.trials.count` takes them; what broke down counts as wrong."""
     out = []
     for row in rows:
         hidden = [name for name in row["fields"]["hidden"].split("+") if name]

@@ -1,1 +1,0 @@
-"""The C code of the standard leg, written by `exoid generate`; never edited by hand."""
