@@ -72,8 +72,8 @@ def reference() -> str:
         if inspect.ismodule(one) or not hasattr(one, "__module__") or not hasattr(one, "__qualname__"):
             continue
         module = importlib.import_module(one.__module__)
-        groups.setdefault(one.__module__.partition(".")[0], []).append(f"::: {module.__name__}.{one.__qualname__}")
+        groups.setdefault(one.__module__.split(".")[1], []).append(f"::: {module.__name__}.{one.__qualname__}")
     for package in ("diagnosis", "optimisation", "measurement", "symbolic", "ground"):
-        about = (importlib.import_module(package).__doc__ or "").strip().splitlines()[:1]
+        about = (importlib.import_module(f"exoid.{package}").__doc__ or "").strip().splitlines()[:1]
         lines += ["", f"## {package}", "", *about, "", "\n\n".join(groups.get(package, []))]
     return "\n".join(lines) + "\n"

@@ -18,8 +18,7 @@ C_HEADERS = """
     stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype
 """
 IMPORTED = """
-    numpy np casadi scipy pandas sympy matplotlib symbolic measurement optimisation diagnosis workbench ground generated
-    exoid
+    numpy np casadi scipy pandas sympy matplotlib exoid
 """
 """What an exported module, or a script beside it, imports."""
 

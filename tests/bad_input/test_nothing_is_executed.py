@@ -111,7 +111,7 @@ def test_no_text_ends_a_comment(text):
 
 @pytest.mark.parametrize("name", [
     "numpy", "Numpy", "math", "string", "casadi", "json", "int", "double", "class", "None", "lambda", "match",
-    "main", "stdio", "workbench", "con", "lpt1", "_x", "__init__", "restrict", "tgmath", "exoid",
+    "main", "stdio", "sympy", "con", "lpt1", "_x", "__init__", "restrict", "tgmath", "exoid",
 ])  # fmt: skip
 def test_a_name_that_hides_another_is_refused(name):
     with pytest.raises(ExportError, match=r"already means|cannot prefix"):
