@@ -1,16 +1,18 @@
 """How well `exoid watch` does: false alarms per day, rate and delay of detection, right names; and how fast it is.
 
     python benchmarks/watch.py --motions 6 --runs 40 --quiet-hours 8
+    python benchmarks/watch.py --changing-hours 48
     python benchmarks/watch.py --speed
     python benchmarks/watch.py --memory-hours 24 [--changes]
 
 The bench is simulated once per motion (20 minutes, half a minute of CPU each); a run takes one of the motions, the
 torque that it takes with the effect from a random moment on, and sensor noise of its own. Quiet runs differ by noise
-and motion. The size of an effect is drawn between 0.2 and 1 N·m RMS at the joint that shows most of it; every third
-run has "full size", 1 N·m. Beside it, on the same filtered samples: recursive least squares that forgets (60 s) with a
-CUSUM on each innovation (its threshold would alarm once a day if innovations were white), the same CUSUM on the
-residual of the model fitted first, and `ruptures` on the whole run (PELT, L2, offline, an oracle for *when*). Every
-run is one JSON line; the last line sums up.
+and motion. In changing runs the motion becomes another one every few minutes, in size, speed and angles; three of
+twelve such motions of 40 minutes follow each other in an order of their own. The size of an effect is drawn between
+0.2 and 1 N·m RMS at the joint that shows most of it; every third run has "full size", 1 N·m. Beside it, on the same
+filtered samples: recursive least squares that forgets (60 s) with a CUSUM on each innovation (its threshold would
+alarm once a day if innovations were white), the same CUSUM on the residual of the model fitted first, and `ruptures`
+on the whole run (PELT, L2, offline, an oracle for *when*). Every run is one JSON line; the last line sums up.
 """
 
 from __future__ import annotations
@@ -42,6 +44,8 @@ from exoid.symbolic.quantity import Estimate
 HOUR = 3600.0
 STREAM = 2.0 * 3600.0
 """s of a stream in which nothing changes."""
+WANDERINGS, TOGETHER = 12, 3
+"""Motions that change, and how many of them make one stream."""
 
 
 class Counted(Watcher):
@@ -141,10 +145,23 @@ def quiet_run(seed: int, truth: Truth) -> dict:
     return out
 
 
+def changing_run(seed: int, folder: Path | None) -> dict:
+    """Return the false alarms of a run in which nothing but the motion changes."""
+    chosen = np.random.default_rng([seed, 19]).permutation(WANDERINGS)[:TOGETHER]
+    parts = [Truth.of(int(k), STREAM / TOGETHER, folder, wanders=True) for k in chosen]
+    rows = Truth.joined(parts).rows(20_000 + seed)
+    events, cost = watched(rows)
+    told = [(round(e.t, 1), e.event, e.kind, e.names, repr(e)) for e in events if e.alarm]
+    calm = [(round(e.t, 1), e.event) for e in events if e.event in ("motion", "suspected", "push", "reference")]
+    return {"seed": seed, "changing": float(rows[-1, 0]), **cost, "alarms": told, "calm": calm}
+
+
 def summed_up(lines: list[dict]) -> dict:
     """Return the figures of a campaign."""
-    runs, quiet = [r for r in lines if "effect" in r], [r for r in lines if "quiet" in r]
+    runs, quiet, changing = ([r for r in lines if kind in r] for kind in ("effect", "quiet", "changing"))
     out: dict = {"quiet_hours": sum(r["quiet"] for r in quiet) / HOUR}
+    out["changing_hours"] = sum(r["changing"] for r in changing) / HOUR
+    out["false_alarms_changing"] = sum(len(r["alarms"]) for r in changing)
     out["false_alarms_quiet"] = sum(len(r["alarms"]) for r in quiet)
     out["asked_quiet"] = sum(r["asked"] for r in quiet)
     out["numbers"] = sum(r["of"] for r in lines)
@@ -217,6 +234,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--runs", type=int, default=0)
     parser.add_argument("--quiet-hours", type=float, default=0.0)
+    parser.add_argument("--changing-hours", type=float, default=0.0, help="hours in which only the motion changes")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--keep", type=Path, default=None, help="folder in which simulated motions are kept")
     parser.add_argument("--to", type=Path, default=None, help="file of results; runs that it holds are not repeated")
@@ -230,12 +248,17 @@ def main() -> None:
     if args.memory_hours:
         print(json.dumps(memory(args.memory_hours, args.rate or 100.0, args.changes)), flush=True)
     lines = [json.loads(line) for line in args.to.read_text().splitlines()] if args.to and args.to.exists() else []
-    done = {(line["seed"], "quiet" in line) for line in lines}
-    quiet = round(args.quiet_hours * 3600.0 / STREAM)
-    for k in range(args.seed, args.seed + max(args.runs, quiet)):
-        for wanted, run in ((args.runs, change_run), (quiet, quiet_run)):
-            if k - args.seed < wanted and (k, run is quiet_run) not in done:
-                lines.append(run(k, Truth.of(k % args.motions, args.seconds, args.keep)))
+    done = {(line["seed"], kind) for line in lines for kind in ("effect", "quiet", "changing") if kind in line}
+    quiet, changing = (round(hours * HOUR / STREAM) for hours in (args.quiet_hours, args.changing_hours))
+    runs = {
+        "effect": (args.runs, lambda k: change_run(k, Truth.of(k % args.motions, args.seconds, args.keep))),
+        "quiet": (quiet, lambda k: quiet_run(k, Truth.of(k % args.motions, args.seconds, args.keep))),
+        "changing": (changing, lambda k: changing_run(k, args.keep)),
+    }
+    for k in range(args.seed, args.seed + max(args.runs, quiet, changing)):
+        for kind, (wanted, run) in runs.items():
+            if k - args.seed < wanted and (k, kind) not in done:
+                lines.append(run(k))
                 print(json.dumps(lines[-1]), flush=True)
                 if args.to:
                     with args.to.open("a", encoding="utf-8") as stream:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from exoid.measurement.bench.hidden import Hidden, true_model
 from exoid.measurement.bench.leg import standard_leg
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
-from exoid.measurement.trajectories.trajectory import Fourier, random_trajectory
+from exoid.measurement.trajectories.trajectory import CENTRE, Fourier, random_trajectory
 from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.mechanics.payload import LINKS, Payload
 from exoid.symbolic.model import Model
@@ -28,9 +29,61 @@ PERIOD = 47.0
 """s after which a motion repeats."""
 
 
+STILL, BLEND, SOME = 2.0, 5.0, (60.0, 300.0)
+"""s at rest before and after a motion that wanders, s in which it becomes another one, and how long it stays one."""
+
+
 def motion(seed: int) -> Fourier:
     """Return a motion that does not repeat for most of a minute."""
     return random_trajectory(np.random.default_rng([seed, 5]), period=PERIOD, harmonics=24)
+
+
+@dataclass(frozen=True, eq=False)
+class Wandering:
+    """A motion that becomes another one every few minutes: other angles, 0.3 to 1 of the size, half to all of the
+    speed.
+
+    From `begins` (S,) s on it goes to and then along paths[k], `sizes` (S,) about the centre of each and `speeds` (S,).
+    The first and the last are rest, at one place for all, so that one such motion can follow another.
+    """
+
+    begins: np.ndarray
+    paths: tuple[Fourier, ...]
+    sizes: np.ndarray
+    speeds: np.ndarray
+
+    @classmethod
+    def of(cls, seed: int, seconds: float) -> Wandering:
+        """Draw motion number `seed`."""
+        rng = np.random.default_rng([seed, 17])
+        begins = [0.0, STILL]
+        while begins[-1] < seconds - SOME[1]:
+            begins.append(begins[-1] + float(rng.uniform(*SOME)))
+        begins[-1] = seconds - STILL - BLEND
+        count = len(begins)
+        rest = Fourier(np.array(CENTRE), np.zeros((2, 1)), np.zeros((2, 1)), PERIOD)
+        paths = (rest, *(motion(int(rng.integers(1_000_000))) for _ in range(count - 2)), rest)
+        sizes = np.exp(rng.uniform(np.log(0.3), 0.0, count))
+        return cls(np.array(begins), paths, sizes, rng.uniform(0.5, 1.0, count))
+
+    def at(self, t: np.ndarray) -> Motion:
+        """Return angle, velocity and acceleration at times `t` (N,) in s."""
+        q, dq, ddq = self._along(0, t)
+        for k, begin in enumerate(self.begins[1:], start=1):
+            here = t > begin
+            x = np.clip((t[here] - begin) / BLEND, 0.0, 1.0)[:, None]
+            share = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+            rate, bend = 30.0 * (x * (1.0 - x)) ** 2 / BLEND, 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / BLEND**2
+            more = [new - old[here] for new, old in zip(self._along(k, t[here]), (q, dq, ddq), strict=True)]
+            q[here] += share * more[0]
+            dq[here] += share * more[1] + rate * more[0]
+            ddq[here] += share * more[2] + 2.0 * rate * more[1] + bend * more[0]
+        return Motion(t, q, dq, ddq)
+
+    def _along(self, k: int, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        path, size, speed = self.paths[k], float(self.sizes[k]), float(self.speeds[k])
+        m = path.at(speed * (t - self.begins[k]))
+        return path.offset + size * (m.q - path.offset), size * speed * m.dq, size * speed**2 * m.ddq
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +94,15 @@ class Truth:
     torque: np.ndarray
 
     @classmethod
-    def of(cls, seed: int, seconds: float, folder: Path | None = None) -> Truth:
+    def of(cls, seed: int, seconds: float, folder: Path | None = None, *, wanders: bool = False) -> Truth:
         """Simulate motion number `seed`, or take it from `folder`, where it is kept."""
-        kept = None if folder is None else folder / f"motion_{seed}_{seconds:g}.npz"
+        kind = "wandering" if wanders else "motion"
+        kept = None if folder is None else folder / f"{kind}_{seed}_{seconds:g}.npz"
         if kept is not None and kept.exists():
             with np.load(kept) as found:
                 return cls(Motion(*(found[name] for name in ("t", "q", "dq", "ddq", "sign"))), found["torque"])
-        made = run_bench(seed=seed, excitation=motion(seed), bench=Bench(duration=seconds))
+        path: Any = Wandering.of(seed, seconds) if wanders else motion(seed)
+        made = run_bench(seed=seed, excitation=path, bench=Bench(duration=seconds))
         if kept is not None:
             m = made.motion
             kept.parent.mkdir(parents=True, exist_ok=True)
@@ -60,6 +115,13 @@ class Truth:
         once = round(int(self.link.t[-1] / PERIOD) * PERIOD / step)
         at = np.arange(round(seconds / step)) % once
         return Truth(Motion(step * np.arange(len(at)), m.q[at], m.dq[at], m.ddq[at], m.sign[at]), self.torque[at])
+
+    @classmethod
+    def joined(cls, parts: Sequence[Truth]) -> Truth:
+        """Return several one after the other."""
+        step = parts[0].link.t[1] - parts[0].link.t[0]
+        q, dq, ddq, sign = (np.concatenate([getattr(p.link, n) for p in parts]) for n in ("q", "dq", "ddq", "sign"))
+        return cls(Motion(step * np.arange(len(q)), q, dq, ddq, sign), np.concatenate([p.torque for p in parts]))
 
     def part(self, first: int, last: int) -> Truth:
         """Return the samples from `first` to before `last`, their time from zero on."""

@@ -52,10 +52,11 @@ class Episode:
 
 @dataclass(eq=False)
 class Gate:
-    """Passes samples (N, 1 + 2 J) on whose numbers can be true; counts the others and tells of them."""
+    """Passes samples (N, 1 + 2 J, and more) on whose numbers can be true; counts the others and tells of them."""
 
     channels: Sequence[str]
-    """Names of t, q and tau of each joint."""
+    """Names of t, q and tau of each joint, and of whatever stands behind them."""
+    joints: int
     last: Float | None = None
     """The last sample that was passed on."""
     refused: Float | None = None
@@ -68,11 +69,6 @@ class Gate:
     events: list[Event] = field(default_factory=list)
 
     astray: int = 0
-
-    @property
-    def joints(self) -> int:
-        """How many joints there are."""
-        return len(self.channels) // 2
 
     def take(self, samples: Float) -> Float:
         """Return the samples that can be true, in order; `told` has what is to be said of the others."""

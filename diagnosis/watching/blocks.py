@@ -19,12 +19,14 @@ LEAD = 2.0
 
 @dataclass(eq=False)
 class Blocks:
-    """Takes samples (N, 1 + 2 J) in any portions and gives windows of `seconds`; what it keeps does not grow.
+    """Takes samples (N, C) in any portions and gives windows of `seconds`; what it keeps does not grow.
 
-    `channels` are the names of t, q and tau of each joint; `first` and `last` are where in the stream one is, s.
+    `channels` (C,) are the names of t, of q and tau of each of the `joints`, and of what acts from outside
+    (`Outside.passed`); `first` and `last` are where in the stream one is, s.
     """
 
     channels: Sequence[str]
+    joints: int
     seconds: float
     cutoff: float = CUTOFF
     gate: Gate = field(init=False)
@@ -37,9 +39,9 @@ class Blocks:
     started: int = -1
 
     def __post_init__(self) -> None:
-        self.gate = Gate(self.channels)
-        self.front = FrontEnd(self.gate.joints, self.cutoff)
-        self.waiting = Samples.none(self.gate.joints)
+        self.gate = Gate(self.channels, self.joints)
+        self.front = FrontEnd(self.joints, self.cutoff, len(self.channels) - 1 - 2 * self.joints)
+        self.waiting = self.front.none
 
     def push(self, rows: Float) -> Iterator[Window]:
         """Yield the windows that samples complete."""
@@ -69,7 +71,7 @@ class Blocks:
     def _cut(self, fresh: Samples) -> Iterator[Window]:
         filters = self.front.filters
         if self.front.restarts != self.restarts:
-            self.restarts, self.waiting = self.front.restarts, Samples.none(self.gate.joints)
+            self.restarts, self.waiting = self.front.restarts, self.front.none
         if not len(fresh) or filters is None:
             return
         self.first = float(fresh.t[0]) if self.first is None else self.first

@@ -35,6 +35,11 @@ class Onset:
     high: float
     slow: bool
 
+    @classmethod
+    def at(cls, t: float) -> Onset:
+        """Return that it began at `t` s at once."""
+        return cls(t, t, t, False)
+
 
 def onset(course: Course, after: float = -np.inf) -> Onset:
     """Return when the change of `course` began; a slow one counts as begun where its rise begins.

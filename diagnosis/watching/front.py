@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import sosfilt
 
 from exoid.ground.errors import ExoidError
@@ -126,8 +127,8 @@ class Filters:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Working samples: `t` (N,) s, `q`, `dq`, `ddq`, `tau` (N, J), and `good` (N, J), 1 where a joint's torque can be
-    used.
+    """Working samples: `t` (N,) s, `q`, `dq`, `ddq`, `tau` (N, J), `good` (N, J), 1 where a joint's torque can be
+    used, and measured forces, `force` (N, C).
     """
 
     t: Float
@@ -136,6 +137,7 @@ class Samples:
     ddq: Float
     tau: Float
     good: Float
+    force: Float
 
     def __len__(self) -> int:
         return int(self.t.size)
@@ -150,10 +152,10 @@ class Samples:
         return cls(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
 
     @classmethod
-    def none(cls, joints: int) -> Samples:
+    def none(cls, joints: int, forces: int = 0) -> Samples:
         """Return no samples."""
         empty = np.zeros((0, joints))
-        return cls(np.zeros(0), empty, empty, empty, empty, empty)
+        return cls(np.zeros(0), empty, empty, empty, empty, empty, np.zeros((0, forces)))
 
 
 def poles(x: Float, keep: float, state: Float) -> tuple[Float, Float]:
@@ -168,11 +170,13 @@ def poles(x: Float, keep: float, state: Float) -> tuple[Float, Float]:
 class FrontEnd:
     """Takes samples in any portions and gives working samples; what it keeps does not grow.
 
-    `filters` is None until the rate is known. The answer does not depend on how the samples are portioned.
+    `filters` is None until the rate is known. The answer does not depend on how the samples are portioned. `outside`
+    columns stand behind the torques: measured forces, and last 1 where the torques say nothing of the machine.
     """
 
     joints: int
     cutoff: float = CUTOFF
+    outside: int = 0
     filters: Filters | None = None
     waiting: list[Float] = field(default_factory=list)
     last: Float | None = None
@@ -191,17 +195,22 @@ class FrontEnd:
     """Samples passed over because their time is not after that of those before."""
 
     def push(self, samples: Float) -> Samples:
-        """Return the working samples that `samples` (N, 1 + 2 J: t, q, tau) complete."""
+        """Return the working samples that `samples` (N, 1 + 2 J: t, q, tau, and `outside`) complete."""
         out = []
         for part in self._stretches(samples):
             out.append(self._push(part))
-        return Samples.joined(out) if out else Samples.none(self.joints)
+        return Samples.joined(out) if out else self.none
+
+    @property
+    def none(self) -> Samples:
+        """No working samples."""
+        return Samples.none(self.joints, max(0, self.outside - 1))
 
     def finish(self) -> Samples:
         """Return the working samples of a stream too short for its rate to have been told before it ended."""
         if self.filters is None and sum(map(len, self.waiting)) > 2:
             return self._begin(np.concatenate(self.waiting))
-        return Samples.none(self.joints)
+        return self.none
 
     def _stretches(self, samples: Float) -> list[Float]:
         """Cut where the clock jumps; what follows starts the filters anew."""
@@ -219,7 +228,7 @@ class FrontEnd:
             self.waiting.append(samples)
             self.last = samples[-1]
             if sum(map(len, self.waiting)) < FIRST:
-                return Samples.none(self.joints)
+                return self.none
             return self._begin(np.concatenate(self.waiting))
         return self._on_clock(samples)
 
@@ -239,8 +248,8 @@ class FrontEnd:
     def begin_at(self, filters: Filters, t: float) -> None:
         """Begin with a known rate, at `t` s."""
         self.filters, self.begin, self.count, self.seen = filters, t, 0, 0
-        self.raw, self.state, self.unsettled = np.zeros((0, 2 + 2 * self.joints)), None, 0
-        self.before = np.zeros((0, 1 + 3 * self.joints))
+        self.raw, self.state, self.unsettled = np.zeros((0, 2 + 2 * self.joints + self.outside)), None, 0
+        self.before = np.zeros((0, 1 + 3 * self.joints + max(0, self.outside - 1)))
 
     def _on_clock(self, samples: Float) -> Samples:
         """Put samples on the uniform clock; those that do not come after the ones before are passed over."""
@@ -255,7 +264,7 @@ class FrontEnd:
         whole = int(np.floor((rows[-1, 0] - self.begin) / step + 1e-6)) + 1
         grid = self.begin + step * np.arange(self.count, whole)
         if not grid.size:
-            return Samples.none(self.joints)
+            return self.none
         self.count = whole
         near = np.minimum(np.searchsorted(rows[:, 0], grid - 1e-3 * step), len(rows) - 1)
         exact = np.abs(rows[near, 0] - grid) < 2e-3 * step
@@ -268,26 +277,30 @@ class FrontEnd:
         return self._filter(np.column_stack([grid, even, hole]))
 
     def _filter(self, even: Float) -> Samples:
-        """Filter samples (N, 2 + 2 J) of the uniform clock: t, q, tau, hole."""
+        """Filter samples (N, 2 + 2 J) of the uniform clock: t, q, tau, what is outside, hole."""
         assert self.filters is not None
         filters, joints = self.filters, self.joints
         rows = np.concatenate([self.raw, even])
         if len(rows) < 2 * HALF + 1:
             self.raw = rows
-            return Samples.none(joints)
+            return self.none
         self.raw = rows[-2 * HALF :]
         tau = despiked(rows[:, 1 + joints : 1 + 2 * joints])
         middle = rows[HALF : len(rows) - HALF]
-        x = np.concatenate([middle[:, 1 : 1 + joints], tau], axis=1)
+        lost, forces = middle[:, -1] != 0.0, middle[:, 1 + 2 * joints : -2]
+        if self.outside:
+            lost = lost | (sliding_window_view(rows[:, -2], 2 * HALF + 1).max(axis=1) > 0.0)
+        x = np.concatenate([middle[:, 1 : 1 + joints], tau, forces], axis=1)
         if self.state is None:
             self.state = np.repeat(x[:1], ORDER, axis=0)
         rows_of, self.state = poles(x.T, filters.keep, self.state)
         smooth = rows_of.T
-        good = np.repeat(self._settled(middle[:, -1] != 0.0)[:, None], joints, axis=1)
-        rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good])])
+        good = np.repeat(self._settled(lost)[:, None], joints, axis=1)
+        smooth, forces = smooth[:, : 2 * joints], smooth[:, 2 * joints :]
+        rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good, forces])])
         self.before = rows[-2:]
         if len(rows) < 3:
-            return Samples.none(joints)
+            return self.none
         first = -self.seen % filters.factor
         self.seen += len(rows) - 2
         at = np.arange(1 + first, len(rows) - 1, filters.factor)
@@ -295,8 +308,9 @@ class FrontEnd:
         dq = 0.5 * filters.rate * (q[at + 1] - q[at - 1])
         ddq = filters.rate**2 * (q[at + 1] - 2.0 * q[at] + q[at - 1])
         moves = np.abs(dq) > STICK + filters.reach * np.abs(ddq)
-        usable = rows[at, 1 + 2 * joints :] * rows[at + 1, 1 + 2 * joints :] * moves
-        return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable)
+        good, forces = rows[:, 1 + 2 * joints : 1 + 3 * joints], rows[:, 1 + 3 * joints :]
+        usable = good[at] * good[at + 1] * moves
+        return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable, forces[at])
 
     def _settled(self, hole: Bool) -> Bool:
         """Return where (N,) the first filter has forgotten the last hole."""

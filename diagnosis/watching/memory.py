@@ -11,6 +11,8 @@ import numpy as np
 from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.window import Window, joined_windows
 
+JUST_BEFORE = 6
+"""Windows just before a change that are compared with what is after it, beside the usual ones."""
 TOGETHER = 2
 """Quiet blocks that are kept as one recording: placebos shift within a recording, and short ones hardly move."""
 
@@ -29,6 +31,17 @@ class Memory:
         """Begin anew with the windows that said what is usual, as they came and joined."""
         self.first, self.usual, self.leaving = tuple(first), list(usual), []
         self.recent.clear()
+
+    def just_before(self, after: Sequence[Window]) -> list[Window]:
+        """Return the last windows before those `after`, without the one at the seam, which may hold both; none where
+        the clock was set back.
+        """
+        return [one for one in self.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
+
+    def begin_at(self, one: Window) -> None:
+        """Forget the last windows before `one`: what was so while they lasted is over."""
+        while self.recent and self.recent[0].t[-1] < one.t[0]:
+            self.recent.popleft()
 
     def remember(self, one: Window, blocks: int) -> None:
         """Keep a quiet window: of all that there were in so many `blocks`, each as likely as any other (reservoir

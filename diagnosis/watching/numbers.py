@@ -92,4 +92,11 @@ class FollowedNumbers:
         own = base[:, :, : len(self.now.model.parameters)]
         columns = [own, *(acting.columns(one, base, self.now) * acting.size for acting in self.followed)]
         whole: Float = np.moveaxis(np.concatenate(columns, axis=2), 0, 1)
-        self.estimator.steps(whole, one.torque.T, one.used.T)
+        self.estimator.steps(whole, (one.torque - self._known(one)).T, one.used.T)
+
+    def _known(self, one: Window) -> Float:
+        """Return the torque (J, K) that measured forces ask for without a number."""
+        model = self.now.model
+        if not any(force.known(model.joints) for force in model.forces):
+            return np.zeros_like(one.torque)
+        return one.smooth(model.whole_columns(one.motion, self.now.shape)[:, :, -1].T)

@@ -26,7 +26,9 @@ SETTLED = 10.0
 """s after which a push that raised no alarm will not do so any more."""
 APART = 60.0
 """s within which an alarm after a push is no other push: what comes again may be a change that some postures show."""
-KEPT = 20
+KEPT = 250
+SEVERAL = 4
+"""Pushes at once from which they are told as one thing."""
 """Pushes whose samples are left out; they are those of the last windows."""
 
 
@@ -47,6 +49,17 @@ class Push:
         text += "that nothing explains and that are over; nothing has changed"
         when = {"since": {"t": self.since}, "until": {"t": self.until}}
         return Event("push", t, text, more={"joint": at.name, "size": self.size, "unit": unit, **when})
+
+
+def again_and_again(several: Sequence[Push], t: float, joints: Sequence[Joint]) -> Event:
+    """Return what is to be said of several pushes, one soon after the other."""
+    last = max(several, key=lambda one: one.size)
+    one = replace(last, since=several[0].since, until=several[-1].until).event(t, joints)
+    at, count = joints[last.joint], len(several)
+    text = f"pushed {count} times from {clock(several[0].since)} to {clock(several[-1].until)}, most of all at "
+    text += f"{at.name}: up to {last.size:.2g} {at.unit('tau')} that nothing explains and that come and go; "
+    text += "nothing has changed. A person, or the ground under a foot?"
+    return replace(one, sentence=text, more={**one.more, "count": count})
 
 
 @dataclass(eq=False)
@@ -89,11 +102,12 @@ class Pushes:
             self.told.clear()
             rescore()
             return []
+        before = tuple(self.told)
         self.told.extend(found)
         rescore()
         if usual.detector.deviation().alarms:
-            for _ in found:
-                self.told.pop()
+            self.told.clear()
+            self.told.extend(before)
             rescore()
             return []
         return self._said(found, t)
@@ -105,7 +119,13 @@ class Pushes:
 
     def _said(self, found: Sequence[Push], t: float) -> list[Event]:
         self.seen = [one for one in self.seen if one not in found]
+        if len(found) >= SEVERAL:
+            return [again_and_again(found, t, self.joints)]
         return [one.event(t, self.joints) for one in found]
+
+    def since(self, t: float) -> int:
+        """Return how many there were since `t` s, told or not."""
+        return sum(one.since >= t and one.until - one.since <= LONGEST for one in (*self.told, *self.seen))
 
     def left_out(self, one: Window) -> Window:
         """Return a window whose samples during told pushes are not used."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.outside import stream_of
 from exoid.diagnosis.watching.plots import numbers_figure
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watcher import Watcher
@@ -120,7 +121,7 @@ def replay(
     """
     model = machine_of(model_of(model))
     recording = one_recording(recording, model.joints)
-    rows = np.column_stack([recording.t, recording.q, recording.tau])[recording.complete]
+    rows, names = stream_of(model, recording)
     usual = settings or Settings()
     if settings is None:
         learn = int(min(max(LEAST, SHARE * recording.duration / usual.block), usual.learn))
@@ -132,6 +133,7 @@ def replay(
             remedy=f"give at least {2.0 * shortest:g} s: the first {shortest:g} s say what is usual",
         )  # fmt: skip
     watcher = Watcher(model, usual, tuple(extra))
+    watcher.measures(names)
     course = Logbook(watcher)
     size = max(1, round(usual.block * recording.rate))
     for k in range(0, len(rows), size):

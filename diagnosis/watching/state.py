@@ -20,13 +20,16 @@ from exoid.diagnosis.watching.alarm import SPANS
 from exoid.diagnosis.watching.course import Onset
 from exoid.diagnosis.watching.estimator import Estimator
 from exoid.diagnosis.watching.front import Filters, Samples
+from exoid.diagnosis.watching.memory import TOGETHER
 from exoid.diagnosis.watching.numbers import FollowedNumbers
+from exoid.diagnosis.watching.outside import Outside
 from exoid.diagnosis.watching.questions import Acting
 from exoid.diagnosis.watching.result import ChangeFound
 from exoid.diagnosis.watching.settings import Settings
-from exoid.diagnosis.watching.usual import Usual
-from exoid.diagnosis.watching.window import Window, window
+from exoid.diagnosis.watching.usual import Usual, learned
+from exoid.diagnosis.watching.window import Window, joined_windows, window
 from exoid.ground.errors import ExoidError
+from exoid.symbolic.effect import Effect
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
@@ -34,9 +37,11 @@ from exoid.symbolic.quantity import Estimate
 SCHEMA = "exoid.watch.state/1"
 SAME_RATE = 1e-3
 """How far the rate of a stream may be from that of the one before, relative to it."""
-EVER = Onset(-1e300, -1e300, -1e300, False)
+EVER = Onset.at(-1e300)
 """When what an earlier watch saw began: before this one."""
 OF_ESTIMATOR = ("root", "right", "linear", "variance", "credit", "score", "meat", "blocks", "scale")
+PARTS = ("t", "q", "dq", "ddq", "tau", "good")
+"""Of a window: what its samples are made of, forces apart."""
 OF_CHANGE = ("name", "kind", "share", "p_value")
 ESTIMATES = ("before", "after", "change")
 LARGEST = 200_000_000
@@ -65,6 +70,7 @@ class WatchState:
         for k, one in enumerate(first):
             m = one.motion
             parts = {"t": m.t, "q": m.q, "dq": m.dq, "ddq": m.ddq, "tau": one.wide_tau, "good": one.weights}
+            parts |= {} if m.force is None else {"force": m.force}
             arrays |= {f"window{k}.{name}": value for name, value in parts.items()}
             arrays[f"window{k}.torque"] = one.torque
         about = {
@@ -112,12 +118,25 @@ class WatchState:
                 f"what was learnt is of {', '.join(other)}", remedy="name another --state file, or remove that one"
             )
 
+    def taken_over(
+        self, outside: Outside, settings: Settings, extra: Sequence[Effect], rng: np.random.Generator, one: Window
+    ) -> tuple[tuple[Window, ...], Usual, list[Applied], FollowedNumbers]:
+        """Return what is known again at the window `one`, the first of a stream: the windows that said what is usual,
+        that, what has changed, and the numbers. StateError where the state is of something else.
+        """
+        self.check(outside.model, settings, one)
+        first = self.windows(float(one.t[0]) - settings.block)
+        usual = learned(outside.learnt_from(first), first, joined_windows(first, TOGETHER), settings, extra, rng)
+        fresh = FollowedNumbers.started(usual.now, usual.scale, one.kept_rate, settings.pace)
+        return first, usual, self.changes(usual), self.numbers(fresh.estimator, usual)
+
     def windows(self, end: float) -> tuple[Window, ...]:
         """Return the windows that said what is usual, as if they had come until `end` s of this stream."""
         filters, found = Filters(self.about["rate"], self.about["cutoff"]), []
         later = end - max(float(self.arrays[f"window{k}.t"][-1]) for k in range(len(self.about["lead"])))
         for k, lead in enumerate(self.about["lead"]):
-            t, *parts = (self.arrays[f"window{k}.{name}"] for name in ("t", "q", "dq", "ddq", "tau", "good"))
+            t, *parts = (self.arrays[f"window{k}.{name}"] for name in PARTS)
+            parts.append(self.arrays.get(f"window{k}.force", np.zeros((len(t), 0))))
             one = window(f"learnt {k}", Samples(t + later, *parts), lead, filters)
             found.append(replace(one, torque=self.arrays[f"window{k}.torque"]))
         return tuple(found)

@@ -10,10 +10,10 @@ import numpy as np
 
 from exoid.diagnosis.extend import Waterfall, fit_in_turn
 from exoid.diagnosis.watching.events import Event
+from exoid.diagnosis.watching.outside import outside_names, stream_of
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.watcher import Watcher
 from exoid.ground.errors import ExoidError
-from exoid.measurement.reading.columns import required
 from exoid.measurement.reading.frames import is_table
 from exoid.measurement.reading.given import machine_of, model_of, one_recording
 from exoid.measurement.recording import Recording
@@ -32,19 +32,26 @@ def follow(
     """Yield what is to be reported of `samples` as they come; the last event is the summary.
 
     `samples` is a recording (its path, a table), an array (N, 1 + 2 J), or anything that yields rows (t, q1, ..., tau1,
-    ...) or mappings with these names, one sample or an array of several at a time, in s, rad and N·m. ExoidError for
-    anything else.
+    ...) or mappings with these names, one sample or an array of several at a time, in s, rad and N·m. Forces of the
+    model stand behind the torques of a row; mappings have them, or the usual ones (f1, grf_z, contact), by name.
+    ExoidError for anything else.
     """
     machine = machine_of(model_of(model))
-    watcher = Watcher(machine, settings or Settings(), tuple(extra))
-    names = required(machine.joints)
+    names: tuple[str, ...] | None = None
     if isinstance(samples, (str, Path, Mapping)) or (is_table(samples) and not isinstance(samples, np.ndarray)):
         samples = one_recording(samples, machine.joints)
     if isinstance(samples, Recording):
-        samples = np.column_stack([samples.t, samples.q, samples.tau])[samples.complete]
+        samples, names = stream_of(machine, samples)
+    watcher = Watcher(machine, settings or Settings(), tuple(extra))
+    if names is not None:
+        watcher.measures(names)
     waiting: list[np.ndarray] = []
     for sample in samples:
-        waiting.append(_row(sample, names))
+        if names is None:
+            there = tuple(n for n in outside_names(machine.joints) if isinstance(sample, Mapping) and n in sample)
+            names = there or machine.channels
+            watcher.measures(names)
+        waiting.append(_row(sample, watcher.outside.columns))
         if sum(map(len, waiting)) >= PORTION:
             yield from watcher.push(np.concatenate(waiting))
             waiting = []

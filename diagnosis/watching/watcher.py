@@ -17,30 +17,26 @@ import numpy as np
 from exoid.diagnosis.rules import Rules
 from exoid.diagnosis.watching import wording
 from exoid.diagnosis.watching.acting import Applied, already, as_usual
-from exoid.diagnosis.watching.alarm import SPANS, Deviation, Pending
+from exoid.diagnosis.watching.alarm import SPANS, Pending
 from exoid.diagnosis.watching.asking import asked_of, differences_of
-from exoid.diagnosis.watching.blocks import Blocks
 from exoid.diagnosis.watching.course import Onset
 from exoid.diagnosis.watching.differences import MOST, QUICK
 from exoid.diagnosis.watching.events import Event
 from exoid.diagnosis.watching.memory import TOGETHER, Memory
 from exoid.diagnosis.watching.numbers import FollowedNumbers
+from exoid.diagnosis.watching.outside import Outside
 from exoid.diagnosis.watching.pushes import Pushes
 from exoid.diagnosis.watching.result import Differences
-from exoid.diagnosis.watching.scores import Scores
 from exoid.diagnosis.watching.settings import Settings
 from exoid.diagnosis.watching.state import WatchState
 from exoid.diagnosis.watching.usual import GROWN, Usual, learned
 from exoid.diagnosis.watching.window import Window, joined_windows
 from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import Threshold
-from exoid.measurement.reading.columns import required
 from exoid.symbolic.effect import Effect
-from exoid.symbolic.model import Model, require_no_force, require_still_base
+from exoid.symbolic.model import Model, require_still_base
 from exoid.symbolic.motion import Float
 
-JUST_BEFORE = 6
-"""Windows just before a change that are compared with what is after it, beside the usual ones."""
 NOTICED = Threshold(
     1.1, "times the usual error from which what has no name is reported at all: other motion alone grows it"
 )
@@ -50,7 +46,8 @@ NOTICED = Threshold(
 class Watcher:
     """Takes samples in any portions (`push`) and returns what is to be reported.
 
-    Samples are rows (N, 1 + 2 J): time in s, angles in rad, torques in N·m, in the order of the joints.
+    Samples are rows (N, 1 + 2 J + C): time in s, angles in rad, torques in N·m, in the order of the joints, and what
+    acts from outside, N: the channels of the model's forces, or what `measures` says.
     """
 
     model: Model
@@ -62,8 +59,8 @@ class Watcher:
 
     def __post_init__(self) -> None:
         require_still_base(self.model, "watching")
-        require_no_force(self.model, "watching")
-        self.stream = Blocks(required(self.model.joints), self.settings.block, self.settings.cutoff)
+        self.outside = Outside.of(self.model)
+        self.stream = self.outside.blocks(self.settings)
         self.rng = np.random.default_rng(self.settings.seed)
         self.kept: list[Window] = []
         self.memory = Memory(self.rng)
@@ -78,18 +75,18 @@ class Watcher:
 
     # -- samples ----------------------------------------------------------------------------------------------
 
+    def measures(self, names: Sequence[str]) -> None:
+        """Say before the first sample which columns (C,) stand behind the torques; ExoidError where one is lacking."""
+        if tuple(names) != self.outside.names:
+            self.outside = Outside.of(self.model, names)
+            self.model, self.stream = self.outside.model, self.outside.blocks(self.settings)
+
     def push(self, samples: Float) -> list[Event]:
         """Take samples and return the events they cause."""
         rows = np.atleast_2d(np.asarray(samples, dtype=float))
         if not rows.size:
             return []
-        width = 1 + 2 * len(self.model.joints)
-        if rows.shape[1] != width:
-            raise ExoidError(
-                f"a sample has {rows.shape[1]} numbers; this machine has {width}: t, q and tau of each joint",
-                remedy="give rows t, q1, ..., tau1, ...",
-            )
-        events = [event for one in self.stream.push(rows) for event in self._block(one)]
+        events = [event for one in self.stream.push(self.outside.arranged(rows)) for event in self._block(one)]
         if self.stream.fresh:
             needed = self.settings.learn * self.settings.block
             events.insert(0, wording.start_event(self.stream.front, self.model.joint_names, needed))
@@ -153,6 +150,9 @@ class Watcher:
                 one = as_usual(one, self.numbers.now, self.lasting)
             self.kept.append(one)
             return self._learn() if len(self.kept) >= self.settings.learn else []
+        if self.outside.awake(self.reference.now.model, one):
+            self._relearn([one], anew=True)
+            return []
         usual = self._as_usual(one)
         block = self.reference.now.block_of(usual)
         if self.numbers is not None:
@@ -170,7 +170,8 @@ class Watcher:
             self.pending.wait -= 1
         elif found.alarms and not any(change.since.slow for change in self.applied):
             self.pending = Pending(found, self.settings.least - detector.onset(found.column))
-            events.append(self._suspected(one, found))
+            grown = self.reference.grown(self.reference.errors(self._as_usual(one)))
+            events.append(wording.suspected_event(self.last, self.model.joint_names, grown, found))
         if self.pending is not None and self.pending.wait <= 0:
             events += self._alarm(self.pending)
         for change in self.applied:
@@ -182,22 +183,11 @@ class Watcher:
             events += self.pushes.events(self.last)
         return events + self._renewed()
 
-    def _scores(self, one: Window) -> Scores:
-        """Return how much of all columns a window has beyond what is usual and what is known to have changed."""
-        assert self.reference is not None
-        return self.reference.scores(self._as_usual(one))
-
     def _as_usual(self, one: Window, but: Applied | None = None) -> Window:
         """Return a window without what has changed, `but` one of the changes."""
         assert self.reference is not None
         changes = [c for c in (*self.lasting, *self.applied) if c is not but]
         return self.pushes.left_out(as_usual(one, self.reference.now, changes))
-
-    def _suspected(self, one: Window, found: Deviation) -> Event:
-        """Return that something may have changed, and at which joint the error has grown most."""
-        assert self.reference is not None
-        grown = self.reference.grown(self.reference.errors(self._as_usual(one)))
-        return wording.suspected_event(self.last, self.model.joint_names, grown, found)
 
     def _renewed(self) -> list[Event]:
         """Learn what is usual anew when what changed has lasted as long as that takes; until then, go on watching."""
@@ -215,7 +205,8 @@ class Watcher:
         settings = self.settings
         usual = joined_windows(self.kept, TOGETHER)
         try:
-            self.reference = learned(self.model, self.kept, usual, settings, self.extra, self.rng)
+            model = self.outside.learnt_from(self.kept)
+            self.reference = learned(model, self.kept, usual, settings, self.extra, self.rng)
         except ExoidError as error:
             if len(self.kept) < settings.most_learn:
                 return []
@@ -234,16 +225,11 @@ class Watcher:
     def _restore(self, state: WatchState, one: Window) -> list[Event]:
         """Go on with what was learnt by an earlier watch; `one` is the first window of this one."""
         self.restored, self.begun = None, float(one.t[0])
-        state.check(self.model, self.settings, one)
-        first = state.windows(float(one.t[0]) - self.settings.block)
-        usual = joined_windows(first, TOGETHER)
-        self.reference = learned(self.model, first, usual, self.settings, self.extra, self.rng)
-        self.memory.learnt(first, usual)
-        self.lasting = state.changes(self.reference)
-        now, detector = self.reference.now, self.reference.detector
-        fresh = FollowedNumbers.started(now, self.reference.scale, one.kept_rate, self.settings.pace)
-        self.numbers = state.numbers(fresh.estimator, self.reference)
-        return [wording.reference_event(float(one.t[0]), now, detector.limit, len(first), self.changed, restored=True)]
+        known = state.taken_over(self.outside, self.settings, self.extra, self.rng, one)
+        first, self.reference, self.lasting, self.numbers = known
+        self.memory.learnt(first, joined_windows(first, TOGETHER))
+        now, limit, t = self.reference.now, self.reference.detector.limit, float(one.t[0])
+        return [wording.reference_event(t, now, limit, len(first), self.changed, restored=True)]
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates
@@ -269,6 +255,8 @@ class Watcher:
             return [wording.calm_event(self.last)]
         # The first one may hold both.
         last = list(self.memory.recent)[-max(lasted, settings.least) :][1:]
+        if over := self._ended(last):
+            return over
         answer = self._ask(last)
         since = wording.onset_of(answer, last, self.begun) if answer.found else None
         if since is not None and not since.slow and since.t > last[0].t[0] + 0.5 * settings.block:
@@ -309,12 +297,26 @@ class Watcher:
             return self._refine(again)  # the first seconds said little of how large it is
         when = wording.onset_of(answer, last, self.begun)
         event = wording.change_event(self.last, answer, pending.found, "first", when)
-        since = event.since or Onset(float(last[0].t[0]), float(last[0].t[0]), float(last[0].t[0]), False)
+        since = event.since or Onset.at(float(last[0].t[0]))
         self.applied.append(Applied(answer.found, since))
         self.pushes.seen.clear()
         self.numbers.changed(answer.found, since)
         self._rescore()
         return [event]
+
+    def _ended(self, last: Sequence[Window]) -> list[Event]:
+        """Say which change is over: the one without which the `last` windows are as usual."""
+        assert self.reference is not None and self.numbers is not None
+        for change in self.applied:
+            errors = [self.reference.errors(self._as_usual(one, change)) for one in last]
+            if np.max(self.reference.grown(np.sqrt(np.mean(np.square(errors), axis=0)))) <= NOTICED:
+                self.pending = None
+                self.applied.remove(change)
+                self.memory.begin_at(last[0])
+                self.numbers.changed(change.found, Onset.at(float(last[0].t[0])))
+                self._rescore()
+                return [wording.over_event(self.last, change.found[0].name)]
+        return []
 
     def _resized(self, lasted: int) -> bool:
         """Say anew how large is what was named on few seconds, before the last blocks are taken for another change."""
@@ -339,16 +341,17 @@ class Watcher:
         recent = self.reference.detector.recent
         last = list(self.memory.recent)[len(self.memory.recent) - len(recent) :]
         recent.clear()
-        recent.extend(self._scores(one) for one in last)
+        recent.extend(self.reference.scores(self._as_usual(one)) for one in last)
 
     def _nameless(self, answer: Differences) -> Event:
         assert self.reference is not None
-        grown = self.reference.grown(answer.rms_after)
-        return wording.nameless_event(self.last, self.model.joint_names, answer, grown, GROWN)
+        grown, pushes = self.reference.grown(answer.rms_after), self.pushes.since(self.memory.recent[0].t[0])
+        return wording.nameless_event(self.last, self.model.joint_names, answer, grown, GROWN, pushes)
 
-    def _relearn(self, last: Sequence[Window]) -> None:
-        """Learn what is usual from `last` on."""
+    def _relearn(self, last: Sequence[Window], anew: bool = False) -> None:
+        """Learn what is usual from `last` on, the numbers too where it is all learnt `anew`."""
         self.lasting += [part for c in self.applied if (part := c.lasting) is not None]
+        self.numbers = None if anew else self.numbers
         assert self.reference is not None
         self.kept = [as_usual(one, self.reference.now, self.lasting) for one in last]
         self.applied, self.pending, self.reference = [], None, None
@@ -360,9 +363,7 @@ class Watcher:
         What is known to have changed is taken out of all windows, `but` one change.
         """
         assert self.reference is not None
-        # Those just before show whether it came slowly; the one at the seam may hold both. Where the clock was set back
-        # there are none.
-        recent = [one for one in self.memory.recent if one.t[-1] < after[0].t[0]][-JUST_BEFORE - 1 : -1]
+        recent = self.memory.just_before(after)  # they show whether it came slowly
         recent, after = ([self._as_usual(one, but) for one in some] for some in (recent, after))
         usual = self.memory.usual[: self.settings.learn // TOGETHER * 2 // 3]
         question = asked_of(self.reference.now, [*usual, *joined_windows(recent, TOGETHER)], after)

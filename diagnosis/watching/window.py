@@ -49,7 +49,8 @@ def weighted(x: Float, weights: Float, common: float) -> Float:
 def window(name: str, samples: Samples, lead: int, filters: Filters) -> Window:
     """Return the stretch `samples` as a prepared recording; its first `lead` samples only settle the filter."""
     joints = samples.q.shape[1]
-    motion = Motion(samples.t, samples.q, samples.dq, samples.ddq, np.tanh(samples.dq / SIGN_WIDTH))
+    force = samples.force if samples.force.shape[1] else None
+    motion = Motion(samples.t, samples.q, samples.dq, samples.ddq, np.tanh(samples.dq / SIGN_WIDTH), force=force)
     total, _ = poles(samples.good.T, filters.common, np.zeros((COMMON_ORDER, joints)))
     kept = np.arange(lead, len(samples), filters.stride)
     idle = np.zeros(joints, dtype=bool)
@@ -98,7 +99,8 @@ def _joined(group: Sequence[Window]) -> Window:
     def whole(parts: Iterable[Any]) -> Any:
         return np.concatenate([part[cut:] for part, cut in zip(parts, cuts, strict=True)])
 
-    moved = {n: whole(getattr(one.motion, n) for one in group) for n in ("t", "q", "dq", "ddq", "sign")}
+    names = ("t", "q", "dq", "ddq", "sign", *(() if first.motion.force is None else ("force",)))
+    moved = {n: whole(getattr(one.motion, n) for one in group) for n in names}
     return replace(
         first,
         motion=Motion(**moved),

@@ -14,9 +14,11 @@ from exoid.diagnosis.watching.events import Event, clock
 from exoid.diagnosis.watching.front import FrontEnd
 from exoid.diagnosis.watching.result import Differences
 from exoid.diagnosis.watching.window import Window
+from exoid.ground.thresholds import Threshold
 from exoid.symbolic.motion import Float
 from exoid.symbolic.quantity import Estimate
 
+OUTSIDE = Threshold(3.0, "times that an error comes and goes before something outside is suspected: a bump or two")
 SILENT = 5.0
 """s without a sample from which that is said."""
 
@@ -82,7 +84,7 @@ def estimates_event(t: float, estimates: tuple[Estimate, ...]) -> Event:
     return Event("estimates", t, ", ".join(f"{e.name} {e.value:.3g}" for e in estimates), estimates)
 
 
-def over_event(t: float, name: str, answer: Differences) -> Event:
+def over_event(t: float, name: str, answer: Differences | None = None) -> Event:
     """Return that what had changed is as it was before."""
     return Event("change", t, f"over again: {name} is as it was before", (), answer, None, "over", {"state": "over"})
 
@@ -115,8 +117,12 @@ def calm_event(t: float, answer: Differences | None = None) -> Event:
     return Event("suspected", t, "nothing changed that lasts: what was suspected is over", more={"state": "over"})
 
 
-def nameless_event(t: float, joints: Sequence[str], answer: Differences, grown: Float, small: float) -> Event:
-    """Return that the error has `grown` (J,) times without a name; where by less than `small`, that it is too small."""
+def nameless_event(
+    t: float, joints: Sequence[str], answer: Differences, grown: Float, small: float, pushes: int = 0
+) -> Event:
+    """Return that the error has `grown` (J,) times without a name; where by less than `small`, that it is too small,
+    and where it comes and goes, as so many `pushes`, whose it may be.
+    """
     joint = int(np.argmax(grown))
     at = f"at {joints[joint]}"
     text = f"something changed {at}, too small to name yet"
@@ -124,7 +130,10 @@ def nameless_event(t: float, joints: Sequence[str], answer: Differences, grown: 
         text = f"the error {at} is {grown[joint]:.2g} times what it was, and nothing known explains it"
     nearest = [d.name for d in answer.found]
     text += f"; nearest: {', '.join(nearest)}" if nearest else ""
-    more = {"rms": answer.rms_after, "joint": joints[joint], "nearest": nearest}
+    if pushes >= OUTSIDE:
+        text += f"; it has come and gone {pushes} times: a person, or the ground? Measure it: columns f1, f2, grf_x, "
+        text += "grf_z, or contact"
+    more = {"rms": answer.rms_after, "joint": joints[joint], "nearest": nearest, "pushes": pushes}
     return Event("unexplained", t, text, differences=replace(answer, found=()), more=more)
 
 

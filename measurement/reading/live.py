@@ -18,6 +18,7 @@ from exoid.measurement.reading import clock
 from exoid.measurement.reading.columns import assign, required
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.names import recognise
+from exoid.measurement.reading.outside import CONTACT, force_columns
 from exoid.measurement.reading.raw import MISSING, RawColumn, RawTable, split_unit
 from exoid.measurement.reading.sniff import COMMENTS, HEAD_LINES, LONGEST_LINE, sniff, split_line
 from exoid.measurement.reading.units import is_unit
@@ -71,6 +72,10 @@ class Lines:
     joints: Sequence[Joint] = LEG
     told: StatedMapping = field(default_factory=StatedMapping)
     where: str = "standard input"
+    forces: tuple[str, ...] = ()
+    """Columns of forces that there must be."""
+    outside: tuple[str, ...] | None = None
+    """Columns behind the torques of a sample: all of what acts from outside that the first lines name."""
     number: int = 0
     rest: str = ""
     layout: _Layout | None = None
@@ -91,9 +96,9 @@ class Lines:
         self.layout, self.lost, self.above, self.held, self.per_second = None, "", [], [], None
 
     @property
-    def none(self) -> Float:
-        """No samples."""
-        return np.zeros((0, 1 + 2 * len(self.joints)))
+    def wanted(self) -> tuple[str, ...]:
+        """The names of all numbers of a sample."""
+        return (*required(self.joints), *(self.forces if self.outside is None else self.outside))
 
     def taken(self) -> list[LineNote]:
         """Return what is to be told, once."""
@@ -101,7 +106,7 @@ class Lines:
         return notes
 
     def feed(self, text: str, *, last: bool = False) -> Float:
-        """Return the samples (N, 1 + 2 J: t, q, tau in SI units) of whole lines; a partial one waits for its end.
+        """Return the samples (N, C: t, q, tau, `outside`, in SI units) of whole lines; a partial one waits for its end.
 
         What a cell marks as missing, or as no finite number, is NaN or infinite. RecordingError where the columns do
         not tell what a sample needs, or the clock cannot be read.
@@ -235,9 +240,10 @@ class Lines:
             elif not known:
                 raise ValueError("it names no columns of a sample")
         elif not known:
-            wanted = required(self.joints)
+            wanted = self.wanted
             if len(found.names) < len(wanted):
                 raise ValueError(f"{len(found.names)} numbers and no names of columns; {', '.join(wanted)} are needed")
+            self.outside = self.forces
             self._become(plain, tuple(((k,), 1.0) for k in range(len(wanted))), "", told=False)
         self._pass_over()
 
@@ -273,6 +279,7 @@ class Lines:
         given = {id(c): k for k, c in enumerate(table.columns)}
         try:
             chosen = assign(table, self.told, where=self.where, joints=self.joints)
+            self._look_outside(chosen)
         except RecordingError as error:
             meant = sum(recognise(n, tuple(self.joints)) is not None for n, _ in split) >= 2
             if self.layout is None and not self.lost and (meant or plain.delimiter):
@@ -280,7 +287,7 @@ class Lines:
             if meant and plain.delimiter:
                 self.layout, self.lost = None, str(error)
             return False
-        wanted = required(self.joints)
+        wanted = self.wanted
         parts = {n: [given[id(c)] for c in chosen[n].column.factors or (chosen[n].column,)] for n in wanted}
         places = tuple(
             (tuple(k if plain.delimiter else names[k] for k in at), chosen[n].factor) for n, at in parts.items()
@@ -289,6 +296,15 @@ class Lines:
         said = ", ".join(f"{n} from {words[n]!r} in {chosen[n].unit}" for n in wanted)
         self._become(plain, places, said, told=chosen["t"].told)
         return True
+
+    def _look_outside(self, chosen: Mapping[str, object]) -> None:
+        """Settle once for all which columns stand behind the torques; RecordingError where one is missing."""
+        for name in self.forces if self.outside is None else self.outside:
+            if name not in chosen:
+                remedy = f"--map {name}=COLUMN, or leave the force out of the model file"
+                raise RecordingError(f"there is no column of the force {name}", where=self.where, remedy=remedy)
+        if self.outside is None:
+            self.outside = tuple(name for name in (*force_columns(self.joints), CONTACT) if name in chosen)
 
     def _become(
         self, plain: _Layout, places: _Places, said: str, *, told: bool
@@ -307,7 +323,7 @@ class Lines:
         """Return samples with their time in s; they wait while the unit of the clock is in question."""
         rows = self.held + rows
         self.held = []
-        out = np.array(rows) if rows else self.none
+        out = np.array(rows) if rows else np.zeros((0, len(self.wanted)))
         if self.layout is not None and self.layout.clock_told:
             return out
         if self.per_second is None:

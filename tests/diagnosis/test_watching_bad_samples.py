@@ -24,7 +24,7 @@ def stream(seconds: float = 10.0, rate: float = 100.0) -> np.ndarray:
 
 
 def passed(rows: np.ndarray, size: int) -> tuple[np.ndarray, list, Gate]:
-    gate, events = Gate(required()), []
+    gate, events = Gate(required(), 2), []
     out = []
     for k in range(0, len(rows), size):
         out.append(gate.take(rows[k : k + size]))

@@ -212,10 +212,11 @@ def watching(answer: Differences) -> SimpleNamespace:
     one = SimpleNamespace(
         reference=Usual(None, None, detector, np.ones(1), np.ones(1)), settings=Settings(), pending=None,
         memory=Memory(np.random.default_rng(0)), pushes=Pushes(LEG),
-        _ask=lambda last: answer, applied=[], last=0.0, _as_usual=lambda window: window,
+        _ask=lambda last: answer, applied=[], last=0.0, numbers=0.0, _as_usual=lambda window: window,
     )  # fmt: skip
     one._rescore = lambda: None
     one._resized = lambda lasted: Watcher._resized(one, lasted)
+    one._ended = lambda last: Watcher._ended(one, last)
     return one
 
 

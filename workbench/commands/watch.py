@@ -157,7 +157,7 @@ def _follow(
 
     live = is_live(args)
     with _stopped_by_signals() as stopped:
-        for samples, notes in live_samples(args, watcher.model):
+        for samples, notes in live_samples(args, watcher):
             for one in notes:
                 report.line(one, watcher.last)
             report.all(watcher.push(samples))

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from exoid.workbench.command_line.parser import UsageError
 
 if TYPE_CHECKING:
+    from exoid.diagnosis.watching.watcher import Watcher
     from exoid.measurement.reading.live import LineNote, Lines
-    from exoid.symbolic.model import Model
     from exoid.symbolic.motion import Float
 
 PIPE, TOPIC = "-", "ros2:"
@@ -25,10 +25,11 @@ def is_live(args: argparse.Namespace) -> bool:
     return args.source == PIPE or args.source.startswith(TOPIC) or args.follow or _may_grow(args.source)
 
 
-def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float, Sequence[LineNote]]]:
-    """Yield samples (N, 1 + 2 J) as they come, now and then none, and what is to be told of lines."""
-    import numpy as np
-
+def live_samples(args: argparse.Namespace, watcher: Watcher) -> Iterator[tuple[Float, Sequence[LineNote]]]:
+    """Yield samples (N, 1 + 2 J + C) as they come, now and then none, and what is to be told of lines; the watcher is
+    told what stands behind their torques.
+    """
+    from exoid.diagnosis.watching.outside import stream_of
     from exoid.measurement.reading.growing import check_text, grown, piped
     from exoid.measurement.reading.live import Lines
     from exoid.measurement.reading.mapping import StatedMapping
@@ -36,16 +37,21 @@ def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float
     from exoid.workbench.command_line.options import merged
 
     told = StatedMapping(merged(args.map, "--map"), merged(args.units, "--units"))
+    model = watcher.model
+
+    def lines(where: str) -> Lines:
+        return Lines(model.joints, told, where, model.channels)
+
     if args.source == PIPE:
         if sys.stdin is None:
             raise UsageError("standard input is closed", remedy="pipe samples into it, or name a file")
-        yield from _lines(Lines(model.joints, told), piped(sys.stdin.buffer))
+        yield from _lines(lines("standard input"), watcher, piped(sys.stdin.buffer))
         return
     if args.source.startswith(TOPIC):
         from exoid.workbench.watching.joint_states import heard
 
         topic = args.source.removeprefix(TOPIC)
-        yield from _lines(Lines(model.joints, told, where=topic), heard(topic))
+        yield from _lines(lines(topic), watcher, heard(topic))
         return
     if not Path(args.source).is_file() and not args.follow:
         from exoid.measurement.reading.sources import expand
@@ -53,11 +59,11 @@ def live_samples(args: argparse.Namespace, model: Model) -> Iterator[tuple[Float
         expand([args.source])  # says what is wrong with the name, and what is near it
     if args.follow or _may_grow(args.source):
         check_text(args.source)
-        lines = Lines(model.joints, told, where=args.source)
-        yield from _lines(lines, grown(args.source, True if args.follow else None))
+        yield from _lines(lines(args.source), watcher, grown(args.source, True if args.follow else None))
         return
     for one in read(args.source, told, quiet=args.quiet):
-        rows = np.column_stack([one.t, one.q, one.tau])[one.complete]
+        rows, names = stream_of(watcher.model, one)
+        watcher.measures(names)
         for first in range(0, len(rows), 1000):
             yield rows[first : first + 1000], ()
 
@@ -72,15 +78,21 @@ def _may_grow(source: str) -> bool:
     return path.suffix.lower() in texts[3:] or (path.suffix.lower() in texts and young)
 
 
-def _lines(lines: Lines, texts: Iterator[str | None]) -> Iterator[tuple[Float, Sequence[LineNote]]]:
+def _lines(lines: Lines, watcher: Watcher, texts: Iterator[str | None]) -> Iterator[tuple[Float, Sequence[LineNote]]]:
     from exoid.measurement.reading.live import TOLD, LineNote
 
-    for text in texts:
+    def fed(text: str | None) -> tuple[Float, Sequence[LineNote]]:
         rows = lines.feed(text or "", last=text is None)
+        if lines.outside is not None:
+            watcher.measures(lines.outside)
+        return rows, lines.taken()
+
+    for text in texts:
+        found = fed(text)
         if text is None:
             lines.again()
-        yield rows, lines.taken()
-    yield lines.feed("", last=True), lines.taken()
+        yield found
+    yield fed(None)
     more = lines.skipped_count - TOLD
     if more > 0:
-        yield lines.none, [LineNote(lines.number, f"{more} further lines were no samples either")]
+        yield lines.feed(""), [LineNote(lines.number, f"{more} further lines were no samples either")]
