@@ -122,7 +122,7 @@ def _operations(function: Any, joints: int, count: int, filters: Filters) -> str
     """Return how much a period takes, in words; counted, not measured."""
     always = 2 * joints * ORDER * 3 + joints * (2 * HALF + 1) ** 2
     working = function.n_instructions() + joints * (count + 2) * COMMON_ORDER * 3
-    kept = joints * 6 * count**2 + count**3 // 3 + 8 * count**2
+    kept = joints * 6 * count**2 + count**3 // 3 + 10 * count**3 + 4 * count**2
     return (
         f"about {always} operations in every period, {working} more in every {_nth(filters.factor)}, and {kept} more "
         f"in every {_nth(filters.factor * filters.stride)}"

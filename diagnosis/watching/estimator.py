@@ -3,8 +3,10 @@
 The information is kept as a triangle R with right side z, R θ = z; a new sample is rotated into it (Bierman,
 Factorization Methods for Discrete Sequential Estimation, 1977). A parameter forgets only what new samples have taught
 about *it*: by how much its variance has fallen is credited, and forgetting spends the credit, at most at its own pace.
-Without excitation nothing is learnt and nothing forgotten, so nothing winds up. Samples are weighted by their residual
-(Huber 1964), in units of a scale that follows within seconds: a burst passes by, a change does not.
+Without excitation nothing is learnt and nothing forgotten, so nothing winds up. A number is forgotten as if it had
+moved by a small step of its own: to let go of a share of all that is known of it would turn sums that are known well
+into other sums, sample after sample, which together tell what no sample has told. Samples are weighted by their
+residual (Huber 1964), in units of a scale that follows within seconds: a burst passes by, a change does not.
 
 What is known to have changed is forgotten at once (`forget`): as if it had moved by a step of unknown size since the
 last sample, the time update of the same filter. What was learnt about the other numbers stays, as far as it does not
@@ -128,15 +130,13 @@ class Estimator:
         credit = np.minimum(self.credit + gain, CREDIT * self.pace)
         lost = np.minimum(self.pace, credit)
         self.credit = credit - lost
-        kept = 1.0 - lost
-        self.root = self.root * np.sqrt(kept)
-        self.right = self.root @ self.linear
-        self.variance = variance / kept
+        self.variance = variance / (1.0 - lost)
+        for k in np.flatnonzero(lost > 0.0):
+            self._moved(int(k), math.sqrt(self.variance[k] * lost[k]))
         left = (tau - columns @ self.linear).tolist()
         pull = [self._weight(j, value) * value for j, value in zip(used, left, strict=True)]
         self.score = self.score + pull @ columns
-        self.meat = self.meat * (kept[:, None] * kept)
-        self.blocks = self.blocks * kept**2
+        self.blocks = self.blocks * (1.0 - lost) ** 2
         self.inside += 1
         if self.inside == self.block:
             self.meat += np.outer(self.score, self.score)
@@ -178,15 +178,7 @@ class Estimator:
     def forget(self, which: Iterable[int]) -> None:
         """Forget the parameters `which`: nothing that was learnt about them counts from here on."""
         for k in which:
-            size = FORGOTTEN * abs(float(self.linear[k])) + FORGOTTEN_LEAST
-            column = self.root.T @ self.root[:, k]  # of the information matrix
-            whole = 1.0 / size**2 + column[k]
-            # What scores say of the others once the step is left free, and how far it may have gone.
-            self.score = self.score - column * (self.score[k] / whole)
-            left = np.eye(column.size)
-            left[:, k] -= column / whole
-            self.meat = left @ self.meat @ left.T + np.outer(column, column) / (whole * size) ** 2
-            self._step_of(k, size)
+            self._moved(k, FORGOTTEN * abs(float(self.linear[k])) + FORGOTTEN_LEAST, known=True)
             self.credit[k] = self.blocks[k] = 0.0
         inverse = np.linalg.inv(self.root)
         self.variance = np.einsum("kp,kp->k", inverse, inverse)
@@ -206,6 +198,19 @@ class Estimator:
         for name in ("credit", "score", "blocks"):
             getattr(out, name)[:count] = getattr(self, name)
         return out
+
+    def _moved(self, k: int, size: float, known: bool = False) -> None:
+        """Go on as if parameter `k` had moved by a step of that standard deviation; where it is `known` that it has,
+        the step counts into the intervals.
+        """
+        column = self.root.T @ self.root[:, k]  # of the information matrix
+        whole = 1.0 / size**2 + column[k]
+        # What scores say of the others once the step is left free, and how far it may have gone.
+        self.score = self.score - column * (self.score[k] / whole)
+        left = np.eye(column.size)
+        left[:, k] -= column / whole
+        self.meat = left @ self.meat @ left.T + (np.outer(column, column) / (whole * size) ** 2 if known else 0.0)
+        self._step_of(k, size)
 
     def _step_of(self, k: int, size: float) -> None:
         """Rotate a step of parameter `k`, of that standard deviation, out of the triangle; it stays one."""

@@ -100,8 +100,39 @@ static void invert(const double root[P][P], double inverse[P][P]) {
   }
 }
 
+/* As if number k had moved by a step of this size since the last sample; `known` where it has, and its size counts. */
+static void moved(@TYPE@ *u, int k, double size, int known) {
+  double column[P], shifted[P][P], step[P], step_right = 0.0, lead = 1.0 / size, whole, own;
+  int i, m, n;
+  for (i = 0; i < P; ++i) {
+    column[i] = step[i] = 0.0;
+    for (m = 0; m <= i && m <= k; ++m) column[i] += u->root[m][i] * u->root[m][k];
+  }
+  whole = 1.0 / (size * size) + column[k];
+  own = u->score[k] / whole;
+  for (i = 0; i < P; ++i) u->score[i] -= column[i] * own;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m) shifted[i][m] = u->meat[i][m] - column[i] * u->meat[k][m] / whole;
+  own = known ? 1.0 / (whole * size * whole * size) : 0.0;
+  for (i = 0; i < P; ++i)
+    for (m = 0; m < P; ++m)
+      u->meat[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole + column[i] * column[m] * own;
+  for (i = k; i >= 0; --i) {
+    const double length = hypot(lead, u->root[i][k]), c = lead / length, s = -u->root[i][k] / length;
+    for (n = i; n < P; ++n) {
+      const double old = step[n];
+      step[n] = c * old + s * u->root[i][n];
+      u->root[i][n] = c * u->root[i][n] - s * old;
+    }
+    own = step_right;
+    step_right = c * own + s * u->right[i];
+    u->right[i] = c * u->right[i] - s * own;
+    lead = length;
+  }
+}
+
 static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const int use[J]) {
-  double inverse[P][P], kept[P];
+  double inverse[P][P], lost[P];
   int j, k, m, any = 0;
   for (j = 0; j < J; ++j) {
     double left = tau[j], most, square;
@@ -116,7 +147,7 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
   if (!any) return 0;
   invert((const double(*)[P])u->root, inverse);
   for (k = 0; k < P; ++k) {
-    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * u->pace[k], lost;
+    double value = 0.0, variance = 0.0, gain, most = @CREDIT@ * u->pace[k];
     for (m = k; m < P; ++m) {
       value += inverse[k][m] * u->right[m];
       variance += inverse[k][m] * inverse[k][m];
@@ -125,20 +156,13 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
     gain = 1.0 - variance / u->variance[k];
     gain = gain < 0.0 ? 0.0 : gain > 1.0 ? 1.0 : gain;
     u->credit[k] = u->credit[k] + gain < most ? u->credit[k] + gain : most;
-    lost = u->pace[k] < u->credit[k] ? u->pace[k] : u->credit[k];
-    u->credit[k] -= lost;
-    kept[k] = 1.0 - lost;
-    u->blocks[k] *= kept[k] * kept[k];
-    u->variance[k] = variance / kept[k];
+    lost[k] = u->pace[k] < u->credit[k] ? u->pace[k] : u->credit[k];
+    u->credit[k] -= lost[k];
+    u->blocks[k] *= (1.0 - lost[k]) * (1.0 - lost[k]);
+    u->variance[k] = variance / (1.0 - lost[k]);
   }
-  for (k = 0; k < P; ++k) {
-    u->right[k] = 0.0;
-    for (m = k; m < P; ++m) {
-      u->root[k][m] *= sqrt(kept[m]);
-      u->right[k] += u->root[k][m] * u->linear[m];
-    }
-    for (m = 0; m < P; ++m) u->meat[k][m] *= kept[k] * kept[m];
-  }
+  for (k = 0; k < P; ++k)
+    if (lost[k] > 0.0) moved(u, k, sqrt(u->variance[k] * lost[k]), 0);
   for (j = 0; j < J; ++j) {
     double left = tau[j];
     if (!use[j]) continue;
@@ -159,36 +183,8 @@ static int estimate(@TYPE@ *u, double columns[J][P], const double tau[J], const 
 }
 """
 
-FORGETTING = """/* As if number k had moved by a step of unknown size since the last sample. */
-static void forget_one(@TYPE@ *u, int k) {
-  const double size = @FORGOTTEN@ * fabs(u->linear[k]) + @FORGOTTEN_LEAST@;
-  double column[P], shifted[P][P], step[P], step_right = 0.0, lead = 1.0 / size, whole, own;
-  int i, m, n;
-  for (i = 0; i < P; ++i) {
-    column[i] = step[i] = 0.0;
-    for (m = 0; m < P; ++m) column[i] += u->root[m][i] * u->root[m][k];
-  }
-  whole = 1.0 / (size * size) + column[k];
-  own = u->score[k] / whole;
-  for (i = 0; i < P; ++i) u->score[i] -= column[i] * own;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m) shifted[i][m] = u->meat[i][m] - column[i] * u->meat[k][m] / whole;
-  for (i = 0; i < P; ++i)
-    for (m = 0; m < P; ++m)
-      u->meat[i][m] = shifted[i][m] - shifted[i][k] * column[m] / whole
-                    + column[i] * column[m] / (whole * size * whole * size);
-  for (i = k; i >= 0; --i) {
-    const double length = hypot(lead, u->root[i][k]), c = lead / length, s = -u->root[i][k] / length;
-    for (n = i; n < P; ++n) {
-      const double old = step[n];
-      step[n] = c * old + s * u->root[i][n];
-      u->root[i][n] = c * u->root[i][n] - s * old;
-    }
-    own = step_right;
-    step_right = c * own + s * u->right[i];
-    u->right[i] = c * u->right[i] - s * own;
-    lead = length;
-  }
+FORGETTING = """static void forget_one(@TYPE@ *u, int k) {
+  moved(u, k, @FORGOTTEN@ * fabs(u->linear[k]) + @FORGOTTEN_LEAST@, 1);
   u->credit[k] = u->blocks[k] = 0.0;
 }
 

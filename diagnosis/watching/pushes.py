@@ -19,6 +19,7 @@ from exoid.symbolic.joints import Joint
 
 STRONG = Threshold(15.0, "times the usual error from which a torque can be a push: bursts of a torque sensor would be")
 BEYOND = Threshold(2.0, "times the largest usual error from which it can be one: what usually is missed would be")
+SHORTEST = Threshold(0.1, "s that a push lasts at least: a burst of a torque sensor, or a reversal, would be one")
 LONGEST = Threshold(3.0, "s that a push lasts at most: a change would be one")
 AROUND = 0.5
 """s on either side of a push in which the filters still show it."""
@@ -40,6 +41,11 @@ class Push:
     since: float
     until: float
     size: float
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it lasts as long as pushes do."""
+        return SHORTEST <= self.until - self.since <= LONGEST
 
     def event(self, t: float, joints: Sequence[Joint]) -> Event:
         """Return what is to be said of it."""
@@ -113,8 +119,8 @@ class Pushes:
         return self._said(found, t)
 
     def _over(self, t: float) -> list[Push]:
-        """Return those seen that are over at `t` s; what lasts longer than a push is forgotten."""
-        self.seen = [one for one in self.seen if one.until - one.since <= LONGEST]
+        """Return those seen that are over at `t` s; what lasts longer than a push, or not as long, is forgotten."""
+        self.seen = [one for one in self.seen if one.until >= t - AROUND or one.lasts]
         return [one for one in self.seen if one.until < t - AROUND]
 
     def _said(self, found: Sequence[Push], t: float) -> list[Event]:
@@ -125,7 +131,7 @@ class Pushes:
 
     def since(self, t: float) -> int:
         """Return how many there were since `t` s, told or not."""
-        return sum(one.since >= t and one.until - one.since <= LONGEST for one in (*self.told, *self.seen))
+        return sum(one.since >= t and one.lasts for one in (*self.told, *self.seen))
 
     def left_out(self, one: Window) -> Window:
         """Return a window whose samples during told pushes are not used."""

@@ -271,11 +271,13 @@ class Watcher:
         if pushes := self.pushes.explain(self.reference, self.last, self._rescore):
             self.pending = None
             return pushes
-        if answer.found or (float(np.max(self.reference.grown(answer.rms_after))) > NOTICED and not answer.old):
+        grown = float(np.max(self.reference.grown(answer.rms_after))) > NOTICED and not answer.old
+        # What no longer stands out when it is asked about again was a burst.
+        if (answer.found or grown) and (not pending.asked or detector.deviation().alarms):
             pending.asked += 1
             pending.wait = max(1, pending.age // 2)
             events = []
-            # A burst is over when it is asked about again, and what was named on few seconds may be larger or smaller.
+            # What was named on few seconds may be larger or smaller.
             sure = pending.age >= settings.sure or all(c.refined for c in self.applied)
             if pending.asked > 2 and not pending.told and sure:
                 pending.told, events = True, [self._nameless(answer)]

@@ -138,6 +138,22 @@ def test_a_parameter_without_excitation_keeps_value_and_certainty() -> None:
     assert one.variance[1] < 4.0 * sure[1]
 
 
+def test_numbers_of_which_the_sum_is_well_known_are_not_made_certain_by_forgetting_at_their_own_pace() -> None:
+    """Each forgets by a step of its own: shares of what is known would turn the sum into another one at each sample,
+    and two sums tell both numbers.
+    """
+    truth, held = np.array([1.0, 2.0]), []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        one = Estimator.start(TWO, np.zeros(2), np.full(2, 10.0), np.array([1.0]), 25.0, Pace())
+        one.pace = one.pace * np.array([0.2, 1.0])
+        apart = 0.1 * rng.standard_normal(10_000)
+        columns = np.column_stack([10.0 + apart, 10.0 - apart])[:, None, :]
+        one.steps(columns, columns @ truth + rng.standard_normal((10_000, 1)), np.ones((10_000, 1)))
+        held += [e.low <= x <= e.high for e, x in zip(one.estimates(), truth, strict=True)]
+    assert np.mean(held) >= 0.85
+
+
 def test_what_is_forgotten_follows_at_once_and_the_rest_stays() -> None:
     """Forgetting a number is the time update of the filter: the covariance of the others is as it was."""
     rng = np.random.default_rng(3)

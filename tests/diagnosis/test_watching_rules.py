@@ -206,9 +206,10 @@ def told(after: float, named: float = 1.0, **more) -> Differences:
     return SimpleNamespace(rms_after=(after,), rms_named=(named,), found=(), old=(), **more)
 
 
-def watching(answer: Differences) -> SimpleNamespace:
-    """A watch in which something lasts, about which it is told `answer`."""
-    detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None)
+def watching(answer: Differences, alarms: bool = True) -> SimpleNamespace:
+    """A watch in which something lasts and still `alarms`, about which it is told `answer`."""
+    deviation = SimpleNamespace(alarms=alarms)
+    detector = SimpleNamespace(onset=lambda column: 9, calm=lambda: None, deviation=lambda: deviation)
     one = SimpleNamespace(
         reference=Usual(None, None, detector, np.ones(1), np.ones(1)), settings=Settings(), pending=None,
         memory=Memory(np.random.default_rng(0)), pushes=Pushes(LEG),
@@ -236,6 +237,16 @@ def test_an_error_that_hardly_grew_is_not_followed(after: float, goes_on: bool) 
     one.pending = Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
     assert [event.more["state"] for event in Watcher._alarm(one, one.pending)] == ([] if goes_on else ["over"])
     assert (one.pending is not None) is goes_on
+
+
+@pytest.mark.parametrize("alarms", [True, False])
+def test_what_no_longer_stands_out_when_it_is_asked_about_again_was_a_burst(alarms: bool) -> None:
+    one = watching(told(1.6), alarms)
+    one.pending = Pending(Deviation(9.0, 0, 1, 5.0), 0, age=5)
+    assert Watcher._alarm(one, one.pending) == []  # asked for the first time
+    events = Watcher._alarm(one, one.pending) if one.pending else []
+    assert (one.pending is not None) is alarms
+    assert [event.more["state"] for event in events] == ([] if alarms else ["over"])
 
 
 @pytest.mark.shows("asking.LEAST_SHARE")
