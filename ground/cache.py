@@ -32,12 +32,7 @@ def cache_folder() -> Path:
     private one.
     """
     wanted = os.environ.get("EXOID_CACHE")
-    if wanted:
-        candidate = Path(wanted).expanduser()
-    else:
-        import platformdirs
-
-        candidate = Path(platformdirs.user_cache_dir("exoid", appauthor=False))
+    candidate = Path(wanted).expanduser() if wanted else _usual_cache()
     try:
         why = _distrusted(candidate)
     except (OSError, ValueError, RuntimeError):  # a loop of links is a RuntimeError before Python 3.13
@@ -45,6 +40,17 @@ def cache_folder() -> Path:
     if why:
         _say_once(f"the cache {candidate} is not used: {why}; models are compiled anew by every command")
     return _private_folder() if why else candidate
+
+
+def _usual_cache() -> Path:
+    """Return where this system keeps what can be computed again, for exoid."""
+    home = Path(os.path.expanduser("~"))
+    if sys.platform == "win32":
+        local = os.environ.get("LOCALAPPDATA", "").strip()
+        return (Path(local) if local else home / "AppData" / "Local") / "exoid" / "Cache"
+    chosen = os.environ.get("XDG_CACHE_HOME", "").strip()
+    usual = home / ("Library/Caches" if sys.platform == "darwin" else ".cache")
+    return (Path(chosen) if chosen else usual) / "exoid"
 
 
 def read_trusted(path: Path, most: int) -> bytes:

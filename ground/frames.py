@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from exoid.ground.errors import ExoidError
+from exoid.ground.extras import needing
 
 
 def pandas() -> Any:
     """Return the module pandas; ExoidError where it is not installed."""
-    try:
+    with needing("pandas", "DataFrames", "pandas", instead="; to_json() gives the same without it"):
         import pandas
-    except ImportError as error:
-        raise ExoidError(
-            "DataFrames need the package pandas, which is not installed",
-            remedy="pip install 'exoid[pandas]'; to_json() gives the same without it",
-        ) from error
     return pandas

@@ -6,7 +6,9 @@ import contextlib
 import logging
 from typing import Any
 
-from exoid.ground.engines.engine import Engine, EngineError, not_installed
+from exoid.ground.engines.engine import Engine, EngineError
+from exoid.ground.engines.workers import cores
+from exoid.ground.extras import needing
 from exoid.ground.import_path import workers_import_alike
 
 PATIENCE = 30.0
@@ -18,19 +20,15 @@ def dask(address: str, jobs: int = 0) -> Engine:
 
     Raises EngineError where Dask is missing or nobody answers.
     """
-    try:
+    with needing("dask", "clusters of Dask", "distributed", error=EngineError):
         from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise not_installed("Dask", "dask") from error
     owned: list[Any] = []
     started = contextlib.ExitStack()  # the cluster starts workers anew as long as it lives
     try:
         if address == "local":
-            from joblib import cpu_count
-
             started.enter_context(workers_import_alike())
             cluster = LocalCluster(
-                n_workers=jobs or cpu_count(), threads_per_worker=1, processes=True, dashboard_address=None,
+                n_workers=jobs or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
                 silence_logs=50,
             )  # fmt: skip
             owned.append(cluster)

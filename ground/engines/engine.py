@@ -59,8 +59,3 @@ def completed(
         done, _ = wait(running, return_when=FIRST_COMPLETED)
         for future in done:
             yield running.pop(future), future
-
-
-def not_installed(what: str, extra: str) -> EngineError:
-    """Return the error for a library that an extra brings."""
-    return EngineError(f"{what} is not installed", remedy=f"install it with: pip install 'exoid[{extra}]'")

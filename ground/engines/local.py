@@ -6,13 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 from exoid.ground.engines.cell import close_cells
 from exoid.ground.engines.engine import Engine
+from exoid.ground.engines.workers import cores
 
 
 def local(jobs: int = 0) -> Engine:
-    """Return an engine of `jobs` workers; 0 means one per core that this process may use (as joblib counts them)."""
-    from joblib import cpu_count
-
-    count = jobs or cpu_count()
+    """Return an engine of `jobs` workers; 0 means one per core that this process may use."""
+    count = jobs or cores()
     executor = ThreadPoolExecutor(count, thread_name_prefix="exoid-worker")
 
     def close(wait: bool) -> None:

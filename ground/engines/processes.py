@@ -11,7 +11,9 @@ from multiprocessing import resource_tracker as of_python
 from typing import Any
 
 from exoid.ground.engines.cell import BESIDE_OTHERS, ONE_THREAD
-from exoid.ground.engines.engine import AHEAD, Engine, Job, completed
+from exoid.ground.engines.engine import AHEAD, Engine, EngineError, Job, completed
+from exoid.ground.engines.workers import cores
+from exoid.ground.extras import needing
 from exoid.ground.import_path import SAFE, workers_import_alike
 
 IDLE = 10.0
@@ -50,9 +52,7 @@ def processes(jobs: int = 0) -> Engine:
 
     The matrices are small and the processes share the cores: more threads would be slower.
     """
-    from joblib import cpu_count
-
-    count = jobs or cpu_count()
+    count = jobs or cores()
     if count == 1:
         return Engine("this process", _Here(), lambda: 1, list, lambda wait: None, ahead=1)
     return _loky(f"{count} processes on this machine", count, BESIDE_OTHERS)
@@ -77,9 +77,9 @@ def alone() -> Engine:
 
 
 def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD) -> Engine:
-    from joblib.externals.loky import ProcessPoolExecutor
-    from joblib.externals.loky.backend import resource_tracker as of_loky
-
+    with needing("rivals", "processes of their own", "joblib", error=EngineError):
+        from joblib.externals.loky import ProcessPoolExecutor
+        from joblib.externals.loky.backend import resource_tracker as of_loky
     with workers_import_alike():  # helpers, else started with the first worker, which take no environment
         of_loky.ensure_running()
         of_python.ensure_running()

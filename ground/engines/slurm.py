@@ -11,8 +11,10 @@ from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
 
-from exoid.ground.engines.engine import Engine, EngineError, not_installed
+from exoid.ground.engines.engine import Engine, EngineError
+from exoid.ground.engines.workers import cores
 from exoid.ground.errors import refused
+from exoid.ground.extras import needing
 from exoid.ground.import_path import environment_of_workers, workers_import_alike
 from exoid.ground.inside import refuse_links
 
@@ -77,10 +79,8 @@ def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = N
     `folder` holds what submitit writes and must be seen by all nodes. Raises EngineError where submitit or Slurm is
     missing.
     """
-    try:
+    with needing("slurm", "jobs under Slurm", "submitit", error=EngineError):
         import submitit
-    except ImportError as error:
-        raise not_installed("submitit", "slurm") from error
     here = partition == "local"
     if not here and submitit.AutoExecutor.which() != "slurm":
         raise EngineError(
@@ -88,9 +88,7 @@ def slurm(partition: str, folder: Path, jobs: int = 0, seconds: float | None = N
             where=f"--slurm {partition}",
             remedy="run this on a login node; --slurm local runs the tasks on this machine",
         )
-    from joblib import cpu_count
-
-    count = jobs or (cpu_count() if here else 64)
+    count = jobs or (cores() if here else 64)
     # A folder of its own: submitit takes for an answer whatever pickle lies where it expects one.
     with refused(EngineError, "cannot be written ({})", folder, "name a folder you may write to"):
         refuse_links(folder, folder.parent)

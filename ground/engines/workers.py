@@ -13,6 +13,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import json
+import math
 import mmap
 import os
 import select
@@ -24,11 +25,14 @@ import time
 import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, ParamSpec
 
 from exoid.ground.errors import ExoidError
 
 PROCESSES = "EXOID_PROCESSES"
+QUOTA = Path("/sys/fs/cgroup/cpu.max")
+"""Where Linux says what share of the processor a container is granted: microseconds in each so many."""
 MOST = 4
 """Processes by default, however many cores there are."""
 PATIENCE = 30.0
@@ -50,7 +54,16 @@ def allowed_processes() -> int:
         raise ExoidError(f"{PROCESSES} is {given!r}", remedy="give a number of processes, 1 or more")
     if sys.platform != "linux" or not _here():
         return 1
-    return int(given) if given else min(MOST, len(os.sched_getaffinity(0)))
+    return int(given) if given else min(MOST, cores())
+
+
+def cores() -> int:
+    """Return how many cores this process may use: those it is bound to, and no more than its container is granted."""
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    with contextlib.suppress(OSError, ValueError):  # no container, or one that is granted "max"
+        quota, period = QUOTA.read_text().split()
+        count = min(count, math.ceil(int(quota) / int(period)))
+    return max(count, 1)
 
 
 @contextlib.contextmanager

@@ -79,12 +79,6 @@ class Within(io.BufferedReader):
         return super().read(left if size is None or size < 0 else min(size, left))
 
 
-def needing(package: str, what: str, path: Path, extra: str, instead: str = "") -> AbstractContextManager[None]:
-    """Refuse files of a kind (`what`, in the plural) where importing inside fails: their `package` is an `extra`."""
-    missing = f"{what} need the package {package}, which is not installed"
-    return refused(RecordingError, missing, path, f"pip install 'exoid[{extra}]'{instead}", (ImportError,))
-
-
 def damaged(
     what: str, path: Path, causes: tuple[type[BaseException], ...], remedy: str = "copy or save it again"
 ) -> AbstractContextManager[None]:

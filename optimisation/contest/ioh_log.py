@@ -10,7 +10,6 @@ Doerr, Wang, Ye, van Rijn, Bäck, "IOHprofiler", arXiv:1810.05281; the format is
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from exoid.ground.extras import version_of
 from exoid.ground.files import write_whole
 
 if TYPE_CHECKING:
@@ -93,7 +93,4 @@ def _about(
 
 
 def _exoid() -> str:
-    try:
-        return importlib.metadata.version("exoid")
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
+    return version_of("exoid") or "not installed"

@@ -11,7 +11,6 @@ of what `exoid design` refines and of IPOPT from several starts.
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -19,6 +18,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from exoid.ground.extras import version_of
 from exoid.optimisation.contest.settings import MOTIONS
 from exoid.optimisation.contest.subject import ContestError, ContestSubject
 from exoid.optimisation.excitation.design import design, search_of
@@ -118,7 +118,7 @@ class MotionContest(ContestSubject):
 
     def fingerprint(self) -> str:
         """Return a SHA-256 of the model, the criterion, the references and the budget."""
-        versions = [importlib.metadata.version(name) for name in ("numpy", "pymoo", "cma")]
+        versions = [version_of(name) for name in ("numpy", "pymoo", "cma")]
         sizes = [VERSION, self.model.key(), self.criterion, self.best, self.individuals, self.generations]
         return hashlib.sha256(json.dumps([sizes, versions]).encode()).hexdigest()
 

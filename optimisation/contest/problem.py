@@ -8,7 +8,6 @@ coordinates gets the very same points, and the box around the image of the physi
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -16,6 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from exoid.ground.extras import version_of
 from exoid.measurement.bench.leg import paper_leg
 from exoid.measurement.bench.sensors import Sensors
 from exoid.measurement.bench.simulation import Bench, run_bench
@@ -116,7 +116,7 @@ class Contest(ContestSubject):
         for array in (self.data.columns, self.data.tau, self.delta, self.sse_linear):
             content.update(np.ascontiguousarray(array).tobytes())
         sizes = [VERSION, self.data.columns.shape, self.individuals, self.generations]
-        versions = [importlib.metadata.version(name) for name in ("numpy", "pymoo", "cma")]
+        versions = [version_of(name) for name in ("numpy", "pymoo", "cma")]
         content.update(json.dumps([sizes, versions]).encode())
         return content.hexdigest()
 

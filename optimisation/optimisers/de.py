@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.ground.extras import needing
 from exoid.optimisation.optimiser import Box
 from exoid.optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from exoid.symbolic.motion import Float
@@ -30,8 +31,8 @@ class DE(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Keep the first population."""
-        from pymoo.algorithms.soo.nonconvex.de import DE as Differential
-
+        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+            from pymoo.algorithms.soo.nonconvex.de import DE as Differential
         variant = f"DE/{self.base}/1/bin"
         evolution = Differential(pop_size=len(x), variant=variant, F=self.weight, CR=self.crossover, prob_mut=0.0)
         return begin(evolution, x, f, box, rng)

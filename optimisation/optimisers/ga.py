@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.ground.extras import needing
 from exoid.optimisation.optimiser import Box
 from exoid.optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from exoid.symbolic.motion import Float
@@ -26,10 +27,10 @@ class GA(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the first generation of parents."""
-        from pymoo.algorithms.soo.nonconvex.ga import GA as Genetic
-        from pymoo.operators.crossover.sbx import SBX
-        from pymoo.operators.mutation.pm import PM
-
+        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+            from pymoo.algorithms.soo.nonconvex.ga import GA as Genetic
+            from pymoo.operators.crossover.sbx import SBX
+            from pymoo.operators.mutation.pm import PM
         crossover, mutation = SBX(eta=self.crossover_index), PM(eta=self.mutation_index)
         return begin(Genetic(pop_size=len(x), crossover=crossover, mutation=mutation), x, f, box, rng)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exoid.ground.extras import needing
 from exoid.optimisation.optimiser import Box
 from exoid.optimisation.pymoo_engine import PymooRecipe, PymooState, begin
 from exoid.symbolic.motion import Float
@@ -27,8 +28,8 @@ class PSO(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the swarm, with random velocities."""
-        from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
-
+        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+            from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
         return begin(Swarm(pop_size=len(x), w=self.inertia, c1=self.own, c2=self.social), x, f, box, rng)
 
 

@@ -11,9 +11,9 @@ from tests.architecture.source import ROOT, SOURCES, faults, imported, layer_nam
 
 SLOW_TO_IMPORT = {
     "casadi", "cma", "cycler", "h5py", "jinja2", "joblib", "markupsafe", "matplotlib", "mpmath",
-    "numpy", "pandas", "platformdirs", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
+    "numpy", "pandas", "pyarrow", "pymoo", "rich", "scipy", "sympy", "tomli_w",
     "difflib", "distributed", "fcntl", "importlib", "shtab", "statsmodels",
-    "submitit", "traceback",
+    "submitit", "traceback", "starlette", "uvicorn",
     "lz4", "matio", "nptdms", "polars", "python_calamine", "rosbags", "xarray",
     "paho", "prometheus_client", "rclpy", "sensor_msgs",
 }  # fmt: skip

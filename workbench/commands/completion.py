@@ -8,6 +8,7 @@ import shlex
 import sys
 from typing import Any
 
+from exoid.ground.extras import needing
 from exoid.workbench.command_line.options import add_common
 
 GROUP = "look up"
@@ -61,8 +62,8 @@ def run(args: argparse.Namespace) -> int:
 
 def script(shell: str) -> str:
     """Return the completion script of `shell` for every command there is."""
-    import shtab
-
+    with needing("completion", "scripts of completion", "shtab"):
+        import shtab
     from exoid.symbolic.catalogue import catalogue
     from exoid.symbolic.quantity import JOINTS
     from exoid.workbench.command import find_verbs, load_verb

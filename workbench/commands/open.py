@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from exoid.ground.extras import needing
 from exoid.workbench.command_line.options import add_common, add_question, between, whole_number
 
 GROUP = "answer"
@@ -30,6 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C."""
     from exoid.ground.cache import cache_folder
+
+    with needing("page", "pages in a browser"):
+        import joblib  # noqa: F401 - the search runs in a process of its own
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
     from exoid.workbench.page.serve import serve
     from exoid.workbench.page.workspace import Workspace
 

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
-from exoid.ground.engines.engine import not_installed
 from exoid.ground.errors import ExoidError
+from exoid.ground.extras import needing
 from exoid.workbench.command_line.parser import UsageError
 from exoid.workbench.terminal.screen import warn
 
@@ -32,11 +32,9 @@ class Broker:
     """Publishes every event it takes; ExoidError where the broker cannot be reached at the beginning."""
 
     def __init__(self, address: str, device: str) -> None:
-        try:
+        with needing("fleet", "events by MQTT", "paho-mqtt"):
             from paho.mqtt.client import Client
             from paho.mqtt.enums import CallbackAPIVersion
-        except ImportError as error:
-            raise not_installed("the MQTT client", "fleet") from error
         parts = urlsplit(address)
         if parts.scheme not in PORTS or not parts.hostname or set(address) & set("+#?"):
             raise UsageError(f"{address!r} is no MQTT broker", remedy="give mqtt://host, mqtt://user@host:1883/prefix")

@@ -12,7 +12,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from exoid.ground.engines.engine import not_installed
+from exoid.ground.extras import needing
 from exoid.workbench.command_line.parser import UsageError
 
 if TYPE_CHECKING:
@@ -25,10 +25,8 @@ class Scraped:
     """Serves what it takes; UsageError where the port is not free. `port` is the one taken, where 0 was asked for."""
 
     def __init__(self, port: int, device: str) -> None:
-        try:
+        with needing("fleet", "numbers for Prometheus", "prometheus-client"):
             from prometheus_client import CollectorRegistry, Counter, Gauge, start_http_server
-        except ImportError as error:
-            raise not_installed("the Prometheus client", "fleet") from error
         registry, own = CollectorRegistry(), {"device": device}
 
         def gauge(name: str, about: str, *labels: str) -> Any:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from exoid.ground.errors import RecordingError
+from exoid.ground.extras import needing
 from exoid.measurement.reading.limits import TEXT, Budget, damaged
 from exoid.measurement.reading.raw import RawTable, label_matrices, table_from_arrays
 
@@ -26,8 +27,9 @@ LONGEST_TEXT = 100_000
 def read(path: Path) -> RawTable:
     """Return the columns of all groups, named by their path ("run1.hip.q1"); raises RecordingError if
     damaged."""
-    import h5py
-
+    instead = ", or save the recording as CSV"
+    with needing("hdf5", "HDF5 files", "h5py", where=path, instead=instead, error=RecordingError):
+        import h5py
     arrays: dict[str, Any] = {}
     labels: dict[str, list[str]] = {}
     units: dict[str, str] = {}

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from exoid.ground.errors import RecordingError
+from exoid.ground.extras import needing
 from exoid.measurement.reading import mat_sizes
 from exoid.measurement.reading.formats import hdf5
 from exoid.measurement.reading.limits import Budget, damaged
@@ -72,8 +73,9 @@ def read(path: Path) -> RawTable:
 
 def _is_safe_with_objects(path: Path) -> bool:
     """Whether a file of version 7.3 holds objects; RecordingError where they take too much or lie in other files."""
-    import h5py
-
+    instead = ", or save it in MATLAB with -v7"
+    with needing("hdf5", "MATLAB files of version 7.3", "h5py", where=path, instead=instead, error=RecordingError):
+        import h5py
     budget = Budget(str(path))
 
     def walk(group: Any) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from exoid.ground.errors import RecordingError
-from exoid.measurement.reading.limits import TEXT, Budget, damaged, needing
+from exoid.ground.extras import needing
+from exoid.measurement.reading.limits import TEXT, Budget, damaged
 from exoid.measurement.reading.raw import RawColumn, RawTable, column_from_cells, split_unit
 
 SUFFIXES = (".parquet", ".pq")
@@ -23,7 +24,8 @@ LONGEST_TEXTS = 10_000_000
 def read(path: Path) -> RawTable:
     """Return the columns of the table; raises RecordingError when it is damaged or pyarrow is not
     installed."""
-    with needing("pyarrow", "Parquet files", path, "parquet", ", or save the recording as CSV"):
+    instead = ", or save the recording as CSV"
+    with needing("parquet", "Parquet files", "pyarrow", where=path, instead=instead, error=RecordingError):
         import pyarrow
         import pyarrow.parquet
     causes = (pyarrow.ArrowException, OSError, ValueError, KeyError, TypeError)

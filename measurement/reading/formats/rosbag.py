@@ -20,9 +20,10 @@ from typing import IO, Any
 import numpy as np
 
 from exoid.ground.errors import RecordingError
+from exoid.ground.extras import needing
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading import limits
-from exoid.measurement.reading.limits import Budget, Within, damaged, needing
+from exoid.measurement.reading.limits import Budget, Within, damaged
 from exoid.measurement.reading.names import quantity_of, recognise
 from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.resample import onto
@@ -72,7 +73,7 @@ class Topic:
 
 def read(path: Path) -> RawTable:
     """Return the columns of all topics; raises RecordingError when it is damaged or rosbags is not installed."""
-    with needing("rosbags", "ROS bags and MCAP files", path, "ros"):
+    with needing("ros", "ROS bags and MCAP files", "rosbags", where=path, error=RecordingError):
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     _bound_unpacking()

@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from exoid.ground.errors import RecordingError
+from exoid.ground.extras import needing
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading import limits, sheet_process
 from exoid.measurement.reading.camera import with_time
-from exoid.measurement.reading.limits import TEXT, Budget, needing
+from exoid.measurement.reading.limits import TEXT, Budget
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.raw import RawTable, column_from_cells, split_unit
 from exoid.measurement.reading.sniff import FLEXION, under_groups
@@ -36,7 +37,8 @@ HEAD_ROWS = 100
 
 def read(path: Path) -> RawTable:
     """Return the columns of the table; raises RecordingError when there is none or python-calamine is missing."""
-    with needing("python-calamine", "spreadsheets", path, "excel", ", or save the sheet as CSV"):
+    instead = ", or save the sheet as CSV"
+    with needing("excel", "spreadsheets", "python-calamine", where=path, instead=instead, error=RecordingError):
         import python_calamine  # noqa: F401 - the process that reads needs it
     budget = Budget(str(path))
     budget.take(path.stat().st_size, "the spreadsheet")

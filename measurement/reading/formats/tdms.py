@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from exoid.ground.errors import RecordingError
+from exoid.ground.extras import needing
 from exoid.measurement.finding import Finding
-from exoid.measurement.reading.limits import TEXT, Budget, Within, damaged, needing
+from exoid.measurement.reading.limits import TEXT, Budget, Within, damaged
 from exoid.measurement.reading.names import recognise
 from exoid.measurement.reading.raw import RawTable, table_from_arrays
 
@@ -24,7 +26,8 @@ SCALED = 2
 
 def read(path: Path) -> RawTable:
     """Return the channels of the file as columns; raises RecordingError when it is damaged or npTDMS is missing."""
-    with needing("npTDMS", "TDMS files", path, "tdms", ", or save the recording as CSV"):
+    instead = ", or save the recording as CSV"
+    with needing("tdms", "TDMS files", "npTDMS", where=path, instead=instead, error=RecordingError):
         import nptdms
         import nptdms.log
     arrays: dict[str, Any] = {}
