@@ -77,7 +77,7 @@ def alone() -> Engine:
 
 
 def _loky(name: str, count: int, environment: dict[str, str], ahead: int = AHEAD) -> Engine:
-    with needing("rivals", "processes of their own", "joblib", error=EngineError):
+    with needing("rivals", "jobs in processes of their own", "joblib", error=EngineError):
         from joblib.externals.loky import ProcessPoolExecutor
         from joblib.externals.loky.backend import resource_tracker as of_loky
     with workers_import_alike():  # helpers, else started with the first worker, which take no environment

@@ -31,7 +31,7 @@ class DE(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Keep the first population."""
-        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+        with needing("rivals", "PSO, GA and DE", "pymoo"):
             from pymoo.algorithms.soo.nonconvex.de import DE as Differential
         variant = f"DE/{self.base}/1/bin"
         evolution = Differential(pop_size=len(x), variant=variant, F=self.weight, CR=self.crossover, prob_mut=0.0)

@@ -27,7 +27,7 @@ class GA(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the first generation of parents."""
-        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+        with needing("rivals", "PSO, GA and DE", "pymoo"):
             from pymoo.algorithms.soo.nonconvex.ga import GA as Genetic
             from pymoo.operators.crossover.sbx import SBX
             from pymoo.operators.mutation.pm import PM

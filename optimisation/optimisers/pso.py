@@ -28,7 +28,7 @@ class PSO(PymooRecipe):
 
     def start(self, x: Float, f: Float, box: Box, rng: np.random.Generator) -> PymooState:
         """Make the first population the swarm, with random velocities."""
-        with needing("rivals", "the algorithms of pymoo", "pymoo"):
+        with needing("rivals", "PSO, GA and DE", "pymoo"):
             from pymoo.algorithms.soo.nonconvex.pso import PSO as Swarm
         return begin(Swarm(pop_size=len(x), w=self.inertia, c1=self.own, c2=self.social), x, f, box, rng)
 
