@@ -88,7 +88,8 @@ for part in {PARTS!r}:
             importlib.import_module(found.name)
 files = {{name: module.__spec__.origin for name, module in sys.modules.items() if name.startswith("exoid.")}}
 home = exoid.__file__.removesuffix("exoid/__init__.py")
-ours = [name for name, module in sys.modules.items() if (getattr(module, "__file__", "") or "").startswith(home)]
+folders = tuple(home + part + "/" for part in (*{PARTS!r}, "exoid"))
+ours = [name for name, module in sys.modules.items() if (getattr(module, "__file__", "") or "").startswith(folders)]
 print(len(files) > 400, [name for name in ours if name != "exoid" and name not in files])
 print([one for one, count in Counter(files.values()).items() if count > 1])
 print([one for one in files.values() if one.startswith(home + "exoid/") and not one.endswith("places.py")])
