@@ -39,6 +39,9 @@ CUTOFF = 4.0
 """Hz, unless asked otherwise."""
 SIGN_WIDTH = 0.01
 """rad/s over which the sign of a velocity fades; slower samples are not used."""
+BEND = 0.12
+"""Periods of the cut-off over which speeds are compared where it is judged how near a reversal is: an acceleration that
+the encoders' noise has made large would leave its own sample out, and inertias come out too large."""
 HOLE = Threshold(2.5, "steps of the clock from which samples are missing: jitter would empty the filter")
 LONGEST_HOLE = Threshold(
     1.0,
@@ -107,6 +110,11 @@ class Filters:
     def reach(self) -> float:
         """Seconds over which the first filter blurs a reversal of the motion."""
         return 2.0 * float(np.sqrt(ORDER * self.keep)) / ((1.0 - self.keep) * self.rate)
+
+    @property
+    def lag(self) -> int:
+        """Samples over which speeds are compared where it is judged how near a reversal is."""
+        return max(1, round(BEND * self.rate / self.cutoff))
 
     @property
     def ringing(self) -> int:
@@ -298,16 +306,17 @@ class FrontEnd:
         good = np.repeat(self._settled(lost)[:, None], joints, axis=1)
         smooth, forces = smooth[:, : 2 * joints], smooth[:, 2 * joints :]
         rows = np.concatenate([self.before, np.column_stack([middle[:, 0], smooth, good, forces])])
-        self.before = rows[-2:]
-        if len(rows) < 3:
+        lag = filters.lag
+        self.before = rows[-2 - lag :]
+        if len(rows) < 3 + lag:
             return self.none
         first = -self.seen % filters.factor
-        self.seen += len(rows) - 2
-        at = np.arange(1 + first, len(rows) - 1, filters.factor)
+        self.seen += len(rows) - 2 - lag
+        at = np.arange(1 + lag + first, len(rows) - 1, filters.factor)
         q = rows[:, 1 : 1 + joints]
-        dq = 0.5 * filters.rate * (q[at + 1] - q[at - 1])
+        dq, was = (0.5 * filters.rate * (q[k + 1] - q[k - 1]) for k in (at, at - lag))
         ddq = filters.rate**2 * (q[at + 1] - 2.0 * q[at] + q[at - 1])
-        moves = np.abs(dq) > STICK + filters.reach * np.abs(ddq)
+        moves = np.abs(dq) > STICK + filters.reach * filters.rate / lag * np.abs(dq - was)
         good, forces = rows[:, 1 + 2 * joints : 1 + 3 * joints], rows[:, 1 + 3 * joints :]
         usable = good[at] * good[at + 1] * moves
         return Samples(rows[at, 0], q[at], dq, ddq, rows[at, 1 + joints : 1 + 2 * joints], usable, forces[at])

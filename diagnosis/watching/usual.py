@@ -55,6 +55,10 @@ class Usual:
         squares = np.sum(block.residual**2 * block.use, axis=1) / np.maximum(block.use.sum(axis=1), 1)
         return np.asarray(np.sqrt(squares))
 
+    def grown_in(self, one: Window) -> Float:
+        """Return how many times the usual error (J,) there is in a window."""
+        return self.grown(self.errors(one))
+
     def grown(self, rms: Sequence[float] | Float) -> Float:
         """Return how many times the usual error (J,) an error is."""
         return np.array(rms) / np.maximum(self.rms, 1e-300)

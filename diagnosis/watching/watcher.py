@@ -46,8 +46,8 @@ NOTICED = Threshold(
 class Watcher:
     """Takes samples in any portions (`push`) and returns what is to be reported.
 
-    Samples are rows (N, 1 + 2 J + C): time in s, angles in rad, torques in N·m, in the order of the joints, and what
-    acts from outside, N: the channels of the model's forces, or what `measures` says.
+    Samples are rows (N, 1 + 2 J + C): time in s, angles in rad, torques in N·m, and the model's forces, N, or what
+    `measures` says.
     """
 
     model: Model
@@ -67,8 +67,7 @@ class Watcher:
         self.reference: Usual | None = None
         self.numbers: FollowedNumbers | None = None
         self.pending: Pending | None = None
-        self.applied: list[Applied] = []
-        self.lasting: list[Applied] = []
+        self.applied, self.lasting = list[Applied](), list[Applied]()
         self.pushes = Pushes(self.model.joints)
         self.counts: dict[str, int] = {}
         self.found, self.begun = 0, -np.inf
@@ -170,8 +169,8 @@ class Watcher:
             self.pending.wait -= 1
         elif found.alarms and not any(change.since.slow for change in self.applied):
             self.pending = Pending(found, self.settings.least - detector.onset(found.column))
-            grown = self.reference.grown(self.reference.errors(self._as_usual(one)))
-            events.append(wording.suspected_event(self.last, self.model.joint_names, grown, found))
+            names, grown = self.model.joint_names, self.reference.grown_in(usual)
+            events.append(wording.suspected_event(self.last, names, grown, found))
         if self.pending is not None and self.pending.wait <= 0:
             events += self._alarm(self.pending)
         for change in self.applied:
@@ -228,8 +227,8 @@ class Watcher:
         known = state.taken_over(self.outside, self.settings, self.extra, self.rng, one)
         first, self.reference, self.lasting, self.numbers = known
         self.memory.learnt(first, joined_windows(first, TOGETHER))
-        now, limit, t = self.reference.now, self.reference.detector.limit, float(one.t[0])
-        return [wording.reference_event(t, now, limit, len(first), self.changed, restored=True)]
+        now, limit = self.reference.now, self.reference.detector.limit
+        return [wording.reference_event(self.begun, now, limit, len(first), self.changed, restored=True)]
 
     def _told(self) -> list[Event]:
         every = self.settings.estimates
@@ -255,7 +254,7 @@ class Watcher:
             return [wording.calm_event(self.last)]
         # The first one may hold both.
         last = list(self.memory.recent)[-max(lasted, settings.least) :][1:]
-        if over := self._ended(last):
+        if over := self._ended():
             return over
         answer = self._ask(last)
         since = wording.onset_of(answer, last, self.begun) if answer.found else None
@@ -306,17 +305,17 @@ class Watcher:
         self._rescore()
         return [event]
 
-    def _ended(self, last: Sequence[Window]) -> list[Event]:
-        """Say which change is over: the one without which the `last` windows are as usual."""
+    def _ended(self) -> list[Event]:
+        """Say which change is over: the one without which the last window is as usual, and with which it is not."""
         assert self.reference is not None and self.numbers is not None
-        for change in self.applied:
-            errors = [self.reference.errors(self._as_usual(one, change)) for one in last]
-            if np.max(self.reference.grown(np.sqrt(np.mean(np.square(errors), axis=0)))) <= NOTICED:
+        for change, one in [(change, self.memory.recent[-1]) for change in self.applied]:
+            left, without = (np.max(self.reference.grown_in(self._as_usual(one, but))) for but in (None, change))
+            if without <= min(GROWN, 0.5 * left):
                 self.pending = None
                 self.applied.remove(change)
-                self.memory.begin_at(last[0])
-                self.numbers.changed(change.found, Onset.at(float(last[0].t[0])))
+                self.memory.begin_at(one)
                 self._rescore()
+                self.numbers.changed(change.found, Onset.at(float(one.t[0])))
                 return [wording.over_event(self.last, change.found[0].name)]
         return []
 
@@ -347,21 +346,20 @@ class Watcher:
 
     def _nameless(self, answer: Differences) -> Event:
         assert self.reference is not None
-        grown, pushes = self.reference.grown(answer.rms_after), self.pushes.since(self.memory.recent[0].t[0])
-        return wording.nameless_event(self.last, self.model.joint_names, answer, grown, GROWN, pushes)
+        pushes, names = self.pushes.since(self.memory.recent[0].t[0]), self.model.joint_names
+        return wording.nameless_event(self.last, names, answer, self.reference.grown(answer.rms_after), GROWN, pushes)
 
     def _relearn(self, last: Sequence[Window], anew: bool = False) -> None:
         """Learn what is usual from `last` on, the numbers too where it is all learnt `anew`."""
         self.lasting += [part for c in self.applied if (part := c.lasting) is not None]
-        self.numbers = None if anew else self.numbers
         assert self.reference is not None
+        self.numbers = None if anew else self.numbers
         self.kept = [as_usual(one, self.reference.now, self.lasting) for one in last]
         self.applied, self.pending, self.reference = [], None, None
         self.memory.recent.clear()
 
     def _ask(self, after: Sequence[Window], most: int = 1, but: Applied | None = None) -> Differences:
         """Return what differs, `most` things at most: on the first seconds a second one fits what the first leaves.
-
         What is known to have changed is taken out of all windows, `but` one change.
         """
         assert self.reference is not None
@@ -377,8 +375,8 @@ class Watcher:
         """Name a change once more, now that it has lasted."""
         assert self.reference is not None and self.numbers is not None
         last = [one for one in self.memory.recent if one.t[0] > change.since.t - 0.5 * self.settings.block]
-        if len(last) < self.settings.least - 1:
-            return []
+        if (few := len(last) < self.settings.least - 1) or (over := self._ended()):
+            return [] if few else over
         again, change.refined = change.refined, True
         answer = self._ask(last, MOST, change)
         if answer.found and self.reference.explains(answer):

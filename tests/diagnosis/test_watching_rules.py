@@ -217,7 +217,7 @@ def watching(answer: Differences, alarms: bool = True) -> SimpleNamespace:
     )  # fmt: skip
     one._rescore = lambda: None
     one._resized = lambda lasted: Watcher._resized(one, lasted)
-    one._ended = lambda last: Watcher._ended(one, last)
+    one._ended = lambda: Watcher._ended(one)
     return one
 
 
