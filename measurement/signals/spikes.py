@@ -114,6 +114,9 @@ class _Prediction:
         self.one_sided[:PARABOLA] = _parabola(tuple(np.arange(PARABOLA) - self.reach))
         self.taken = np.zeros(2 * self.reach + 1)
         self.taken[self.reach + offsets] = _fitted(offsets, clean, hidden, least)
+        self.lost, self.behind = hidden, np.zeros(2 * self.reach + 1)
+        if hidden.any():
+            self.behind[self.reach + beside] = _fitted(beside, clean, hidden, least)
 
     def far(self, x: Float, clean: Float, hidden: Mask, least: float) -> Mask:
         """Return which samples of `x` (N,) are far off what the `clean` ones around them predict, from either side."""
@@ -127,7 +130,22 @@ class _Prediction:
         sides = [sign * (x[at] - rows @ taken) for taken in (self.one_sided, self.one_sided[::-1])]
         out = np.zeros(x.size, dtype=bool)
         out[at] = np.minimum(*sides) > ALONE * size[at]
+        if self.lost.any():
+            for weights in (self.behind, self.behind[::-1]):
+                out = self._at_edge(x, padded, hidden, least, weights, out)
         return out
+
+    def _at_edge(self, x: Float, padded: Float, hidden: Mask, least: float, weights: Float, out: Mask) -> Mask:
+        """Return `out` with what is judged anew of the samples beside those that are unknown: by the neighbours on the
+        other side alone, which `weights` take. A line across what is unknown begins at the sample itself.
+        """
+        taken = np.abs(np.sign(weights))
+        blind, seen = (np.convolve(self.lost, side[::-1], mode="same") > 0.5 for side in (taken[::-1], taken))
+        edge = blind & ~seen & ~self.lost
+        if not edge.any():
+            return out
+        size = np.abs(x - np.convolve(padded, weights[::-1], mode="valid"))
+        return np.where(edge, size > self.bound * _usual(size, hidden, least), out)
 
 
 def _fitted(offsets: NDArray[Any], clean: Float, hidden: Mask, least: float) -> Float:
@@ -155,13 +173,18 @@ def _parabola(at: tuple[int, ...]) -> Float:
 
 
 def _usual(missed: Float, hidden: Mask, least: float) -> Float:
-    """Return the standard deviation (N,) that sizes `missed` (N,) have around each sample, at least that of all."""
-    known = missed if not hidden.any() else straight(missed, hidden)
+    """Return the standard deviation (N,) that sizes `missed` (N,) have among the samples around each that are not
+    hidden, at least that of all.
+    """
+    known = missed[~hidden]
+    if not known.size:
+        return np.full(missed.size, least)
     count = -(-known.size // NEARBY)
     blocks = np.resize(known, count * NEARBY).reshape(count, NEARBY)
     middle = np.partition(blocks, NEARBY // 2, axis=1)[:, NEARBY // 2]
     whole = max(_median(middle), 0.6745 * least)
-    return np.asarray(np.repeat(np.maximum(middle, whole), NEARBY)[: known.size] / 0.6745)
+    around = np.maximum(np.cumsum(~hidden) - 1, 0) // NEARBY
+    return np.asarray(np.maximum(middle, whole)[around] / 0.6745)
 
 
 def _median(x: Float) -> float:

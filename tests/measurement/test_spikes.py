@@ -90,3 +90,18 @@ def test_means_of_samples_judged_before_are_spikes_only_where_they_are_plain():
     hit = np.random.default_rng(7).random(tau.shape) < 0.01
     found = [spikes(tau + np.where(hit, size * 0.02, 0.0), 100.0, averaged=True)[hit].mean() for size in (4.5, 9.0)]
     assert found[0] < 0.5 and found[1] > 0.9
+
+
+@pytest.mark.parametrize("period", [60, 110])
+def test_beside_what_is_unknown_a_spike_is_found_as_elsewhere(period):
+    noise, rng = 0.3, np.random.default_rng(5)
+    tau = swing(100.0, noise, seed=4)
+    hit = rng.random(tau.shape) < 0.03
+    tau = tau + np.where(hit, 9.0 * noise * rng.choice([-1.0, 1.0], tau.shape), 0.0)
+    place = np.arange(len(tau)) % period
+    lost = (place < 0.6 * period)[:, None]
+    edge = ~lost & ((place >= period - 3) | (place < 0.6 * period + 3))[:, None]
+    found = spikes(np.where(lost, 0.0, tau), 100.0, lost)
+    assert not found[lost].any()
+    assert found[hit & ~lost].mean() > 0.9 and found[hit & edge].mean() > 0.85
+    assert found[~hit & ~lost].mean() < 0.02
