@@ -91,4 +91,5 @@ def _cut(one: PreparedRecording, start: float, stretch: float, name: str) -> Pre
         stuck=one.stuck[first:last],
         hidden=one.hidden[first:last],
         read=None,
+        direction=one.direction and replace(one.direction, velocity=one.direction.velocity[first:last]),
     )

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from exoid.ground.errors import ExpressionError, NotEnoughDataError
 from exoid.ground.plain import AsJson
 from exoid.measurement.signals.conditioning import ORDER
-from exoid.measurement.signals.masks import widen
 from exoid.measurement.trajectories.trajectory import Fourier
 from exoid.optimisation.excitation.criteria import Noise
 from exoid.optimisation.fitting.assemble import Assembly, settle
@@ -31,7 +30,7 @@ from exoid.optimisation.linear.loss import Bool
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import solve_sse
 from exoid.optimisation.linear.uncertainty import block_length, block_outer
-from exoid.optimisation.preparation.filtering import EDGE, INNER, STICK, STICK_REACH, PreparedRecording, reaches
+from exoid.optimisation.preparation.filtering import EDGE, INNER, STICK_REACH, PreparedRecording, reaches, sticking
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion
@@ -107,7 +106,7 @@ def planned(
 
 def _stuck(motion: Motion, joints: Sequence[Joint], near: int) -> Bool:
     """Return where each joint may stick (J, N), and `near` samples around it."""
-    return np.array([widen(slow, near) for slow in (np.abs(motion.dq) < STICK * reaches(joints)).T])
+    return sticking(motion.dq, reaches(joints), near).T
 
 
 def residual_noise(

@@ -16,8 +16,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.checks.motion import NOTHING
@@ -66,6 +68,15 @@ LOADED = Threshold(
     "times the sensor's noise by which the torque of a standing joint varies when it shows its load: noise "
     "fitted as load",
 )
+DWELL = Threshold(
+    0.9,
+    "part of its change before and after that a velocity keeps where a joint turns back at once: one that sticks for a "
+    "moment, between two samples, passes for one with a late torque or a soft drive",
+)
+BESIDE = 3
+"""Samples before and after a reversal, of which the outer ones say how a velocity changes there usually."""
+DIRECTION = 1 / 3
+"""Part of that speed which the noise of a velocity may be that tells the direction of motion."""
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
@@ -84,6 +95,16 @@ class TorqueRead:
     missing: Bool
     fitted: Bool
     brief: Bool
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """The velocities (N, J) below `band` Hz from which it is taken which way a joint moves, and whether. Smoothed as
+    accelerations need it, they pass quickly where a joint sticks for a moment, and turn some samples too early or late.
+    """
+
+    velocity: Float
+    band: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +141,8 @@ class PreparedRecording:
     """What measured forces ask of the drives (N, J) at about the right numbers; None where nobody knows."""
     read: TorqueRead | None = field(default=None, kw_only=True)
     """The torques before spikes were hidden; None where there never were any."""
+    direction: Direction | None = field(default=None, kw_only=True)
+    """What the direction of motion is taken from; None: the velocities themselves."""
 
     def beside(self, known: Float) -> PreparedRecording:
         """Return the recording with its spikes judged anew, beside the torque `known` (N, J) of a model."""
@@ -171,8 +194,10 @@ class PreparedRecording:
         dq, ddq = derivatives(added, self.rate)
         dq, ddq = np.where(self.standing, 0.0, dq), np.where(self.standing, 0.0, ddq)
         old = self.motion
-        width = sign_width(2.0 * self.angle_noise, self.band, self.reach)
-        sign = np.where(self.standing, 0.0, np.tanh((old.dq + dq) / width))
+        told = self.direction or Direction(old.dq, self.band)
+        faster = derivatives(low_pass(white, told.band, self.rate), self.rate)[0] if self.direction else dq
+        width = sign_width(2.0 * self.angle_noise, told.band, self.reach)
+        sign = np.where(self.standing, 0.0, np.tanh((told.velocity + faster) / width))
         motion = replace(old, q=old.q + added, dq=old.dq + dq, ddq=old.ddq + ddq, sign=sign)
         return replace(self, motion=motion)
 
@@ -247,13 +272,14 @@ def prepare_one(
     payload = np.sum(loads, axis=0) if loads else None
     reach_of = reaches(base.joints)
     near = int(np.ceil(STICK_REACH * rate / min(inner, INNER * reach)))
-    stuck = np.column_stack([widen(slow, near) for slow in (np.abs(dq) < STICK * reach_of).T])
+    told = _direction(even, inner, noise / reach_of**2, factor, derivative, name) or Direction(dq, inner)
+    stuck = sticking(told.velocity, reach_of, near)
     held = _held_still(q / reach_of, dq / reach_of, rate, velocity_noise(noise, inner) / reach_of)
     standing = stuck.all(axis=0) | held
     stuck = stuck & ~standing
-    turned = _turning(dq) & ~standing if factor > 1 else np.zeros(stuck.shape, dtype=bool)
+    turned = _turning(told.velocity) & ~standing if factor > 1 else np.zeros(stuck.shape, dtype=bool)
     # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
-    sign = np.where(standing, 0.0, np.tanh(dq / sign_width(noise, inner, reach_of)))
+    sign = np.where(standing, 0.0, np.tanh(told.velocity / sign_width(noise, told.band, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
     swaying = _base_motion(even, inner, factor, rate) if base.moving_base else None
     motion = Motion(even.t[::factor][: len(q)], q, dq, ddq, sign, payload, swaying, even.slower_force(factor))
@@ -287,10 +313,40 @@ def prepare_one(
         reach=reach_of,
         pushed=None if beta is None or not base.forces else forces_torque(base, motion, beta),
         read=TorqueRead(tau, missing, ~stuck[kept].T & ~(standing & ~loaded)[:, None], brief),
+        direction=told,
     )
     if beta is None:
         return one.without(_spikes(even, factor))
     return one.without(even.slower_spikes(factor, lambda: base.torque(motion, beta), missing))
+
+
+def sticking(dq: Float, reach: Float, near: int) -> Bool:
+    """Return the samples (N, J) at which joints with velocities `dq` (N, J) may stick, and `near` samples around where
+    they do; `reach` (J,) as of a PreparedRecording.
+
+    A joint that turns back at once does not stick. One that does, if only between two samples, is told by its velocity,
+    which changes less there than before and after.
+    """
+    slow = np.abs(dq) < STICK * reach
+    steps = np.abs(np.diff(dq, axis=0))
+    count = max(0, len(dq) - 2 * BESIDE - 1)
+
+    def at(shift: int, x: NDArray[Any]) -> NDArray[Any]:
+        """Return `x` from so many samples after the one before each reversal that has room on either side."""
+        return x[BESIDE + shift : BESIDE + shift + count]
+
+    usual = 0.5 * np.minimum(at(-3, steps) + at(-2, steps), at(2, steps) + at(3, steps))
+    least = np.minimum(np.minimum(at(-1, steps), at(0, steps)), at(1, steps))
+    back = np.signbit(at(0, dq)) != np.signbit(at(1, dq))
+    stays = back & (least < DWELL * usual)
+    passes = back & ~stays & ~at(-BESIDE, slow) & ~at(BESIDE + 1, slow)
+    there, passing = np.zeros(dq.shape, dtype=bool), np.zeros(dq.shape, dtype=bool)
+    for shift in range(-BESIDE, BESIDE + 2):
+        at(shift, passing)[:] |= passes
+    for shift in (0, 1):
+        at(shift, there)[:] |= stays
+    there |= slow & ~passing
+    return slow | np.column_stack([widen(column, near) for column in there.T])
 
 
 def _turning(dq: Float) -> Bool:
@@ -322,6 +378,21 @@ def _smoothed(
     *parts, periods = method(even, inner, name)
     q, dq, ddq = (np.array(part[::factor]) for part in parts)
     return q, dq, ddq, noise / periods
+
+
+def _direction(
+    even: UniformSignals, inner: float, noise: Float, factor: int, derivative: str, name: str
+) -> Direction | None:
+    """Return what tells the direction of motion: the fastest velocities whose noise stays well below the speed at which
+    a joint may stick; None where those below `inner` Hz are. `noise` (J,) is the density of that of the angles,
+    rad²/Hz.
+    """
+    most = DIRECTION * STICK
+    band = inner * float(np.min((most / np.maximum(velocity_noise(noise, inner), 1e-12)) ** (2.0 / 3.0)))
+    band = min(band, 0.4 * even.rate / factor)
+    if band <= inner:
+        return None
+    return Direction(_smoothed(even, band, factor, derivative, name)[1], band)
 
 
 def _base_motion(even: UniformSignals, inner: float, factor: int, rate: float) -> Float:

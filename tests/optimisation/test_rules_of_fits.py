@@ -12,12 +12,13 @@ from exoid.diagnosis import extend
 from exoid.ground.errors import RecordingError
 from exoid.measurement.recording import Recording
 from exoid.measurement.signals.conditioning import UniformSignals
+from exoid.measurement.signals.masks import widen
 from exoid.optimisation.fitting.by_recording import _row
 from exoid.optimisation.fitting.neighbours import Neighbours
 from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.optimisation.preparation import cutoff
 from exoid.optimisation.preparation.cutoff import _Noise
-from exoid.optimisation.preparation.filtering import STICK, _bears_load, prepare_one
+from exoid.optimisation.preparation.filtering import STICK, _bears_load, prepare_one, sticking
 from exoid.optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
 from exoid.symbolic.model import Model
 
@@ -168,14 +169,38 @@ def test_a_joint_that_creeps_may_stick_and_is_not_fitted(speed, used):
     assert bool(one.used[1].any()) is used
 
 
+def stopping(stay):
+    """A swing (N,) at 100 Hz that stays `stay` s where it turns back."""
+    going = np.arange(0.0, 30.0, 1e-4)
+    stops = np.floor(2.0 * going / np.pi + 0.5)
+    return np.interp(T, going + stay * stops, 0.5 * np.sin(2.0 * going))
+
+
 @pytest.mark.shows("filtering.STICK_REACH")
 def test_samples_near_standstill_are_left_out_as_far_as_the_filter_smears_it():
     """Half a period of 10 Hz on either side of each standstill: angles are filtered at twice the cut-off of 5 Hz."""
+    q = stopping(0.1)
+    one = prepare_one(Model.standard(), "run", signals(q, q), 5.0, None)
+    slow = np.abs(one.direction.velocity[:, 0]) < STICK
+    inside, near = slice(100, -100), widen(slow, 5)
+    assert slow[inside].mean() < 0.1 and near[inside].mean() > 0.1
+    assert np.mean(one.stuck[inside, 0] != near[inside]) < 0.01
+
+
+def test_a_joint_that_turns_back_at_once_is_left_out_only_where_it_is_slow():
     one = prepare_one(Model.standard(), "run", signals(SWING, SWING), 5.0, None)
-    slow = np.abs(one.motion.dq[:, 0]) < STICK
-    inside = slice(100, -100)
-    begins = np.sum(np.diff(slow[inside].astype(int)) == 1)
-    assert one.stuck[inside, 0].sum() - slow[inside].sum() == pytest.approx(2 * 5 * begins, abs=6)
+    slow = np.abs(one.direction.velocity[100:-100, 0]) < STICK
+    assert np.array_equal(one.stuck[100:-100, 0], slow)
+
+
+@pytest.mark.shows("filtering.DWELL")
+@pytest.mark.parametrize(("change", "sticks"), [(0.08, True), (0.1, False)])
+def test_a_joint_that_stays_between_two_samples_sticks_there(change, sticks):
+    speed = 0.05 + 0.1 * np.arange(-40.0, 40.0)
+    speed[40:] += change - 0.1
+    found = sticking(np.column_stack([speed, 5.0 + 0.0 * speed]), np.ones(2), 4)
+    assert found[36:44, 0].all() if sticks else not found[:, 0].any()
+    assert not found[:, 1].any()
 
 
 @pytest.mark.shows("filtering.LOADED")
