@@ -14,12 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid.diagnosis.evidence.fitted import FittedModel
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.library import build_library
 from exoid.diagnosis.evidence.model_error import sensor_noise
+from exoid.diagnosis.evidence.ranking import weigh_all
 from exoid.diagnosis.evidence.splines import spline_columns
 from exoid.ground.thresholds import Threshold
-from exoid.ground.ties import index_of_greatest
+from exoid.ground.ties import index_of_greatest, least_of
 from exoid.measurement.auditing.trimmed import Windows, joined, trimmed, windows_of
+from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import EDGE, PreparedRecording
 from exoid.optimisation.preparation.noise import torque_noise
 from exoid.symbolic.evaluation import carrying
@@ -117,10 +120,34 @@ class _View:
 
 
 def intermittent(base: FittedModel) -> Intermittent | None:
-    """Return what acts in part of the time of all recordings; None where nothing does, or a model may describe it."""
+    """Return what acts in part of the time of all recordings; None where nothing does, or a model may describe it: one
+    entry of the catalogue that leaves no more than noise acts in part of the time as well, as friction does that some
+    angles lack.
+    """
     noise = np.maximum(sensor_noise(base.prepared), 1e-6)
     if not np.any(base.evaluation_rms > WORTH * noise):
         return None
+    found = _intermittent(base)
+    return None if found is None or _one_entry_leaves_noise(base, noise) else found
+
+
+def _one_entry_leaves_noise(base: FittedModel, noise: Float) -> bool:
+    """Whether the best entry of the catalogue, refitted, leaves about the `noise` (J,) N·m at every joint."""
+    evidence, library = base.evidence(seed=0, draws=0), build_library(base.model, base.prepared.all)
+    scores, _ = weigh_all(evidence, library, base, library.candidates)
+    helping = [score for score in scores if score.helps and not score.caution and not score.candidate.tangent]
+    if not helping:
+        return False
+    best = least_of(helping, lambda score: -score.share, 1.0)
+    term = best.candidate.term
+    model = base.model.with_effect(term.effect, term.joint)
+    start = np.concatenate([base.shape, np.median(best.shape, axis=0)]) if model.shapes else None
+    after = fitted_model(identify(model, base.prepared.train, optimisers=(), start=start), base.prepared)
+    return bool(np.all(after.evaluation_rms <= evidence.rules.near_noise * noise))
+
+
+def _intermittent(base: FittedModel) -> Intermittent | None:
+    """Return what acts in part of the time of all recordings, whatever the catalogue says."""
     sample = np.maximum(torque_noise(base.prepared.all), 1e-6)
     views = [_view(base, index, sample) for index in range(len(base.prepared.all))]
     parts = [view.windows() for view in views]

@@ -86,6 +86,8 @@ def test_an_end_stop_is_no_contact(monkeypatch):
     assert intermittent(base) is None
     monkeypatch.setattr(module, "BEYOND", 0.0)
     monkeypatch.setattr(module, "CLEAR", 1.0)
+    assert intermittent(base) is None  # one entry of the catalogue leaves no more than noise
+    monkeypatch.setattr(module, "_one_entry_leaves_noise", lambda base, noise: False)
     assert intermittent(base) is not None
 
 
@@ -102,15 +104,15 @@ def test_what_is_now_small_now_large_has_no_quiet_part(monkeypatch):
 
 
 @pytest.mark.shows("intermittent.TIMES")
-def test_a_load_that_hangs_there_once_is_no_contact(monkeypatch):
+def test_a_load_that_hangs_there_twice_is_no_contact(monkeypatch):
     def load(one, rng):
-        first = rng.uniform(6.0, 8.0)
-        hangs = (one.t > first) & (one.t < first + 7.0)
+        since = one.t - rng.uniform(4.0, 6.0)
+        hangs = ((since > 0.0) & (since < 4.0)) | ((since > 7.0) & (since < 11.0))
         return np.where(hangs, 40.0 * (1.0 + np.sin(3.0 * one.t)), 0.0)[:, None] * np.array([1.0, 0.5])
 
     base = with_torque(load)
     assert intermittent(base) is None
-    monkeypatch.setattr(module, "TIMES", 1.0)
+    monkeypatch.setattr(module, "TIMES", 2.0)
     assert intermittent(base) is not None
 
 
