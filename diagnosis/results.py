@@ -15,6 +15,7 @@ from exoid.diagnosis.evidence.apart import Apart
 from exoid.diagnosis.evidence.consistency import Differing
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
 from exoid.diagnosis.evidence.model_error import ModelError
+from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.outside import ForceUse
 from exoid.diagnosis.plots import falling_error, suspects
@@ -190,13 +191,13 @@ class Diagnosis(AsJson):
     N·m. `differing` names what a single recording wants different from all the others; `possible` are effects that
     help and are not accepted. `rules` are the thresholds that decided, `given` is the model that was asked about,
     fitted to all the recordings as they were prepared. `forces` are the measured ones of the model, `left_out`
-    recordings that are not of what the others are of.
+    recordings that are not of what the others are of, `power` what would have shown where nothing is missing.
     """
 
     JSON = (
         "schema verdict headline sureness joints rule sentence accepted suspects possible steps noise_floor "
         "unexplained=_unexplained_json model_error=error next_experiment biased differing filter=cutoff "
-        "stopped_because parameters=fit.estimates{} forces left_out thigh_length audit seconds"
+        "stopped_because parameters=fit.estimates{} forces left_out power thigh_length audit seconds"
     )
     schema: ClassVar[str] = SCHEMA
 
@@ -225,6 +226,7 @@ class Diagnosis(AsJson):
     given: FittedModel | None = field(default=None, repr=False)
     forces: tuple[ForceUse, ...] = ()
     left_out: tuple[Apart, ...] = ()
+    power: tuple[Power, ...] = ()
 
     @property
     def unit(self) -> str:

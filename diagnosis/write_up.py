@@ -10,6 +10,7 @@ from exoid.diagnosis.evidence.agreement import Agreement
 from exoid.diagnosis.evidence.consistency import differing
 from exoid.diagnosis.evidence.own_sway import ENTRY as SWAY
 from exoid.diagnosis.evidence.own_sway import OwnSway
+from exoid.diagnosis.evidence.power import DRAWS, Power, power_of, power_said
 from exoid.diagnosis.evidence.remainder import Remainder
 from exoid.diagnosis.evidence.score import Score, above_noise, share_of_own_joints
 from exoid.diagnosis.evidence.soft_drive import SoftDrive
@@ -103,10 +104,12 @@ def write_up(
         () if conclusion.verdict == "check_channels" else differing(last.fitted, last.fitted.evidence(seed=0, draws=0))
     )
     length = None if conclusion.outside else wanted_thigh_length(last.fitted.fit, prepared)
+    power = _power(done) if conclusion.verdict == "adequate" else ()
+    said = power_said(power, last.fitted.model.find_effect)
     return Diagnosis(
         verdict=conclusion.verdict,
         rule=conclusion.rule,
-        sentence=conclusion.sentence,
+        sentence=f"{conclusion.sentence} {said}".rstrip(),
         accepted=accepted,
         suspects=tuple(_suspect(s, named, steps, prepared.noise_floor) for s in first if s.share > 0.0 or s.caution),
         steps=steps,
@@ -133,7 +136,15 @@ def write_up(
         rules=done.context.rules,
         given=done.base,
         forces=force_uses(last.fitted),
+        power=power,
     )
+
+
+def _power(done: Searched) -> tuple[Power, ...]:
+    """Return what the recordings that were searched would have shown beside the last model."""
+    context, last = done.context, done.found.state.last
+    evidence = context.evidence(last, DRAWS)
+    return power_of(last.fitted, evidence, context.library, context.simulated(last))
 
 
 def _short(prepared: Prepared, rules: Rules) -> tuple[Finding, ...]:

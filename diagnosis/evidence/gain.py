@@ -308,6 +308,17 @@ class Evidence:
             return Gain(falls[:-1], falls[-1], coefficients[-1].T)
         return Gain(falls, np.zeros(falls.shape[1]), self._together.candidate(grams, self.ridge(ridge))[0][0].T)
 
+    def would_gain(self, grams: Gram, coefficients: Float) -> tuple[Float, Float]:
+        """Return by how much the loss on the held-out training units (D,), and on the verification recordings (D,),
+        would fall with a candidate of these `coefficients` (m,) if it were there, and noise were not.
+        """
+        fitted, held = grams.of(self._fits.units), grams.of(self._held_out.units)
+        step = np.einsum("spq,sqmd,m->spd", self._fits.inverse, fitted.g, coefficients)
+        lean = np.einsum("spmd,m->spd", held.g, coefficients)
+        own = np.einsum("smnd,m,n->sd", held.h, coefficients, coefficients)
+        falls = own - 2.0 * np.sum(step * lean, axis=1) + np.sum(step * (self._held_out.gram @ step), axis=1)
+        return falls[: self.folds].sum(axis=0), falls[self.folds :].sum(axis=0)
+
     @property
     def count(self) -> int:
         """How many units there are."""

@@ -1,0 +1,59 @@
+"""What recordings would have shown is told where nothing is missing, and an effect of that size is found."""
+
+import numpy as np
+import pytest
+
+from exoid.diagnosis import discover
+from exoid.diagnosis.evidence.power import Power, power_said
+from exoid.measurement.bench.hidden import Hidden
+from exoid.measurement.bench.leg import random_leg
+from exoid.measurement.bench.simulation import Bench, simulate_runs
+from exoid.symbolic.model import Model
+
+SEED = 3
+
+
+def found(hidden=(), seconds=20.0):
+    """Return what is said of four short runs of a leg, and of which model."""
+    leg = random_leg(np.random.default_rng([SEED, 77]))
+    model = Model.standard(thigh_length=leg.thigh_length)
+    runs = simulate_runs(4, model, leg, effects=hidden, seed=SEED, bench=Bench(duration=seconds))
+    recordings = [run.recording for run in runs]
+    return discover(model, recordings[:3], recordings[3:])
+
+
+@pytest.fixture(scope="module")
+def nothing():
+    return found()
+
+
+def test_an_answer_that_nothing_is_missing_says_what_would_have_shown(nothing):
+    assert nothing.verdict == "adequate" and nothing.power
+    assert "usual size" in nothing.sentence
+    told = {one["effect"]: one for one in nothing.to_json()["power"]}
+    assert set(told["viscous_cubic"]) == {"effect", "joint", "parameter", "smallest", "usual", "unit", "would_show"}
+    assert told["viscous_cubic"]["unit"] == "N·m·s³/rad³"
+
+
+def test_what_is_so_large_is_found_and_what_is_much_smaller_is_not(nothing):
+    size = next(one.smallest for one in nothing.power if one.name == "viscous_cubic:knee")
+    large = found(Hidden("viscous_cubic", "knee", size=1.5 * size))
+    assert "viscous_cubic:knee" in {name for one in large.accepted for name in (one.name, *one.look_alikes)}
+    assert found(Hidden("viscous_cubic", "knee", size=0.1 * size)).verdict == "adequate"
+    assert not large.power
+
+
+def test_less_motion_shows_less(nothing):
+    short = {one.name: one.smallest for one in found(seconds=8.0).power}
+    long = {one.name: one.smallest for one in nothing.power}
+    assert np.median([short[name] / long[name] for name in short if np.isfinite(short[name] + long[name])]) > 1.0
+
+
+def test_the_sentence_names_what_would_not_have_shown():
+    shown = Power("stribeck", "hip", "c", 1.0, 5.0, "N·m")
+    assert power_said([]) == ""
+    assert power_said([shown]) == "Each effect of the catalogue would have shown at its usual size."
+    hidden = [Power("stribeck", "knee", "c", 17.6, 5.0, "N·m"), Power("end_stop", "hip", "c", np.inf, 50.0, "N·m/rad")]
+    text = power_said([shown, *hidden])
+    assert "(1 of 3 would)" in text and "17.6 N·m (usual 5)" in text and "not at any size" in text
+    assert power_said(hidden).startswith("Nothing would have shown at its usual size")
