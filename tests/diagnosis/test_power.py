@@ -1,5 +1,7 @@
 """What recordings would have shown is told where nothing is missing, and an effect of that size is found."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from exoid.measurement.bench.hidden import Hidden
 from exoid.measurement.bench.leg import random_leg
 from exoid.measurement.bench.simulation import Bench, simulate_runs
 from exoid.symbolic.model import Model
+from exoid.workbench.report.sections import power as power_section
 
 SEED = 3
 
@@ -57,3 +60,12 @@ def test_the_sentence_names_what_would_not_have_shown():
     text = power_said([shown, *hidden])
     assert "(1 of 3 would)" in text and "17.6 N·m (usual 5)" in text and "not at any size" in text
     assert power_said(hidden).startswith("Nothing would have shown at its usual size")
+
+
+def test_the_report_has_what_would_have_shown_least_first(nothing):
+    material = SimpleNamespace(diagnosis=nothing, model=nothing.model)
+    shown = power_section.context(material)
+    assert len(shown["rows"]) == len(nothing.power) and all(len(row) == len(shown["head"]) for row in shown["rows"])
+    ratios = [one.smallest / one.usual for one in nothing.power]
+    assert shown["rows"][0][-1] == nothing.power[int(np.argmax(ratios))].name
+    assert power_section.context(SimpleNamespace(diagnosis=None, model=nothing.model)) is None

@@ -1,0 +1,36 @@
+"""What would have shown: from which size on each effect of the catalogue would have been found, where nothing was."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from exoid.symbolic.wording import number_called
+from exoid.workbench.report.material import Material
+from exoid.workbench.report.sections.verdict import title
+
+TITLE = "What would have shown"
+ORDER = 42
+APPENDIX = True
+
+
+def context(material: Material) -> Mapping[str, Any] | None:
+    """Return one row per effect, those that these recordings say least about first; None where something was found."""
+    found = material.diagnosis
+    if found is None or not found.power:
+        return None
+    rows = [
+        (
+            title(one.name, material.model),
+            number_called(found.model.find_effect(one.effect), one.parameter),
+            one.smallest if math.isfinite(one.smallest) else "not at any size",
+            one.usual,
+            "" if one.unit == "1" else one.unit,
+            "yes" if one.would_show else "no",
+            one.name,
+        )
+        for one in sorted(found.power, key=lambda one: (-one.smallest / one.usual, one.name))
+    ]
+    head = ("effect", "its size", "found from", "usual", "unit", "would have shown", "id")
+    return {"head": head, "rows": rows}
