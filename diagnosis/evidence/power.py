@@ -25,7 +25,7 @@ from exoid.optimisation.fitting.shapes import to_unit
 from exoid.symbolic.catalogue import find_effect
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.motion import Float
-from exoid.symbolic.wording import called, number_said
+from exoid.symbolic.wording import called
 
 DRAWS = 199
 """Placebos of each effect; it must do better than all of them."""
@@ -156,22 +156,24 @@ def _by_noise(
 
 
 def power_said(power: Sequence[Power], find: Callable[[str], Effect] = find_effect) -> str:
-    """Return what recordings would not have shown, as a sentence; "" where nothing is known."""
+    """Return what recordings would not have shown, that of which they say least first, as a sentence; "" where nothing
+    is known.
+    """
     hidden = [one for one in power if not one.would_show]
     if not power:
         return ""
     if not hidden:
         return "Each effect of the catalogue would have shown at its usual size."
-    seen = sorted(hidden, key=lambda one: (one.smallest / one.usual, one.name))
-    told = "; ".join(_said(one, find) for one in seen[:TOLD])
-    more = f"; and {len(seen) - TOLD} more" if len(seen) > TOLD else ""
-    text = "Not all that may be missing would have shown" if len(hidden) < len(power) else "Nothing would have shown"
-    return f"{text} at its usual size ({len(power) - len(hidden)} of {len(power)} would): {told}{more}."
+    least = sorted(hidden, key=lambda one: (-one.smallest / one.usual, one.name))
+    told = "; ".join(_said(one, find) for one in least[:TOLD])
+    more = f"; and {len(least) - TOLD} more" if len(least) > TOLD else ""
+    seen = f"{len(power) - len(hidden)} of {len(power)} effects" if len(hidden) < len(power) else "no effect"
+    return f"At its usual size {seen} would have shown; too little is said by these recordings of: {told}{more}."
 
 
 def _said(one: Power, find: Callable[[str], Effect]) -> str:
     name = called(one.name, find)
     if not np.isfinite(one.smallest):
-        return f"{name}, not at any size"
-    said = number_said(find(one.effect), one.parameter, one.smallest, one.unit)
-    return f"{name}, from {said} (usual {one.usual:.3g})"
+        return f"{name} (at any size)"
+    unit = "" if one.unit in ("1", "") else f" {one.unit}"
+    return f"{name} (found from {one.smallest:.3g}{unit}, usually {one.usual:.3g})"

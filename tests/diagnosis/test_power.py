@@ -58,8 +58,9 @@ def test_the_sentence_names_what_would_not_have_shown():
     assert power_said([shown]) == "Each effect of the catalogue would have shown at its usual size."
     hidden = [Power("stribeck", "knee", "c", 17.6, 5.0, "N·m"), Power("end_stop", "hip", "c", np.inf, 50.0, "N·m/rad")]
     text = power_said([shown, *hidden])
-    assert "(1 of 3 would)" in text and "17.6 N·m (usual 5)" in text and "not at any size" in text
-    assert power_said(hidden).startswith("Nothing would have shown at its usual size")
+    assert text.startswith("At its usual size 1 of 3 effects would have shown; too little is said")
+    assert "End stop at the hip (at any size); Stribeck friction at the knee (found from 17.6 N·m, usually 5)" in text
+    assert power_said(hidden).startswith("At its usual size no effect would have shown")
 
 
 def test_the_report_has_what_would_have_shown_least_first(nothing):
