@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from exoid.diagnosis.evidence.power import Power
 from exoid.diagnosis.results import Step
 from exoid.ground.figures import JOINT_COLOURS, figure_style, label, new_figure
 from exoid.measurement.finding import Finding
@@ -154,6 +155,7 @@ class FakeDiagnosis:
     model: Any = field(default_factory=FakeModel)
     fit: Any = field(default_factory=FakeFit)
     given: Any = field(default_factory=lambda: SimpleNamespace(fit=None, prepared=None))
+    power: tuple[Power, ...] = (Power("stribeck", "hip", "c", 17.6, 5.0, "N·m"),)
 
     def figures(self) -> list[tuple[str, str, Any]]:
         return [("Suspects", "Share explained by each suspect, with its placebos.", figure())]

@@ -6,7 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from exoid.diagnosis.evidence.power import Power
 from exoid.symbolic.wording import number_called
+from exoid.workbench.report.effects import effect_of
 from exoid.workbench.report.material import Material
 from exoid.workbench.report.sections.verdict import title
 
@@ -23,7 +25,7 @@ def context(material: Material) -> Mapping[str, Any] | None:
     rows = [
         (
             title(one.name, material.model),
-            number_called(found.model.find_effect(one.effect), one.parameter),
+            _number(one, material.model),
             one.smallest if math.isfinite(one.smallest) else "not at any size",
             one.usual,
             "" if one.unit == "1" else one.unit,
@@ -34,3 +36,8 @@ def context(material: Material) -> Mapping[str, Any] | None:
     ]
     head = ("effect", "its size", "found from", "usual", "unit", "would have shown", "id")
     return {"head": head, "rows": rows}
+
+
+def _number(one: Power, model: Any) -> str:
+    effect = effect_of(one.name, model)
+    return one.parameter if effect is None else number_called(effect, one.parameter)
