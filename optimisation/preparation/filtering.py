@@ -62,7 +62,7 @@ STICK = Threshold(
     "rad/s below which a joint may stick and is not fitted: dry friction takes any value there, which no "
     "function of motion tells",
 )
-STICK_REACH = Threshold(0.35, "periods of the cut-off by which such samples reach further: direction is smeared there")
+STICK_REACH = Threshold(0.5, "periods of the cut-off by which such samples reach further: direction is smeared there")
 LOADED = Threshold(
     3.0,
     "times the sensor's noise by which the torque of a standing joint varies when it shows its load: noise "

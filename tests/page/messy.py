@@ -146,14 +146,14 @@ def three_joints(folder):
         text += f'[[joints]]\nname = "{name}"\nposition = {list(position)}\nvelocity = 1.9\nacceleration = 5.0\n'
         text += f"length = {length}\n" if length else ""
     (folder / "z_model.toml").write_text(text, encoding="utf-8")
-    _simulated(folder, "stribeck:knee")
+    _simulated(folder, "load_friction:knee")
     for k, path in enumerate(sorted(folder.glob("*.csv"))):
         rows = np.genfromtxt(path, delimiter=",", names=True)
         records = [dict(zip(rows.dtype.names, map(float, row), strict=True)) for row in rows]
         (folder / f"log_{k}.jsonl").write_text("".join(json.dumps(one) + "\n" for one in records), encoding="utf-8")
         path.unlink()
     (folder / "settings.json").write_text('{"rate": 100}', encoding="utf-8")
-    return "Stribeck friction at the knee", ""
+    return "Load-dependent friction at the knee", ""
 
 
 def _simulated(folder, effect):
