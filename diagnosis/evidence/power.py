@@ -8,7 +8,7 @@ so much as the search asks for, and more than its own placebos and what noise of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.fitted import FittedModel
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
-from exoid.diagnosis.evidence.look_alikes import columns_at
-from exoid.diagnosis.evidence.score import weigh
+from exoid.diagnosis.evidence.score import UNSEEN
+from exoid.diagnosis.evidence.simulated import Simulated, evidence_on, needed_beyond_noise
 from exoid.ground.plain import AsJson
 from exoid.ground.ties import index_of_least
 from exoid.optimisation.fitting.shapes import to_unit
@@ -33,8 +33,8 @@ TOLD = 4
 """Effects that a sentence names at most."""
 SURE = 3.0
 """Times the size at which it takes so much on average: by then it does whatever the noise, and in all splits."""
-UNSEEN = 0.5
-"""Part of the least share that recordings held out must gain, as `weigh` asks for."""
+MOST = 0.5
+"""Share of the loss that is asked of an effect at most."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,7 @@ def power_of(
     `evidence` is that against the model `fitted`, `simulated` the same model on recordings that it made itself.
     """
     present = {term.name for term in fitted.model.terms}
-    own = [made.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=evidence.rules) for made in simulated]
-    made = list(zip(simulated, own, strict=True))
+    made = evidence_on(simulated, evidence)
     found = [
         _power(one, fitted, evidence, library, made) for one in library.candidates if one.name not in present
     ]
@@ -84,7 +83,7 @@ def _power(
     fitted: FittedModel,
     evidence: Evidence,
     library: Library,
-    made: Sequence[tuple[FittedModel, Evidence]],
+    made: Sequence[Simulated],
 ) -> Power | None:
     """Return the power for one candidate; None where nobody has said how large it usually is."""
     sizes = _usual_sizes(candidate)
@@ -98,8 +97,8 @@ def _power(
     node = int(nodes[most])
     loss = float(evidence.fold_losses.sum())
     smooths = feeds_back(candidate.term)  # other effects noise of the angles does not make
-    needed = least + (_by_noise(candidate, node, evidence, made) if smooths else 0.0)
-    wanted = max(needed / (1.0 - min(needed, UNSEEN)) * loss, _by_chance(evidence, columns, node))
+    needed = least + (needed_beyond_noise(candidate, candidate.nodes[:, node], evidence, made) if smooths else 0.0)
+    wanted = max(needed / (1.0 - min(needed, MOST)) * loss, _by_chance(evidence, columns, node))
     parts = [(wanted, falls[most])]
     if evidence.unseen_loss:
         parts.append((UNSEEN * least * evidence.unseen_loss, unseen[most]))
@@ -138,21 +137,6 @@ def _usual_nodes(candidate: Candidate) -> np.ndarray:
 def _by_chance(evidence: Evidence, columns: Sequence[Columns], node: int) -> float:
     """Return the most that a placebo of a candidate gains at a node."""
     return float(max(0.0, evidence.shifted_gains([c.node(node) for c in columns], 0).max(initial=0.0)))
-
-
-def _by_noise(
-    candidate: Candidate,
-    node: int,
-    evidence: Evidence,
-    made: Sequence[tuple[FittedModel, Evidence]],
-) -> float:
-    """Return the share of the loss that must be gained beyond the least one, since noise of the angles makes it."""
-    single = replace(candidate, nodes=candidate.nodes[:, [node]])
-    loss, gains = float(evidence.fold_losses.sum()), []
-    for fitted, theirs in made:
-        columns = columns_at(single, single.nodes[:, 0], fitted)
-        gains.append(weigh(theirs, single, columns).share * float(theirs.fold_losses.sum()) / loss)
-    return evidence.rules.beyond_null * max(0.0, float(np.mean(gains))) if gains else 0.0
 
 
 def power_said(power: Sequence[Power], find: Callable[[str], Effect] = find_effect) -> str:

@@ -19,6 +19,8 @@ from exoid.ground.ties import TIED, index_of_greatest, tied
 from exoid.symbolic.effect import Coefficient, Shape
 from exoid.symbolic.motion import Float
 
+UNSEEN = 0.5
+"""Part of the least share that recordings held out must gain at least."""
 ROUNDS = 4
 """Times that recordings choose values of their own beside the numbers they share."""
 AT_ONCE = 100_000
@@ -134,7 +136,7 @@ def weigh(evidence: Evidence, candidate: Candidate, columns: Sequence[Columns]) 
     unseen = float(gain.unseen[0] / evidence.unseen_loss) if evidence.unseen_loss else None
     share = float(gain.total[0]) / whole if best is not None else 0.0
     folds = gain.folds[:, 0] / np.where(evidence.fold_losses > 0.0, evidence.fold_losses, np.inf)
-    helps = share >= rules.least_share and (unseen is None or unseen >= 0.5 * rules.least_share)
+    helps = share >= rules.least_share and (unseen is None or unseen >= UNSEEN * rules.least_share)
     steady = harmless(rules, gain.folds[:, 0])
     return Score(
         candidate,

@@ -7,11 +7,16 @@ rougher than the motion was; whatever smooths it (a flexible drive, a delay) the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.gain import Evidence
+from exoid.diagnosis.evidence.look_alikes import columns_at
+from exoid.diagnosis.evidence.score import weigh
 from exoid.measurement.signals.conditioning import derivatives, low_pass
 from exoid.optimisation.fitting.identify import identify
 from exoid.optimisation.preparation.filtering import PreparedRecording
@@ -32,6 +37,29 @@ def made_by_itself(fitted: FittedModel, floor: Float, seed: int) -> FittedModel:
     prepared = replace(fitted.prepared, train=tuple(made[:count]), verify=tuple(made[count:]))
     start = fitted.shape if fitted.model.shapes else None
     return fitted_model(identify(fitted.model, prepared.train, optimisers=(), start=start), prepared)
+
+
+Simulated = tuple[FittedModel, Evidence]
+"""A model on recordings that it made itself, and the evidence against it there."""
+
+
+def evidence_on(made: Sequence[FittedModel], evidence: Evidence) -> list[Simulated]:
+    """Return models on recordings that they made themselves with the evidence there, in the units of `evidence`."""
+    return [(one, one.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=evidence.rules)) for one in made]
+
+
+def needed_beyond_noise(
+    candidate: Candidate, shape: Float, evidence: Evidence, simulated: Sequence[Simulated]
+) -> float:
+    """Return the share of the loss that a candidate at shape values (R, S) must gain beyond the least one, since noise
+    of the angles makes so much of it.
+    """
+    single, gains = replace(candidate, nodes=shape[:, None, :]), []
+    loss = float(evidence.fold_losses.sum())
+    for fitted, theirs in simulated:
+        share = weigh(theirs, single, columns_at(single, shape, fitted)).share
+        gains.append(share * float(theirs.fold_losses.sum()) / loss)
+    return evidence.rules.beyond_null * max(0.0, float(np.mean(gains)))
 
 
 def _made(

@@ -13,7 +13,8 @@ import numpy as np
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.look_alikes import columns_at, look_alikes
-from exoid.diagnosis.evidence.score import Score, weigh
+from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import SearchContext
 from exoid.diagnosis.search.doubt import on_bound, undetermined
@@ -170,14 +171,9 @@ def _twins(
 
 def outlives_noise(context: SearchContext, extension: Extension, evidence: Evidence, score: Score) -> bool:
     """Whether a candidate gains clearly more than on recordings that the present model made itself, noise added."""
-    rules, loss = context.rules, float(evidence.fold_losses.sum())
-    single = replace(score.candidate, nodes=score.shape[:, None, :])
-    gains = []
-    for made in context.simulated(extension):
-        theirs = made.evidence(seed=0, draws=0, sigma=evidence.sigma, rules=rules)
-        share = weigh(theirs, single, context.columns_of(score, made)).share
-        gains.append(share * float(theirs.fold_losses.sum()) / loss)
-    return score.share - rules.beyond_null * max(0.0, float(np.mean(gains))) >= rules.least_share
+    simulated = evidence_on(context.simulated(extension), evidence)
+    needed = needed_beyond_noise(score.candidate, score.shape, evidence, simulated)
+    return score.share - needed >= context.rules.least_share
 
 
 def outlives_offsets(extension: Extension, evidence: Evidence, score: Score) -> bool:

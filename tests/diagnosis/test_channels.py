@@ -154,10 +154,10 @@ def delayed(seconds):
 def test_a_fast_filter_on_the_torque_may_be_what_a_delay_stands_for():
     pole = np.exp(-2.0 * np.pi * 8.0 / 100.0)
     fast = base([*smooth(lambda _, tau: lfilter([1.0 - pole], [1.0, -pole], tau, axis=0, zi=pole * tau[:1])[0])])
-    found = filtered(fast, [0], replace(RULES, filtered=0.5, as_late=1.4))
+    found = filtered(fast, [0], replace(RULES, filtered=0.5))
     assert found is not None and found.doubt is None and found.hertz == pytest.approx(8.0, rel=0.2)
     assert found.name.startswith("a filter of first order on the torque (")
-    sure = filtered(fast, [0], replace(RULES, filtered=1.4, as_late=1.4))
+    sure = filtered(fast, [0], replace(RULES, filtered=1.3))
     assert sure is not None and sure.doubt is not None and "filter of first order" in sure.doubt.sentence
     assert filtered(fast, [0], replace(RULES, as_late=0.5)) is None
     assert filtered(base([*smooth(delayed(0.03))]), [0, 1]) is None

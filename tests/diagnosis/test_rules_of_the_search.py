@@ -10,6 +10,7 @@ import pytest
 from synthetic import recording
 from test_rules_of_evidence import at, block, candidate, noise
 
+from exoid.diagnosis.evidence import simulated
 from exoid.diagnosis.evidence.columns import Columns
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.stretches import searched_stretches
@@ -119,13 +120,12 @@ def test_an_effect_contains_a_plainer_one_of_which_it_misses_next_to_nothing(mis
 def test_a_term_gains_more_than_twice_what_it_gains_where_it_is_certainly_not(without, stays, monkeypatch):
     """A gain of 10 %, at least a hundredth of it beyond what recordings show that the model without it made itself."""
     made = SimpleNamespace(evidence=lambda **asked: SimpleNamespace(fold_losses=np.ones(1)))
-    monkeypatch.setattr(choice, "replace", lambda one, **changes: one)
+    monkeypatch.setattr(simulated, "replace", lambda one, **changes: one)
+    monkeypatch.setattr(simulated, "columns_at", lambda *asked: [])
     gains = iter([0.5 * without, 1.5 * without])
-    monkeypatch.setattr(choice, "weigh", lambda *asked: SimpleNamespace(share=next(gains)))
-    context = SimpleNamespace(
-        rules=RULES, simulated=lambda extension: (made, made), columns_of=lambda one, fitted: []
-    )  # fmt: skip
-    evidence = SimpleNamespace(fold_losses=np.ones(1), sigma=np.ones(1))
+    monkeypatch.setattr(simulated, "weigh", lambda *asked: SimpleNamespace(share=next(gains)))
+    context = SimpleNamespace(rules=RULES, simulated=lambda extension: (made, made))
+    evidence = SimpleNamespace(fold_losses=np.ones(1), sigma=np.ones(1), rules=RULES)
     one = score("it", 0.1, shape=np.zeros((1, 0)))
     assert outlives_noise(context, SimpleNamespace(fitted=None), evidence, one) is stays
 
