@@ -47,8 +47,8 @@ from exoid.measurement.recording import Recording  # noqa: E402
 from exoid.measurement.signals.conditioning import derivatives, low_pass, uniform_sampling  # noqa: E402
 from exoid.measurement.signals.masks import widen  # noqa: E402
 from exoid.optimisation.fitting.identify import identify  # noqa: E402
-from exoid.optimisation.preparation.filtering import STICK, STICK_REACH  # noqa: E402
 from exoid.optimisation.preparation.prepare import prepare  # noqa: E402
+from exoid.optimisation.preparation.sticking import STICK, STICK_REACH  # noqa: E402
 from exoid.symbolic.catalogue import catalogue  # noqa: E402
 from exoid.symbolic.model import Model  # noqa: E402
 from exoid.symbolic.motion import Float, Motion  # noqa: E402

@@ -20,7 +20,7 @@ from exoid.diagnosis.watching.front import COMMON_ORDER, HALF, LONGEST_HOLE, ORD
 from exoid.diagnosis.watching.window import LEAST_WEIGHT
 from exoid.ground.text import in_comment
 from exoid.measurement.reading.limits import ABSURD, FASTEST, LASTING, LATEST
-from exoid.optimisation.preparation.filtering import STICK
+from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.codegen.instructions import PLAIN, scalar_c
 from exoid.symbolic.model import Model, require_no_force, require_still_base
 from exoid.symbolic.model_file import Numbers

@@ -30,7 +30,8 @@ from exoid.optimisation.linear.loss import Bool
 from exoid.optimisation.linear.problem import LinearData
 from exoid.optimisation.linear.solve import solve_sse
 from exoid.optimisation.linear.uncertainty import block_length, block_outer
-from exoid.optimisation.preparation.filtering import EDGE, INNER, STICK_REACH, PreparedRecording, reaches, sticking
+from exoid.optimisation.preparation.filtering import EDGE, INNER, PreparedRecording, reaches
+from exoid.optimisation.preparation.sticking import STICK_REACH, sticking
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.model import Model
 from exoid.symbolic.motion import Float, Motion

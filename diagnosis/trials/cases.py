@@ -42,7 +42,8 @@ from exoid.measurement.bench.simulation import BenchError, BenchRun, simulate_ru
 from exoid.measurement.signals.conditioning import low_pass
 from exoid.measurement.signals.masks import widen
 from exoid.measurement.trajectories.trajectory import random_trajectory
-from exoid.optimisation.preparation.filtering import STICK, reaches
+from exoid.optimisation.preparation.filtering import reaches
+from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.catalogue import catalogue
 from exoid.symbolic.effect import Coefficient, Effect, Shape
 from exoid.symbolic.model import Model

@@ -20,7 +20,8 @@ from scipy.signal import sosfilt
 
 from exoid.ground.errors import ExoidError
 from exoid.ground.thresholds import Threshold
-from exoid.optimisation.preparation.filtering import STICK, WORKING_RATE
+from exoid.optimisation.preparation.filtering import WORKING_RATE
+from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.motion import Float
 
 Bool = np.ndarray

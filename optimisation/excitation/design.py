@@ -27,7 +27,7 @@ from exoid.optimisation.excitation.search import MotionSearch, NoMotionError
 from exoid.optimisation.excitation.settings import DURATION, DesignError, DesignOptions, DesignSettings, MotionSettings
 from exoid.optimisation.excitation.space import MotionSpace, motion_space
 from exoid.optimisation.fitting.nominal import Nominal, nominal, sizes
-from exoid.optimisation.preparation.filtering import STICK
+from exoid.optimisation.preparation.sticking import STICK
 from exoid.symbolic.codegen.information import Information, information
 from exoid.symbolic.memory import memory_operations
 from exoid.symbolic.model import Limits, Model, require_still_base

@@ -16,10 +16,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid.ground.thresholds import Threshold
 from exoid.measurement.auditing.checks.motion import NOTHING
@@ -41,6 +39,15 @@ from exoid.measurement.signals.masks import straight, widen
 from exoid.measurement.signals.methods import BUTTERWORTH
 from exoid.measurement.signals.spikes import spikes_beside
 from exoid.optimisation.linear.loss import Bool
+from exoid.optimisation.preparation.sticking import (
+    DIRECTION,
+    STICK,
+    STICK_REACH,
+    Direction,
+    around_reversals,
+    sign_width,
+    sticking,
+)
 from exoid.symbolic.columns import forces_torque
 from exoid.symbolic.joints import Joint
 from exoid.symbolic.model import Model
@@ -51,32 +58,15 @@ WORKING_RATE = 100.0
 """Regressors are evaluated at about this rate, Hz (more only for high cut-offs): faster logging is averaged."""
 USED = 0.5
 """Part of what the common filter takes that must have been measured; the rest lies on bridges."""
-SIGN_WIDTH = (1e-4, 5e-2)
-"""Bounds in rad/s of the velocity below which the sign of a measured velocity fades, as its noise demands."""
 INNER = 2.0
 """Cut-off of the angles over the common one. Angles smoothed at the common cut-off would be smoothed twice (the model's
 torque is filtered after them), the torque only once: near the cut-off a model then looks too smooth, as if the drive
 were flexible. What noise the wider band lets in, the common filter takes out again."""
-STICK = Threshold(
-    0.03,
-    "rad/s below which a joint may stick and is not fitted: dry friction takes any value there, which no "
-    "function of motion tells",
-)
-STICK_REACH = Threshold(0.5, "periods of the cut-off by which such samples reach further: direction is smeared there")
 LOADED = Threshold(
     3.0,
     "times the sensor's noise by which the torque of a standing joint varies when it shows its load: noise "
     "fitted as load",
 )
-DWELL = Threshold(
-    0.9,
-    "part of its change before and after that a velocity keeps where a joint turns back at once: one that sticks for a "
-    "moment, between two samples, passes for one with a late torque or a soft drive",
-)
-BESIDE = 3
-"""Samples before and after a reversal, of which the outer ones say how a velocity changes there usually."""
-DIRECTION = 1 / 3
-"""Part of that speed which the noise of a velocity may be that tells the direction of motion."""
 HELD, SWAY = 0.02, 1.0
 """rad and Hz. A joint whose angle, below the second, has less range than the first, stays where it is. One that moves
 further but never faster than `STICK` creeps: of its dry friction nothing is known, and its torque is not fitted."""
@@ -95,16 +85,6 @@ class TorqueRead:
     missing: Bool
     fitted: Bool
     brief: Bool
-
-
-@dataclass(frozen=True, eq=False)
-class Direction:
-    """The velocities (N, J) below `band` Hz from which it is taken which way a joint moves, and whether. Smoothed as
-    accelerations need it, they pass quickly where a joint sticks for a moment, and turn some samples too early or late.
-    """
-
-    velocity: Float
-    band: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,7 +257,7 @@ def prepare_one(
     held = _held_still(q / reach_of, dq / reach_of, rate, velocity_noise(noise, inner) / reach_of)
     standing = stuck.all(axis=0) | held
     stuck = stuck & ~standing
-    turned = _turning(told.velocity) & ~standing if factor > 1 else np.zeros(stuck.shape, dtype=bool)
+    turned = around_reversals(told.velocity) & ~standing if factor > 1 else np.zeros(stuck.shape, dtype=bool)
     # A joint that stands has no direction of motion, and what its encoder's noise would give is none.
     sign = np.where(standing, 0.0, np.tanh(told.velocity / sign_width(noise, told.band, reach_of)))
     dq, ddq = np.where(held, 0.0, dq), np.where(held, 0.0, ddq)
@@ -318,46 +298,6 @@ def prepare_one(
     if beta is None:
         return one.without(_spikes(even, factor))
     return one.without(even.slower_spikes(factor, lambda: base.torque(motion, beta), missing))
-
-
-def sticking(dq: Float, reach: Float, near: int) -> Bool:
-    """Return the samples (N, J) at which joints with velocities `dq` (N, J) may stick, and `near` samples around where
-    they do; `reach` (J,) as of a PreparedRecording.
-
-    A joint that turns back at once does not stick. One that does, if only between two samples, is told by its velocity,
-    which changes less there than before and after.
-    """
-    slow = np.abs(dq) < STICK * reach
-    steps = np.abs(np.diff(dq, axis=0))
-    count = max(0, len(dq) - 2 * BESIDE - 1)
-
-    def at(shift: int, x: NDArray[Any]) -> NDArray[Any]:
-        """Return `x` from so many samples after the one before each reversal that has room on either side."""
-        return x[BESIDE + shift : BESIDE + shift + count]
-
-    usual = 0.5 * np.minimum(at(-3, steps) + at(-2, steps), at(2, steps) + at(3, steps))
-    least = np.minimum(np.minimum(at(-1, steps), at(0, steps)), at(1, steps))
-    back = np.signbit(at(0, dq)) != np.signbit(at(1, dq))
-    stays = back & (least < DWELL * usual)
-    passes = back & ~stays & ~at(-BESIDE, slow) & ~at(BESIDE + 1, slow)
-    there, passing = np.zeros(dq.shape, dtype=bool), np.zeros(dq.shape, dtype=bool)
-    for shift in range(-BESIDE, BESIDE + 2):
-        at(shift, passing)[:] |= passes
-    for shift in (0, 1):
-        at(shift, there)[:] |= stays
-    there |= slow & ~passing
-    return slow | np.column_stack([widen(column, near) for column in there.T])
-
-
-def _turning(dq: Float) -> Bool:
-    """Return the working samples (N, J) that are means over both directions of motion (`averaged`): friction jumps in
-    between, however fast the joint turns back.
-    """
-    back = np.signbit(dq[1:]) != np.signbit(dq[:-1])
-    around = np.zeros((len(dq) + 3, dq.shape[1]), dtype=bool)
-    for shift in range(4):
-        around[shift : shift + len(back)] |= back
-    return around[1 : 1 + len(dq)]
 
 
 def _spikes(even: UniformSignals, factor: int) -> Bool:
@@ -431,16 +371,6 @@ def _reads_nothing(even: UniformSignals, cutoff: float) -> Bool:
     if not little.any():
         return zero
     return np.asarray(zero | little & ~_bears_load(even.despiked, even.rate, cutoff))
-
-
-def sign_width(noise: Float, band: float, reach: Float) -> Float:
-    """Return the velocity (J,) in rad/s over which the sign fades: a part of the noise of a velocity.
-
-    `noise` (J,) is the density of the angle noise in rad²/Hz, `band` in Hz what is left of it, `reach` (J,) as of a
-    PreparedRecording.
-    """
-    low, high = SIGN_WIDTH
-    return np.clip(0.3 * velocity_noise(noise, band), low * reach, high * reach)
 
 
 def reaches(joints: Sequence[Joint]) -> Float:

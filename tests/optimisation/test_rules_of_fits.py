@@ -18,8 +18,9 @@ from exoid.optimisation.fitting.neighbours import Neighbours
 from exoid.optimisation.fitting.thigh_length import ThighLength
 from exoid.optimisation.preparation import cutoff
 from exoid.optimisation.preparation.cutoff import _Noise
-from exoid.optimisation.preparation.filtering import STICK, _bears_load, prepare_one, sticking
+from exoid.optimisation.preparation.filtering import _bears_load, prepare_one
 from exoid.optimisation.preparation.prepare import _check_base, _refuse_driven, prepare
+from exoid.optimisation.preparation.sticking import STICK, sticking
 from exoid.symbolic.model import Model
 
 
@@ -162,7 +163,7 @@ T = np.arange(0.0, 30.0, 0.01)
 SWING = 0.5 * np.sin(2.0 * T)
 
 
-@pytest.mark.shows("filtering.STICK")
+@pytest.mark.shows("sticking.STICK")
 @pytest.mark.parametrize(("speed", "used"), [(0.022, False), (0.042, True)])
 def test_a_joint_that_creeps_may_stick_and_is_not_fitted(speed, used):
     one = prepare_one(Model.standard(), "run", signals(SWING, speed * T), 5.0, None)
@@ -176,7 +177,7 @@ def stopping(stay):
     return np.interp(T, going + stay * stops, 0.5 * np.sin(2.0 * going))
 
 
-@pytest.mark.shows("filtering.STICK_REACH")
+@pytest.mark.shows("sticking.STICK_REACH")
 def test_samples_near_standstill_are_left_out_as_far_as_the_filter_smears_it():
     """Half a period of 10 Hz on either side of each standstill: angles are filtered at twice the cut-off."""
     q = stopping(0.1)
@@ -193,7 +194,7 @@ def test_a_joint_that_turns_back_at_once_is_left_out_only_where_it_is_slow():
     assert np.array_equal(one.stuck[100:-100, 0], slow)
 
 
-@pytest.mark.shows("filtering.DWELL")
+@pytest.mark.shows("sticking.DWELL")
 @pytest.mark.parametrize(("change", "sticks"), [(0.08, True), (0.1, False)])
 def test_a_joint_that_stays_between_two_samples_sticks_there(change, sticks):
     speed = 0.05 + 0.1 * np.arange(-40.0, 40.0)
