@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exoid.diagnosis.evidence.fitted import fitted_model
+from exoid.diagnosis.evidence.fitted import fitted_model, places_pay
 from exoid.diagnosis.results import Step, steps_figure, steps_table
 from exoid.diagnosis.verdict import biased_parameters, sentence_of
 from exoid.ground.calling import understood
@@ -179,9 +179,13 @@ def add(
     model, recordings, verify = question_of(own, recordings, verify)
     model = pushed_model(model, (*recordings, *verify))
     extended = model.with_effect(effect, joint)
-    code = compiled(extended)
     prepared = prepare(model, recordings, verify, cutoff=cutoff, derivative=derivative)
     found = identify(extended, prepared.train, optimisers=())
+    if extended.terms[-1].may_move:
+        each = identify(model.with_effect(effect, joint, own_places=True), prepared.train, optimisers=())
+        if places_pay(fitted_model(found, prepared), fitted_model(each, prepared)):
+            extended, found = each.model, each
+    code = compiled(extended)
     judged = fitted_model(found, prepared).judged_anew()
     before = identify(model, judged.train, optimisers=())
     after = found if judged is prepared else identify(extended, judged.train, optimisers=())

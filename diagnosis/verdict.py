@@ -172,6 +172,10 @@ def _of_accepted(accepted: Sequence[Accepted], end: _End, advice: str) -> Conclu
     elif error is not None:
         text += f" Beyond that, {error.sentence}."
     text += sways
+    if end.last.verified and (own := [(e.term, e.name) for e in end.last.model.shapes if e.shape.per_recording]):
+        named = {term.name: term.effect for term in end.last.model.terms}
+        names = " and ".join(number_called(named[term], name.removeprefix(f"{term}.")) for term, name in own)
+        text += f" Of recordings held out, {names} was found in one half and judged on the other."
     losing = [a for a in accepted if a.fall < 0.0 and a.agreement.repeats(end.rules)]
     if lost := " and ".join(called(a.name, end.find) for a in losing):
         text += f" The recordings held out here lose a little by {lost}; in nearly all other splits they gain by it."
@@ -291,9 +295,7 @@ def within_filter_error(base: FittedModel) -> Conclusion:
     )
 
 
-def _nearest(
-    possible: Sequence[Possible], rules: Rules, find: Callable[[str], Effect] = find_effect
-) -> str:
+def _nearest(possible: Sequence[Possible], rules: Rules, find: Callable[[str], Effect] = find_effect) -> str:
     """Return which entry of the catalogue comes nearest to what is left, and why it was not accepted; "" for none."""
     if not possible:
         return ""
@@ -367,9 +369,9 @@ def _told_falls(before: Float, after: Float, joints: Sequence[Joint]) -> str:
 def sentence_of(term: Term, numbers: Mapping[str, Estimate]) -> str:
     """Return e.g. "Stribeck friction at the knee (extra friction at creeping speed 2.2 ± 0.1 N·m, ...)"."""
     parts = []
-    turning = {name for name, shape in term.effect.shape.items() if shape.turns}
+    own = {n for n, s in term.placed_shape.items() if s.per_recording and (s.turns or s.spacing == "position")}
     for name, e in numbers.items():
-        if name in turning:
+        if name in own:
             what = number_called(term.effect, name)
             parts.append(f"{what} {e.low:.3g} to {e.high:.3g} {e.unit}, another in every recording")
             continue

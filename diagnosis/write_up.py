@@ -68,7 +68,7 @@ def accepted_of(extensions: Sequence[Extension]) -> tuple[Accepted, ...]:
     for before, extension in pairwise(extensions):
         score = extension.added
         assert score is not None
-        term = score.candidate.term
+        term = next(one for one in last.fitted.model.terms if one.name == score.name)
         numbers = estimates_in(last.fitted.fit, term.name)
         accepted.append(
             Accepted(

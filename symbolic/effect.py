@@ -42,8 +42,9 @@ class Shape:
     `spacing` says how a search should space its trial values: "linear", "log", "time" (a moment of the recording,
     or one before or after it), or "position" (a place on the
     joint's path: spaced by how often the joint is there, densest near the ends of its range). `points` is how many
-    it needs so that neighbouring trial values still resemble each other. `per_recording` marks a value that
-    mounting or strapping may move between recordings: each recording then has its own. `turns` marks an angle that
+    it needs so that neighbouring trial values still resemble each other. `per_recording` marks a value that each
+    recording has to itself; a position is then one that mounting or strapping may move, and the same in all recordings
+    unless the term has `own_places`. `turns` marks an angle that
     turns pairs of coefficients, sine and cosine parts in their order: one for all recordings is nothing that these do
     not describe, and where each has its own it follows from theirs.
     """

@@ -146,12 +146,13 @@ class Model:
         """Return the eight-parameter leg of the paper."""
         return cls(thigh_length=float(thigh_length), gravity=float(gravity))
 
-    def with_effect(self, effect: Effect | str, joint: str | None = None) -> Model:
+    def with_effect(self, effect: Effect | str, joint: str | None = None, *, own_places: bool = False) -> Model:
         """Return this model with one more effect; `effect` may be "stribeck", "stribeck:knee" or an Effect.
 
-        EffectError where there is no such effect, not at that joint, or where the model has it already.
+        A stop or a strap has one place in all recordings, or, with `own_places`, another in each. EffectError where
+        there is no such effect, not at that joint, or where the model has it already.
         """
-        return replace(self, terms=(*self.terms, self._term(effect, joint)))
+        return replace(self, terms=(*self.terms, replace(self._term(effect, joint), own_places=own_places)))
 
     def _term(self, effect: Effect | str, joint: str | None = None) -> Term:
         """Return the effect, or the one of that name, at its place; an Effect of one joint alone is at that one."""
@@ -226,8 +227,7 @@ class Model:
         if not self.chain:
             bounds = {"Phi1": 0.0, "Phi2": 0.0}
             return tuple(
-                Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, None)
-                for name in INERTIAL
+                Parameter(name, f"inertia Φ{name[-1]}", "kg·m²", bounds.get(name), None, None) for name in INERTIAL
             )
         from exoid.symbolic.mechanics.base_parameters import base_parameters
 

@@ -99,7 +99,12 @@ def model_content(model: Model, fit: Identified | None = None) -> dict[str, Any]
         content["forces"] = [_force_content(force) for force in model.forces]
     if model.terms:
         content["effects"] = [
-            {"id": term.effect.id, **({} if term.joint is None else {"joint": term.joint})} for term in model.terms
+            {
+                "id": term.effect.id,
+                **({} if term.joint is None else {"joint": term.joint}),
+                **({"own_places": True} if term.own_places else {}),
+            }
+            for term in model.terms
         ]
     custom = {effect.id: effect for effect in (*model.custom, *(t.effect for t in model.terms if t.effect.custom))}
     if custom:
@@ -198,10 +203,10 @@ def _model(top: Table) -> Model:
     model = _worn(_machine(top) if "joints" in top.values else _leg(top), top)
     model = _pushed(model, top.tables("forces"))
     for entry in top.tables("effects"):
-        entry.only("id", "joint")
-        joint = entry.text("joint", "")
+        entry.only("id", "joint", "own_places")
+        joint, own = entry.text("joint", ""), entry.flag("own_places")
         try:
-            model = model.with_effect(entry.text("id"), joint if joint not in ("", "both") else None)
+            model = model.with_effect(entry.text("id"), joint if joint not in ("", "both") else None, own_places=own)
         except ExoidError as error:
             raise entry.error("joint" if joint and "joint" in str(error) else "id", error.what, error.remedy) from error
     return model

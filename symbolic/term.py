@@ -54,12 +54,14 @@ class Term:
     """An `effect` at a `joint` (its name), or on both joints of the leg (None); `among` are the machine's joints.
 
     Where the machine is not the leg, an effect on both is one on a joint and the next, and `joint` is the first; one
-    that changes the mechanism of the whole machine has no joint there either.
+    that changes the mechanism of the whole machine has no joint there either. A place that may move between recordings
+    (of a stop, a strap) is one and the same in all of them, unless they have `own_places`.
     """
 
     effect: Effect
     joint: str | None
     among: tuple[Joint, ...] = LEG
+    own_places: bool = False
 
     def __post_init__(self) -> None:
         effect = self.effect
@@ -126,6 +128,11 @@ class Term:
         return {key: self._shape(shape) for key, shape in self.effect.shape.items()}
 
     @property
+    def may_move(self) -> bool:
+        """Whether it has a place that mounting or strapping may move between recordings."""
+        return any(one.per_recording and one.spacing == "position" for one in self.effect.shape.values())
+
+    @property
     def first(self) -> int:
         """Index of the term's joint, of the first of them for an effect on two."""
         return 0 if self.joint is None else [joint.name for joint in self.among].index(self.joint)
@@ -156,6 +163,8 @@ class Term:
         """Return a shape as it is at the term's joint. Places keep their range: they are not sizes, and a stage may be
         long.
         """
+        if shape.spacing == "position" and not self.own_places:
+            shape = replace(shape, per_recording=False)
         if not self._slides:
             return shape
         unit = "1/rad" if shape.counts_angle else shape.unit

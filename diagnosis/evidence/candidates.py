@@ -9,7 +9,7 @@ trial value. Nothing here ever looks at the measured torque.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -82,6 +82,11 @@ class Candidate:
         """Indices of the nodes that are the same in every recording, each once."""
         same = np.flatnonzero(np.all(self.nodes == self.nodes[:1], axis=(0, 2)))
         return same[np.sort(np.unique(self.nodes[0, same], axis=0, return_index=True)[1])]
+
+    @property
+    def at_one_place(self) -> Candidate:
+        """The candidate with the nodes alone that are the same in every recording."""
+        return replace(self, nodes=self.nodes[:, self.common])
 
     @property
     def per_recording(self) -> tuple[int, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence, pooled_scale
 from exoid.diagnosis.rules import RULES, Rules
 from exoid.optimisation.fitting.fit import Fit
-from exoid.optimisation.fitting.local_shape import shapes_for
+from exoid.optimisation.fitting.local_shape import own_of_halves, own_shapes, shapes_for
 from exoid.optimisation.fitting.shapes import slope_by_shape
 from exoid.optimisation.linear.loss import huber, huber_terms
 from exoid.optimisation.preparation.filtering import PreparedRecording
@@ -141,6 +141,12 @@ class FittedModel:
         pairs = zip(self.prepared.all, self.shapes, strict=True)
         return judged_anew(self.prepared, [self.model.torque(one.motion, self.linear, at) for one, at in pairs])
 
+    def judged_by_halves(self) -> FittedModel:
+        """Return the model with what it leaves of each half of a recording where the values that belong to the
+        recording are fitted to the other half.
+        """
+        return replace(self, residuals=tuple(_by_halves(self.fit, one) for one in self.prepared.all))
+
     def on(self, prepared: Prepared) -> FittedModel:
         """Return the same model with the same numbers on other versions of the recordings."""
         residuals = _residuals(self.model, self.linear, self.shapes, prepared)
@@ -150,12 +156,38 @@ class FittedModel:
 def fitted_model(fit: Fit, prepared: Prepared) -> FittedModel:
     """Return the fitted model on training and verification recordings.
 
-    Shape values that belong to a recording (where a stop is met) are fitted to each recording, unseen ones included;
-    everything else is as fitted on the training recordings.
+    Shape values that belong to a recording are fitted to each recording; of what is left of an unseen one each half is
+    judged by those of the other. Everything else is as fitted on the training recordings.
     """
     model = fit.model
     shapes = shapes_for(fit, prepared)
-    return FittedModel(fit, shapes, _residuals(model, fit.linear, shapes, prepared), prepared, _slack(fit, model))
+    residuals = _residuals(model, fit.linear, shapes, prepared)
+    if own_shapes(model):
+        seen = residuals[: len(prepared.train)]
+        residuals = (*seen, *(_by_halves(fit, one) for one in prepared.verify))
+    return FittedModel(fit, shapes, residuals, prepared, _slack(fit, model))
+
+
+def lag(loss: Float, least: Float) -> float:
+    """Return by how many standard errors a model's loss in blocks of time is above the least one's; 0 for itself."""
+    difference = loss - least
+    spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))
+    return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
+
+
+def places_pay(once: FittedModel, each: FittedModel, rules: Rules = RULES) -> bool:
+    """Whether places that recordings have to themselves (`each`) are better than the same place in all (`once`): with
+    places found in the other half of a recording, the torque is predicted clearly better.
+    """
+    fixed, moving = (one.judged_by_halves().block_losses(once.scale, rules) for one in (once, each))
+    return lag(fixed, moving) >= rules.clear
+
+
+def _by_halves(fit: Fit, one: PreparedRecording) -> Float:
+    """Return what is left (J, K) of a recording, each half with its own values as the other half has them."""
+    first, second = (one.torque - _filtered_torque(fit.model, one, fit.linear, at) for at in own_of_halves(fit, one))
+    middle = first.shape[1] // 2
+    return np.concatenate([first[:, :middle], second[:, middle:]], axis=1)
 
 
 def _slack(fit: Fit, model: Model) -> Float:

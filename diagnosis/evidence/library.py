@@ -142,7 +142,7 @@ def build_library(model: Model, prepared: Sequence[PreparedRecording], extra: It
     found = []
     for effect in (*catalogue(model.joints).values(), *extra):
         for joint in places_of(effect, model.joints):
-            term = Term(effect, joint, model.joints)
+            term = Term(effect, joint, model.joints, own_places=True)
             # Of a joint whose torque is always zero, the model's own torque is its residual: it would explain itself.
             undriven = joint is not None and not driven[term.first]
             idle = undriven and (effect.drive or (effect.derive is None and feeds_back(term)))

@@ -136,7 +136,7 @@ def _bumps(now: FittedModel, joint: str) -> list[Candidate]:
         nodes = np.concatenate(
             [np.array([[(m, w) for m in places for w in widths] for places in each]) for each in tried], axis=1
         )
-        out.append(Candidate(Term(effect, joint, now.model.joints), nodes, False))
+        out.append(Candidate(Term(effect, joint, now.model.joints, own_places=True), nodes, False))
     return out
 
 

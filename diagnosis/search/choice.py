@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
+from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.look_alikes import columns_at, look_alikes
 from exoid.diagnosis.evidence.score import Score
@@ -209,13 +210,6 @@ def _centred(block: RecordingEvidence) -> RecordingEvidence:
 def _mean(x: Float, use: np.ndarray, axis: int) -> Float:
     """Return the mean of `x` over the usable samples along `axis`, kept as an axis of length one."""
     return np.sum(x * use, axis=axis, keepdims=True) / np.maximum(use.sum(axis=axis, keepdims=True), 1)
-
-
-def lag(loss: Float, least: Float) -> float:
-    """Return by how many standard errors a model's loss in blocks of time is above the least one's; 0 for itself."""
-    difference = loss - least
-    spread = float(np.sqrt(np.sum((difference - difference.mean()) ** 2)))
-    return float(difference.sum()) / spread if spread > 1e-9 * float(least.sum()) else 0.0
 
 
 def _plainness(score: Score) -> tuple[int, int]:

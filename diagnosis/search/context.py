@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.columns import Columns
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay
 from exoid.diagnosis.evidence.gain import Evidence
 from exoid.diagnosis.evidence.library import Library
 from exoid.diagnosis.evidence.look_alikes import columns_at, refine
@@ -72,7 +72,7 @@ class SearchContext:
     def fit(self, model: Model, start: Float | None = None) -> Extension:
         """Return `model` fitted to the training recordings, on all of them; no term is added yet."""
         begun = b"" if start is None else np.asarray(start, dtype=float).tobytes()
-        key = tuple(term.name for term in model.terms), begun
+        key = tuple(f"{term.name}{'*' * term.own_places}" for term in model.terms), begun
         if key not in self.fits:
             fit = identify(model, self.prepared.train, optimisers=(), start=start)
             self.fits[key] = Extension(fitted_model(fit, self.prepared))
@@ -87,8 +87,21 @@ class SearchContext:
         return replace(self.refits[key], added=score)
 
     def _with_term(self, extension: Extension, score: Score) -> Extension:
+        """Return the refit; a place that may move between recordings is one, unless a place in each pays."""
+        if not score.candidate.term.may_move:
+            return self._refitted(extension, score, own_places=False)
+        once = self._refitted(extension, self._at_one_place(extension, score), own_places=False)
+        each = self._refitted(extension, score, own_places=True)
+        return each if places_pay(once.fitted, each.fitted, self.rules) else once
+
+    def _at_one_place(self, extension: Extension, score: Score) -> Score:
+        """Return the score of a candidate at the best place that is the same in all recordings."""
+        candidate = self.library.find(score.name)
+        return self.weighed(extension, self.evidence(extension, draws=0), candidate.at_one_place)
+
+    def _refitted(self, extension: Extension, score: Score, *, own_places: bool) -> Extension:
         before, term = extension.fitted, score.candidate.term
-        model = before.model.with_effect(term.effect, term.joint)
+        model = before.model.with_effect(term.effect, term.joint, own_places=own_places)
         count = len(self.prepared.train)
         own = score.shape[:count] if not score.candidate.tangent else _from_tangent(score, count)
         shapes = np.broadcast_to(before.fit.shapes, (count, len(before.shape)))

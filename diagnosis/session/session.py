@@ -19,7 +19,7 @@ import numpy as np
 
 from exoid.diagnosis.compare import Comparison, compare_prepared
 from exoid.diagnosis.discover import answer_of
-from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model
+from exoid.diagnosis.evidence.fitted import FittedModel, fitted_model, places_pay
 from exoid.diagnosis.evidence.library import Library, build_library
 from exoid.diagnosis.evidence.model_error import ModelError, model_error
 from exoid.diagnosis.evidence.stretches import origins, searched_stretches
@@ -67,6 +67,7 @@ class Session:
         self._fits: dict[tuple[str, ...], FittedModel] = {}
         self._rankings: dict[tuple[str, ...], Ranking] = {}
         self._shapes: dict[str, Float] = {}
+        self._own_places: dict[str, bool] = {}  # of effects with a place: whether recordings have others
 
     @property
     def rules(self) -> Rules:
@@ -114,7 +115,8 @@ class Session:
         model = self.model
         for name in names:
             identifier, _, joint = name.partition(":")
-            model = model.with_effect(own.get(identifier, identifier), joint or None)
+            places = self._own_places.get(name, False)
+            model = model.with_effect(own.get(identifier, identifier), joint or None, own_places=places)
         return model
 
     def known(self, names: Names = ()) -> FittedModel | None:
@@ -125,12 +127,21 @@ class Session:
         """Return the model with these effects, fitted to the training recordings, on all of them."""
         key = tuple(names)
         if key not in self._fits:
-            model = self.with_effects(key)
-            fit = identify(model, self.prepared.train, optimisers=(), start=self._start(model))
-            self._fits[key] = fitted_model(fit, self.prepared)
-            for entry, column in zip(model.shapes, np.asarray(fit.shapes).T, strict=True):
+            found = self._fitted(key)
+            if key and found.model.terms[-1].may_move and key[-1] not in self._own_places:
+                self._own_places[key[-1]] = True
+                each = self._fitted(key)
+                self._own_places[key[-1]] = places_pay(found, each, self.rules)
+                found = each if self._own_places[key[-1]] else found
+            self._fits[key] = found
+            for entry, column in zip(found.model.shapes, np.asarray(found.fit.shapes).T, strict=True):
                 self._shapes[entry.name] = column
         return self._fits[key]
+
+    def _fitted(self, names: Names) -> FittedModel:
+        model = self.with_effects(names)
+        fit = identify(model, self.prepared.train, optimisers=(), start=self._start(model))
+        return fitted_model(fit, self.prepared)
 
     def ranking(self, names: Names = ()) -> Ranking:
         """Return the suspects beside these effects; they are weighed by its `work()`."""

@@ -1,13 +1,14 @@
 """Shape parameters beside a start, and those that belong to one recording.
 
-Where a stop is met moves with strapping and encoder zero: each recording has its own place, while the stiffness is the
-leg's. Such values (`Shape.per_recording`) are fitted to every recording, an unseen one included; the linear parameters
-never are.
+Some values belong to a recording by nature (by how much its clock is late, the phase of a sway), or because mounting
+and strapping move a place. They (`Shape.per_recording`) are fitted to every recording, an unseen one included, but
+judged on the half of it that they were not fitted to; the linear parameters never are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +54,16 @@ def shapes_for(fit: Fit, prepared: Prepared) -> Float:
         for one in prepared.verify
     ]
     return np.array([*train, *rows], dtype=float).reshape(len(prepared.all), len(model.shapes))
+
+
+def own_of_halves(fit: Fit, one: PreparedRecording) -> Float:
+    """Return the shape values (2, S) by which the two halves of a recording are judged: its own ones fitted to the
+    other half.
+    """
+    own, shape = own_shapes(fit.model), np.array(fit.shape)
+    early = np.arange(one.used.shape[1]) < one.used.shape[1] // 2
+    halves = (replace(one, used=one.used & part) for part in (~early, early))
+    return np.array([_fit_own(fit.model, half, fit.linear, shape, own, fit.delta) for half in halves])
 
 
 def _fit_own(
