@@ -16,7 +16,7 @@ from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing.checks.motion import NONE
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading import angles, clock
-from exoid.measurement.reading.columns import UNIT_OF, Assigned
+from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.degrees import read_degrees
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.limits import credible
@@ -27,6 +27,7 @@ from exoid.measurement.reading.units import is_product
 from exoid.measurement.recording import BASE_COLUMNS, Recording, Source
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.motion import Float
+from exoid.symbolic.units import SI_UNIT
 
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
@@ -133,7 +134,7 @@ def _conversion(name: str, item: Assigned, joints: tuple[Joint, ...]) -> str:
     """Return "tau1 from Nm/A*0.1*50 (5 N·m per unit)"; the number only where a product was given."""
     if not is_product(item.unit):
         return f"{name} from {item.unit}"
-    return f"{name} from {item.unit} ({item.factor:.4g} {UNIT_OF[kind_of(name, joints)]} for 1)"
+    return f"{name} from {item.unit} ({item.factor:.4g} {SI_UNIT[kind_of(name, joints)]} for 1)"
 
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
