@@ -31,7 +31,7 @@ from exoid.symbolic.units import SI_UNIT
 
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
-FEW = 0.1
+LEAST_USABLE = 0.1
 """Share of the cells of an angle or a torque below which it is taken for the wrong column."""
 UNUSED = "none: the rows do not enter the fit"
 ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
@@ -152,7 +152,7 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
             columns[name] = np.where(bad, np.nan, values)
             draft = draft.without(name, bad)
         wrong = int(np.count_nonzero(bad & ~np.isnan(values))) + assigned[name].column.text_count
-        few = np.count_nonzero(~bad) < max(10.0, FEW * bad.size) if name in draft.own else bad.mean() > 0.5
+        few = np.count_nonzero(~bad) < max(10.0, LEAST_USABLE * bad.size) if name in draft.own else bad.mean() > 0.5
         if few or wrong > 0.5 * bad.size:
             what, shown, rows = _bad_cells(told, [name], assigned)
             remedy = f"is this the right column? --map {name}=COLUMN names another"
