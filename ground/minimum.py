@@ -1,8 +1,8 @@
 """The minimum of a function of one number between two bounds.
 
 Brent's method as Forsythe, Malcolm and Moler (Computer Methods for Mathematical Computations, 1977) give it, and SciPy
-has it: `minimize_scalar(method="bounded")` is the check on it in the tests. Importing `scipy.optimize` takes 0.6 s, and
-`discover` 1.4 s in all on the demo's recordings.
+has it: `minimize_scalar(method="bounded")` is the check on it in the tests. Importing `scipy.optimize` takes 0.3 s, and
+`discover` 1.4 s in all on the demo's recordings, by one process.
 """
 
 from __future__ import annotations
