@@ -48,7 +48,7 @@ def engine_of(given: Engine | Executor) -> Engine:
     name = type(given).__name__
     if not isinstance(given, Executor):
         remedy = "give an executor, such as concurrent.futures.ProcessPoolExecutor(), or dask() and slurm() of exoid"
-        raise EngineError(f"a {name} is no concurrent.futures.Executor", where="engine", remedy=remedy)
+        raise EngineError(f"{name} is no concurrent.futures.Executor", where="engine", remedy=remedy)
     count = getattr(given, "_max_workers", UNKNOWN)
     return Engine(name, given, lambda: count, list, lambda wait: None)
 

@@ -92,7 +92,7 @@ def test_any_executor_gives_the_same_bytes(kind, finished, plan_file, tmp_path):
 
 
 def test_what_is_no_executor_is_refused_in_words(plan_file, tmp_path):
-    with pytest.raises(EngineError, match=r"a int is no concurrent\.futures\.Executor"):
+    with pytest.raises(EngineError, match=r"int is no concurrent\.futures\.Executor"):
         run_campaign(read_plan(plan_file), tmp_path, 8)
 
 
