@@ -133,8 +133,8 @@ def plain_unit(unit: str) -> str:
 def _coherent(word: str) -> str:
     """Return what to use instead of a unit with a factor in it, "" for any other word."""
     plain = plain_unit(word)
-    factors = ((quantity, table[plain]) for quantity, table in QUANTITIES.items() if plain in table)
-    return NOT_SI.get(word) or next((SI_UNIT[quantity] for quantity, factor in factors if factor != 1.0), "")
+    found = ((key, table[plain]) for key, table in QUANTITIES.items() if plain in table and key != "load")  # or in volt
+    return NOT_SI.get(word) or next((SI_UNIT[key] for key, factor in found if factor != 1.0), "")
 
 
 def dimension(unit: str, where: str) -> Dimension:
