@@ -44,10 +44,10 @@ def _taking(does: Any, called: Any, words: dict[str, str]) -> Any:
         try:
             return does(*given, **named)
         except TypeError as error:
-            doubt = None if isinstance(error, ExoidError) else _unbound(called, given, named)
-            if doubt is None:
+            refusal = None if isinstance(error, ExoidError) else _unbound(called, given, named)
+            if refusal is None:
                 raise
-            raise doubt from None
+            raise refusal from None
 
     return taken
 

@@ -34,7 +34,7 @@ class Setting:
     unit: str = ""
     choices: Sequence[str] = ()
 
-    def doubt(self, name: str, value: Any) -> tuple[str, str] | None:
+    def objection(self, name: str, value: Any) -> tuple[str, str] | None:
         """Return what is wrong with a value, and what to give; None where it is allowed or not given."""
         if value is None:
             return None
@@ -67,9 +67,9 @@ class VerbSettings:
 
     def __post_init__(self) -> None:
         for entry, about in settings_in(type(self)):
-            doubt = about.doubt(entry.name, getattr(self, entry.name))
-            if doubt is not None:
-                raise self.refusal(doubt[0], remedy=doubt[1])
+            objection = about.objection(entry.name, getattr(self, entry.name))
+            if objection is not None:
+                raise self.refusal(objection[0], remedy=objection[1])
 
     @classmethod
     def chosen(cls: type[Record], given: Record | None, changes: Mapping[str, Any]) -> Record:

@@ -1,14 +1,18 @@
-"""Units as dimensions: "N·m·s/rad" becomes powers of m, kg, s, A and K.
+"""Units that people write: what one of them is in SI, and the dimension of a product of SI units.
 
-The radian counts as 1, as in SI. Only coherent SI units are read, so that no factor is hidden in a unit: "deg", "mm" or
-"rpm" are refused with the unit to use.
+Recordings may be in any of `QUANTITIES`. Of the numbers of a model "N·m·s/rad" becomes powers of m, kg, s, A and K; the
+radian counts as 1, as in SI. Only coherent SI units are read there, so that no factor is hidden in a unit: "deg", "mm"
+or "rpm" are refused with the unit to use.
 """
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from types import MappingProxyType
 
 from exoid.ground.errors import EffectError, ExpressionError
 from exoid.ground.suggest import nearest
@@ -79,13 +83,59 @@ UNITS = {
 }  # fmt: skip
 """Words of the unit language."""
 
+DEGREE = math.pi / 180.0
+QUANTITIES: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "t": {"s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3,
+              "millis": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "usec": 1e-6, "micros": 1e-6, "microseconds": 1e-6,
+              "ns": 1e-9, "nsec": 1e-9, "nanoseconds": 1e-9, "min": 60.0},
+        "q": {"rad": 1.0, "radian": 1.0, "radians": 1.0, "rads": 1.0, "mrad": 1e-3, "deg": DEGREE, "degree": DEGREE,
+              "degrees": DEGREE, "°": DEGREE, "rev": 2 * math.pi, "revs": 2 * math.pi, "turn": 2 * math.pi,
+              "turns": 2 * math.pi},
+        "dq": {"rad/s": 1.0, "rads": 1.0, "rad/sec": 1.0, "rads-1": 1.0, "mrad/s": 1e-3, "deg/s": DEGREE,
+               "deg/sec": DEGREE, "degs": DEGREE, "degs-1": DEGREE, "°/s": DEGREE, "dps": DEGREE,
+               "rpm": math.pi / 30.0, "rev/s": 2 * math.pi, "turn/s": 2 * math.pi, "turns/s": 2 * math.pi},
+        "ddq": {"rad/s2": 1.0, "rads2": 1.0, "rads-2": 1.0, "rad/s/s": 1.0, "mrad/s2": 1e-3, "deg/s2": DEGREE,
+                "degs-2": DEGREE, "°/s2": DEGREE, "deg/s/s": DEGREE},
+        "tau": {"nm": 1.0, "mnm": 1e-3, "knm": 1e3, "meganm": 1e6, "ncm": 1e-2, "nmm": 1e-3,
+                "lbfft": 1.3558179483314004, "ftlb": 1.3558179483314004, "lbfin": 0.1129848290276167,
+                "inlb": 0.1129848290276167},
+        "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "megan": 1e6, "lbf": 4.4482216152605},
+        "load": {"n": 1.0, "kn": 1e3, "lbf": 4.4482216152605, "v": 1.0, "mv": 1e-3, "%": 1.0, "bool": 1.0},
+        "i": {"a": 1.0, "ma": 1e-3},
+        "x": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254},
+        "dx": {"m/s": 1.0, "ms-1": 1.0, "mm/s": 1e-3, "mms-1": 1e-3, "cm/s": 1e-2, "m/min": 1.0 / 60.0},
+        "ddx": {"m/s2": 1.0, "ms-2": 1.0, "mm/s2": 1e-3, "mms-2": 1e-3, "cm/s2": 1e-2},
+    }
+)  # fmt: skip
+"""Factor to SI per quantity and unit in lower case, without points, blanks and carets."""
+SI_UNIT: Mapping[str, str] = MappingProxyType(
+    {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N", "load": "N", "i": "A", "x": "m",
+     "dx": "m/s", "ddx": "m/s²"}
+)  # fmt: skip
+"""The unit of each of them whose factor is 1."""
 NOT_SI = {
-    "deg": "rad", "°": "rad", "degree": "rad", "degrees": "rad", "turn": "rad", "rev": "rad", "rpm": "rad/s",
-    "mm": "m", "cm": "m", "km": "m", "ms": "s", "us": "s", "µs": "s", "min": "s", "h": "s", "g": "kg", "t": "kg",
-    "mN": "N", "kN": "N", "mNm": "N·m", "kNm": "N·m", "Nmm": "N·m", "mA": "A", "°C": "K", "degC": "K",
-    "%": "1", "percent": "1", "-": "1",
+    "km": "m", "h": "s", "g": "kg", "t": "kg", "°C": "K", "degC": "K", "%": "1", "percent": "1", "-": "1",
 }  # fmt: skip
-"""Units with a factor in them, and what to use instead."""
+"""Further units with a factor in them, and what to use instead."""
+
+
+def plain_unit(unit: str) -> str:
+    """Return `unit` in the spelling of the table: "N·m" -> "nm", "rad/s²" -> "rad/s2", "µs" -> "us"."""
+    unit = unit.strip().replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
+    unit = unit.replace("µ", "u").replace("μ", "u").replace("º", "°")
+    word = re.sub(r"[\s·⋅*.^_-]+(?!\d)|\^", "", unit)
+    if word.startswith("MN"):  # the only prefix that is spelt with a capital; all in capitals it could be either
+        return "mega" + word[1:].lower() if word == "MN" or not word.isupper() else "mega or milli"
+    return word.lower()
+
+
+def _coherent(word: str) -> str:
+    """Return what to use instead of a unit with a factor in it, "" for any other word."""
+    plain = plain_unit(word)
+    found = ((key, table[plain]) for key, table in QUANTITIES.items() if plain in table and key != "load")  # or in volt
+    return NOT_SI.get(word) or next((SI_UNIT[key] for key, factor in found if factor != 1.0), "")
+
 
 def dimension(unit: str, where: str) -> Dimension:
     """Return the dimension of a unit text; EffectError at `where` for one that is missing or not SI."""
@@ -101,11 +151,12 @@ def _dimension(text: str) -> Dimension:
         raise EffectError("the unit is missing", remedy='give it, or "1" for a plain number')
     if len(text) > LONGEST:
         raise EffectError(f"a unit of {len(text)} characters", remedy=f"use at most {LONGEST}")
-    if text in NOT_SI:
-        raise _not_si(text)
-    for word in re.findall("[A-Za-zµ°%]+", text):
-        if word in NOT_SI:
-            raise _not_si(word)
+    for word in re.findall("^-$|[A-Za-zµ°%]+", text):
+        if word not in UNITS and (instead := _coherent(word)):
+            raise EffectError(
+                f"the unit {word} has a factor in it; all numbers here are in SI units",
+                remedy=f"use {instead}, and convert bounds and values",
+            )
         if word not in UNITS:
             near = nearest(word, UNITS, 2)
             raise EffectError(
@@ -145,10 +196,3 @@ def _worth(node: Node) -> Dimension | None:
         return left**node.right.value
     right = _worth(node.right)
     return None if right is None or node.operator in "+-" else left * right if node.operator == "*" else left / right
-
-
-def _not_si(word: str) -> EffectError:
-    return EffectError(
-        f"the unit {word} has a factor in it; all numbers here are in SI units",
-        remedy=f"use {NOT_SI[word]}, and convert bounds and values",
-    )

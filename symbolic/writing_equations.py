@@ -1,29 +1,92 @@
-"""Equations written out: as plain text, as LaTeX, and as Python for SymPy or CasADi."""
+"""Equations in SymPy, and written out: as plain text, as LaTeX, and as Python for SymPy or CasADi."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from exoid.ground.errors import ExoidError
 from exoid.ground.text import in_comment
-from exoid.symbolic.equations import EquationError, Equations
+from exoid.symbolic.codegen.layout import BASE_STATE
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
+    from exoid.symbolic.model import Model
+    from exoid.symbolic.term import Parameter
+
 DOTS = {"ddtheta": r"\ddot{\theta}", "dtheta": r"\dot{\theta}", "theta": r"\theta"}
 
 
-def equations_text(found: Equations, format: str = "text") -> str:
-    """Return the equations as "text", "latex", "sympy" or "casadi"; the last two are Python to be run without
-    exoid. EquationError for any other format.
+class EquationError(ExoidError):
+    """Equations that cannot be given: of what is no model, or in no known format."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of `model` in SymPy, for J joints and P linear parameters.
+
+    `M`, `C` (J, J) and `G` (J, 1) are those of the rigid machine in its base parameters, `C` in Christoffel's form; `J`
+    (2, J) leads from joint velocities to that of a point `reach` m down the last link. `Y` (J, P) has a column for each
+    of `parameters`; `base` says what Φ1.. are made of. What has no column stands in `added`: {term: torque (J, 1)}.
+    `memories` are signals with a past, {symbol: (operator, what feeds it, its parameter or None)}.
     """
-    if format not in FORMATS:
-        raise EquationError(f"there is no format {format!r}", remedy=f"one of: {', '.join(FORMATS)}")
-    return FORMATS[format](found)
+
+    model: Model
+    M: Matrix = field(repr=False)
+    C: Matrix = field(repr=False)
+    G: Matrix = field(repr=False)
+    J: Matrix = field(repr=False)
+    Y: Matrix = field(repr=False)
+    base: Mapping[str, Expr] = field(repr=False)
+    added: Mapping[str, Matrix] = field(repr=False)
+    memories: Mapping[Symbol, tuple[str, Expr, Expr | None]] = field(repr=False)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The linear parameters (P,), in the order of the columns of `Y`."""
+        return self.model.parameters
+
+    @cached_property
+    def symbols(self) -> tuple[Symbol, ...]:
+        """Every symbol that the equations hold, motion first."""
+        found: set[Symbol] = set()
+        for one in (self.M, self.C, self.G, self.J, self.Y, *self.added.values()):
+            found |= one.free_symbols
+        for _, argument, parameter in self.memories.values():
+            found |= argument.free_symbols | (set() if parameter is None else parameter.free_symbols)
+        numbers = [p.name for p in self.model.parameters] + [s.name for s in self.model.shapes]
+        stems = ("t", "theta", "dtheta", "ddtheta", *BASE_STATE, "a_th", "g", "reach")
+        place = {name: k for k, name in enumerate(numbers, len(stems))}
+        place |= {name: k for k, name in enumerate(stems)}
+
+        def order(symbol: Symbol) -> tuple[int, str]:
+            return place.get(symbol.name, place.get(symbol.name.rstrip("0123456789"), len(place))), symbol.name
+
+        return tuple(sorted(found - set(self.memories), key=order))
+
+    @property
+    def matrices(self) -> Mapping[str, Matrix]:
+        """{letter: matrix}, in the order in which they are read."""
+        return {"M": self.M, "C": self.C, "G": self.G, "J": self.J, "Y": self.Y}
+
+    def text(self, format: str = "text") -> str:
+        """Return the equations as "text", "latex", "sympy" or "casadi"; the last two are Python to be run without
+        exoid. EquationError for any other format.
+        """
+        if format not in FORMATS:
+            raise EquationError(f"there is no format {format!r}", remedy=f"one of: {', '.join(FORMATS)}")
+        return FORMATS[format](self)
+
+    def _repr_latex_(self) -> str:
+        return self.text("latex")
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 def _text(found: Equations) -> str:

@@ -12,6 +12,8 @@ from exoid.ground.errors import ExoidError
 Job = TypeVar("Job")
 AHEAD = 2
 """Jobs handed to an engine for each of its workers: one that runs, one that waits, so that no worker is idle."""
+UNKNOWN = 64
+"""Workers of an executor that does not say how many it has."""
 
 
 class EngineError(ExoidError):
@@ -37,14 +39,31 @@ class Engine:
     """Whether workers may not see this machine's files, so that recordings travel as bytes."""
 
 
+def engine_of(given: Engine | Executor) -> Engine:
+    """Return an engine, or any `concurrent.futures.Executor` as one, which is closed by whoever opened it; its workers
+    see the files of this machine. EngineError for anything else.
+    """
+    if isinstance(given, Engine):
+        return given
+    name = type(given).__name__
+    if not isinstance(given, Executor):
+        remedy = "give an executor, such as concurrent.futures.ProcessPoolExecutor(), or dask() and slurm() of exoid"
+        raise EngineError(f"{name} is no concurrent.futures.Executor", where="engine", remedy=remedy)
+    count = getattr(given, "_max_workers", UNKNOWN)
+    return Engine(name, given, lambda: count, list, lambda wait: None)
+
+
 def completed(
-    engine: Engine, function: Callable[..., Any], jobs: Iterable[Job], arguments: Callable[[Job], tuple[Any, ...]]
+    engine: Engine | Executor,
+    function: Callable[..., Any],
+    jobs: Iterable[Job],
+    arguments: Callable[[Job], tuple[Any, ...]],
 ) -> Iterator[tuple[Job, Future[Any]]]:
-    """Yield every job with its finished future, in the order in which they end.
+    """Yield every job with its finished future, in the order in which they end; `engine` is any that `engine_of` takes.
 
     Only a few jobs per worker are handed over at a time: memory stays flat, and an interrupted campaign stops soon.
     """
-    waiting = iter(jobs)
+    engine, waiting = engine_of(engine), iter(jobs)
     running: dict[Future[Any], Job] = {}
     while True:
         for job in waiting:

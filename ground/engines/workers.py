@@ -33,7 +33,7 @@ from exoid.ground.errors import ExoidError
 PROCESSES = "EXOID_PROCESSES"
 QUOTA = Path("/sys/fs/cgroup/cpu.max")
 """Where Linux says what share of the processor a container is granted: microseconds in each so many."""
-MOST = 4
+MOST_PROCESSES = 4
 """Processes by default, however many cores there are."""
 PATIENCE = 30.0
 """Seconds, and as many times the time so far, after which copies that do not answer are given up."""
@@ -54,7 +54,7 @@ def allowed_processes() -> int:
         raise ExoidError(f"{PROCESSES} is {given!r}", remedy="give a number of processes, 1 or more")
     if sys.platform != "linux" or not _here():
         return 1
-    return int(given) if given else min(MOST, cores())
+    return int(given) if given else min(MOST_PROCESSES, cores())
 
 
 def cores() -> int:

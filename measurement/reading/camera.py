@@ -18,7 +18,7 @@ NAMED = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 """A line that says the rate: FREQUENCY 100, Sampling rate (Hz): 100."""
-ALONE = re.compile(r"^[\s,;]*(\d+(?:\.\d+)?)[\s,;]*$", re.MULTILINE)
+NUMBER_ALONE = re.compile(r"^[\s,;]*(\d+(?:\.\d+)?)[\s,;]*$", re.MULTILINE)
 """A line with nothing but a number: what stands below the kind of data in files of Vicon."""
 
 
@@ -30,7 +30,7 @@ def with_time(table: RawTable, above: str, where: str) -> RawTable:
     meant = [recognise(column.name) for column in table.columns]
     plain = {re.sub(r"[\W_]", "", column.name).lower(): column.values for column in reversed(table.columns)}
     frames = next((plain[name] for name in plain if name in FRAMES), None)
-    said = NAMED.findall(above) or ALONE.findall(above)
+    said = NAMED.findall(above) or NUMBER_ALONE.findall(above)
     if frames is None or len(set(said)) != 1 or any(one and one.name == "t" for one in meant):
         return table
     rate = float(said[0])

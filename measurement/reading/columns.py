@@ -18,15 +18,13 @@ from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.names import BASE, ColumnMeaning, kind_of, quantity_of, recognise, weak_time
 from exoid.measurement.reading.outside import CONTACT, force_columns, outside_columns
 from exoid.measurement.reading.raw import RawColumn, RawTable
-from exoid.measurement.reading.units import QUANTITIES, SLIDING, factor, is_product, is_scaled
+from exoid.measurement.reading.units import SLIDING, factor, is_product, is_scaled
 from exoid.symbolic.joints import LEG, MOST, UNNAMED, Joint
+from exoid.symbolic.units import QUANTITIES, SI_UNIT
 
 LEGS = ("left", "right", "ipsi", "contra")
-SI = {"t": "s", "q": "rad", "dq": "rad/s", "ddq": "rad/s²", "tau": "N·m", "f": "N"}
-"""Quantities of a recording, and their units where a joint turns."""
-
-
-UNIT_OF = {**SI, "x": "m", "dx": "m/s", "ddx": "m/s²", "load": "N"}
+OF_JOINTS = ("t", "q", "dq", "ddq", "tau", "f")
+"""Quantities of a recording that --units may name."""
 OTHERS = {a: (b,) for pair in SLIDING.items() for a, b in (pair, pair[::-1])}
 """A quantity of turning joints and the same of sliding ones."""
 
@@ -67,7 +65,7 @@ def assign(
     """
     mapping, units, leg = _by_number(told.columns, joints), _by_number(told.units, joints), told.leg
     _check_keys(mapping, canonical_columns(joints), "--map", where)
-    _check_keys(units, (*SI, *canonical_columns(joints), *table.names), "--units", where)
+    _check_keys(units, (*OF_JOINTS, *canonical_columns(joints), *table.names), "--units", where)
     chosen = mapped(table, mapping, where)
     offers = _offers(table, chosen, units, joints)
     idle = [f"tau{k}" for k, joint in enumerate(joints, start=1) if joint.name in told.passive]
@@ -113,7 +111,7 @@ def inferred(table: RawTable) -> tuple[Joint, ...]:
 
 def _by_number(given: Mapping[str, str], joints: Sequence[Joint]) -> dict[str, str]:
     """Return `given` with q_hip, tau_knee, ... as q1, tau2, ..."""
-    known = {f"{quantity}_{j.name}": f"{quantity}{k}" for quantity in SI for k, j in enumerate(joints, start=1)}
+    known = {f"{quantity}_{j.name}": f"{quantity}{k}" for quantity in OF_JOINTS for k, j in enumerate(joints, start=1)}
     return {known.get(name, name): value for name, value in given.items()}
 
 
@@ -313,7 +311,7 @@ def _with_unit(
     if mixed and factor(quantity, of_all) is None and any(factor(k, of_all) for k in OTHERS.get(quantity, ())):
         of_all = ""  # --units q=deg is not meant for the joint that slides
     told = units.get(name) or units.get(column.name) or of_all
-    si = UNIT_OF[quantity]
+    si = SI_UNIT[quantity]
     written = column.unit or hidden.get(id(column), "")
     unit = told or written
     if unit in DIMENSIONLESS:

@@ -23,9 +23,9 @@ from exoid.ground.suggest import did_you_mean
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import LEG, Joint, ancestors, is_leg, names
 from exoid.symbolic.motion import Float
+from exoid.symbolic.units import DEGREE
 
 Rows = tuple[tuple[float, ...], ...]
-DEGREE = math.pi / 180.0
 QUARTER = 0.5 * math.pi
 
 

@@ -19,9 +19,9 @@ from exoid.measurement.reading.angles import sampled
 from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.names import words_in
-from exoid.measurement.reading.units import DEGREE
 from exoid.measurement.recording import Recording
 from exoid.symbolic.joints import Joint
+from exoid.symbolic.units import DEGREE
 
 LIMBS = frozenset({"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
 BEFORE_GEAR = frozenset({"motor", "drive", "actuator", "encoder", "enc", "counts", "ticks", "raw", "rotor"})

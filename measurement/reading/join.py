@@ -14,7 +14,7 @@ import numpy as np
 from exoid.ground.errors import RecordingError
 from exoid.measurement.finding import Finding
 from exoid.measurement.reading import clock
-from exoid.measurement.reading.columns import SI, UNIT_OF, assign, canonical_columns
+from exoid.measurement.reading.columns import OF_JOINTS, assign, canonical_columns
 from exoid.measurement.reading.lag import Lag, lag_between
 from exoid.measurement.reading.mapping import StatedMapping
 from exoid.measurement.reading.names import kind_of
@@ -22,6 +22,7 @@ from exoid.measurement.reading.raw import RawColumn, RawTable
 from exoid.measurement.reading.resample import onto
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.motion import Float
+from exoid.symbolic.units import SI_UNIT
 
 ABSOLUTE_MOST = 2.0
 """s: how far physics looks around clocks that both count from 1970."""
@@ -78,7 +79,7 @@ def joined_pieces(
     first = base.t[0]
     made = [RawColumn("t", base.t - first, "s")]
     made += [
-        RawColumn(name, columns[name], UNIT_OF[kind_of(name, joints)])
+        RawColumn(name, columns[name], SI_UNIT[kind_of(name, joints)])
         for name in canonical_columns(joints)
         if name in columns
     ]
@@ -91,7 +92,7 @@ def _opposite(lag: float | None) -> float | None:
 
 def _piece(table: RawTable, where: str, told: StatedMapping, joints: tuple[Joint, ...]) -> JoinedFile:
     """Return the columns of one file that are recognised or mapped, in SI, with its clock."""
-    known = (*SI, *canonical_columns(joints))
+    known = (*OF_JOINTS, *canonical_columns(joints))
     mapping = {name: column for name, column in told.columns.items() if column.partition("#")[0] in table.names}
     units = {name: unit for name, unit in told.units.items() if name in known or name in table.names}
     found = assign(table, replace(told, columns=mapping, units=units), where=where, joints=joints, partial=True)

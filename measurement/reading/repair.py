@@ -16,7 +16,7 @@ from exoid.ground.errors import RecordingError
 from exoid.measurement.auditing.checks.motion import NONE
 from exoid.measurement.finding import row_ranges
 from exoid.measurement.reading import angles, clock
-from exoid.measurement.reading.columns import UNIT_OF, Assigned
+from exoid.measurement.reading.columns import Assigned
 from exoid.measurement.reading.degrees import read_degrees
 from exoid.measurement.reading.draft import Draft
 from exoid.measurement.reading.limits import credible
@@ -27,10 +27,11 @@ from exoid.measurement.reading.units import is_product
 from exoid.measurement.recording import BASE_COLUMNS, Recording, Source
 from exoid.symbolic.joints import LEG, Joint
 from exoid.symbolic.motion import Float
+from exoid.symbolic.units import SI_UNIT
 
 CLOSEST = 1e-8
 """s between rows; nothing that moves is sampled at 100 MHz, so the stamps have lost their meaning."""
-FEW = 0.1
+LEAST_USABLE = 0.1
 """Share of the cells of an angle or a torque below which it is taken for the wrong column."""
 UNUSED = "none: the rows do not enter the fit"
 ENOUGH = "at least 10 s of motion at 100 Hz is a good start; below 1 s or 50 usable rows nothing can be identified"
@@ -133,7 +134,7 @@ def _conversion(name: str, item: Assigned, joints: tuple[Joint, ...]) -> str:
     """Return "tau1 from Nm/A*0.1*50 (5 N·m per unit)"; the number only where a product was given."""
     if not is_product(item.unit):
         return f"{name} from {item.unit}"
-    return f"{name} from {item.unit} ({item.factor:.4g} {UNIT_OF[kind_of(name, joints)]} for 1)"
+    return f"{name} from {item.unit} ({item.factor:.4g} {SI_UNIT[kind_of(name, joints)]} for 1)"
 
 
 def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
@@ -151,7 +152,7 @@ def _mask_cells(draft: Draft, assigned: Mapping[str, Assigned]) -> Draft:
             columns[name] = np.where(bad, np.nan, values)
             draft = draft.without(name, bad)
         wrong = int(np.count_nonzero(bad & ~np.isnan(values))) + assigned[name].column.text_count
-        few = np.count_nonzero(~bad) < max(10.0, FEW * bad.size) if name in draft.own else bad.mean() > 0.5
+        few = np.count_nonzero(~bad) < max(10.0, LEAST_USABLE * bad.size) if name in draft.own else bad.mean() > 0.5
         if few or wrong > 0.5 * bad.size:
             what, shown, rows = _bad_cells(told, [name], assigned)
             remedy = f"is this the right column? --map {name}=COLUMN names another"

@@ -6,7 +6,7 @@ import numpy as np
 
 from exoid.symbolic.motion import Float
 
-WIDE = 2.5
+WIDEST_STEP = 2.5
 """In median steps: a hole of the source wider than this is a hole of the result."""
 FASTER = 1.5
 """Rate of the source over that of the target from which samples are averaged, so that nothing is folded down."""
@@ -27,7 +27,7 @@ def onto(instants: Float, t: Float, values: Float) -> Float:
     step, pace = float(np.median(np.diff(t))), float(np.median(np.diff(instants)))
     inside = (instants >= t[0]) & (instants <= t[-1])
     right = np.clip(np.searchsorted(t, instants[inside]), 1, t.size - 1)
-    near = (t[right] - t[right - 1] <= WIDE * step) | np.isin(instants[inside], t)
+    near = (t[right] - t[right - 1] <= WIDEST_STEP * step) | np.isin(instants[inside], t)
     at = instants[inside]
     if pace > FASTER * step:
         total = np.r_[0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(t))]

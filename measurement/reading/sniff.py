@@ -23,7 +23,7 @@ POINTS = re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+,\d*", re.ASCII)
 """A number with points between the thousands and a decimal comma."""
 AXES = ("X", "Y", "Z")
 FLEXION = "of the components X, Y and Z, X is read as flexion, as Plug-in Gait and Visual3D count them"
-ALONE = re.compile(r"[XYZ]|[\[(][^\])]*[\])]", re.IGNORECASE)
+AXIS_OR_UNIT = re.compile(r"[XYZ]|[\[(][^\])]*[\])]", re.IGNORECASE)
 """A name that says an axis or a unit, and not of what."""
 BOMS = (
     (b"\xff\xfe\x00\x00", "utf-32"),
@@ -247,7 +247,7 @@ def under_groups(names: list[str], above: list[list[str]]) -> tuple[list[str], b
     """
     axes = False
     for row in reversed(above):
-        weak = {i for i, name in enumerate(names) if names.count(name) > 1 or not name or ALONE.fullmatch(name)}
+        weak = {i for i, name in enumerate(names) if names.count(name) > 1 or not name or AXIS_OR_UNIT.fullmatch(name)}
         if not weak or len(set(filter(None, row))) < 2 or len(row) > len(names) or row == names:
             continue
         joined, group = list(names), ""

@@ -11,32 +11,8 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-DEGREE = math.pi / 180.0
-QUANTITIES: Mapping[str, Mapping[str, float]] = MappingProxyType(
-    {
-        "t": {"s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3,
-              "millis": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "usec": 1e-6, "micros": 1e-6, "microseconds": 1e-6,
-              "ns": 1e-9, "nsec": 1e-9, "nanoseconds": 1e-9, "min": 60.0},
-        "q": {"rad": 1.0, "radian": 1.0, "radians": 1.0, "rads": 1.0, "mrad": 1e-3, "deg": DEGREE, "degree": DEGREE,
-              "degrees": DEGREE, "°": DEGREE, "rev": 2 * math.pi, "revs": 2 * math.pi, "turn": 2 * math.pi,
-              "turns": 2 * math.pi},
-        "dq": {"rad/s": 1.0, "rads": 1.0, "rad/sec": 1.0, "rads-1": 1.0, "mrad/s": 1e-3, "deg/s": DEGREE,
-               "deg/sec": DEGREE, "degs": DEGREE, "degs-1": DEGREE, "°/s": DEGREE, "dps": DEGREE,
-               "rpm": math.pi / 30.0, "rev/s": 2 * math.pi, "turn/s": 2 * math.pi, "turns/s": 2 * math.pi},
-        "ddq": {"rad/s2": 1.0, "rads2": 1.0, "rads-2": 1.0, "rad/s/s": 1.0, "mrad/s2": 1e-3, "deg/s2": DEGREE,
-                "degs-2": DEGREE, "°/s2": DEGREE, "deg/s/s": DEGREE},
-        "tau": {"nm": 1.0, "mnm": 1e-3, "knm": 1e3, "meganm": 1e6, "ncm": 1e-2, "nmm": 1e-3,
-                "lbfft": 1.3558179483314004, "ftlb": 1.3558179483314004, "lbfin": 0.1129848290276167,
-                "inlb": 0.1129848290276167},
-        "f": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "megan": 1e6, "lbf": 4.4482216152605},
-        "load": {"n": 1.0, "kn": 1e3, "lbf": 4.4482216152605, "v": 1.0, "mv": 1e-3, "%": 1.0, "bool": 1.0},
-        "i": {"a": 1.0, "ma": 1e-3},
-        "x": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254},
-        "dx": {"m/s": 1.0, "ms-1": 1.0, "mm/s": 1e-3, "mms-1": 1e-3, "cm/s": 1e-2, "m/min": 1.0 / 60.0},
-        "ddx": {"m/s2": 1.0, "ms-2": 1.0, "mm/s2": 1e-3, "mms-2": 1e-3, "cm/s2": 1e-2},
-    }
-)  # fmt: skip
-"""Factor to SI per quantity and unit in lower case, without points, blanks and carets."""
+from exoid.symbolic.units import QUANTITIES, plain_unit
+
 SLIDING: Mapping[str, str] = MappingProxyType({"q": "x", "dq": "dx", "ddq": "ddx", "tau": "f"})
 """Which of them a quantity is where the joint slides."""
 SOURCES: tuple[Mapping[str, float], ...] = (
@@ -53,16 +29,6 @@ PASSED_OVER = frozenset({"-", "1", "", "bool", "hz", "mm", "m", "cm", "m/s", "m/
 """Units of other columns, which may stand in a row of units too."""
 LONGEST, MOST_FACTORS = 80, 12
 NUMBER = re.compile(r"\d{1,12}(?:\.\d{0,12})?(?:[eE][+-]?\d{1,2})?|\.\d{1,12}", re.ASCII)
-
-
-def plain_unit(unit: str) -> str:
-    """Return `unit` in the spelling of the table: "N·m" -> "nm", "rad/s²" -> "rad/s2", "µs" -> "us"."""
-    unit = unit.strip().replace("²", "2").replace("⁻¹", "-1").replace("⁻²", "-2")
-    unit = unit.replace("µ", "u").replace("μ", "u").replace("º", "°")
-    word = re.sub(r"[\s·⋅*.^_-]+(?!\d)|\^", "", unit)
-    if word.startswith("MN"):  # the only prefix that is spelt with a capital; all in capitals it could be either
-        return "mega" + word[1:].lower() if word == "MN" or not word.isupper() else "mega or milli"
-    return word.lower()
 
 
 def is_unit(text: str) -> bool:

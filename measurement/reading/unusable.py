@@ -16,7 +16,7 @@ from exoid.measurement.auditing.checks import frozen, saturated
 from exoid.measurement.finding import Finding
 from exoid.measurement.recording import Recording
 
-MOST = 0.3
+MOST_MASKED = 0.3
 """Share of the rows that may be masked so; beyond, a person has to look at the recording first."""
 
 
@@ -35,7 +35,7 @@ def mask_unusable(recording: Recording) -> Recording:
         what = "what happened at full scale is not known and does not enter the fit"
         findings.append(_masked(found, what, found.confidence))
     kept = valid["q"].all(axis=1) & valid["tau"].all(axis=1)
-    if not findings or kept.sum() < (1.0 - MOST) * recording.complete.sum():
+    if not findings or kept.sum() < (1.0 - MOST_MASKED) * recording.complete.sum():
         return recording
     findings = [*recording.findings, *findings]
     return replace(recording, angle_valid=valid["q"], torque_valid=valid["tau"], findings=tuple(findings))

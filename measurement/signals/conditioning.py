@@ -25,7 +25,7 @@ from exoid.measurement.signals.butterworth import (
     low_pass_filter,
 )
 from exoid.measurement.signals.compiled import POLES
-from exoid.measurement.signals.holes import BRIEF, LOST, WIDE, interpolated
+from exoid.measurement.signals.holes import BRIEF_HOLE, HOLE_STEPS, MISSING_STEPS, interpolated
 from exoid.measurement.signals.masks import straight
 from exoid.measurement.signals.spikes import spikes, spikes_beside
 from exoid.symbolic.mechanics.payload import Payload
@@ -166,9 +166,9 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
         return values, holes
 
     rows = recording.valid[:, None]
-    slow = max(WIDE * step, BRIEF)
+    slow = max(HOLE_STEPS * step, BRIEF_HOLE)
     q, unknown = even(recording.q, recording.angle_valid, slow)
-    tau, torque_gap = even(recording.tau, recording.torque_valid, LOST * step)
+    tau, torque_gap = even(recording.tau, recording.torque_valid, MISSING_STEPS * step)
     gap = np.asarray(unknown.any(axis=1))
     base = None
     if recording.base is not None:
@@ -178,7 +178,7 @@ def uniform_sampling(recording: Recording, force: Float | None = None) -> Unifor
     tau = np.where(passive, 0.0, tau)
     pushed = None
     if force is not None:  # where a force is not known, the torques are not explained
-        pushed, unpushed = even(force, np.broadcast_to(rows, force.shape), LOST * step)
+        pushed, unpushed = even(force, np.broadcast_to(rows, force.shape), MISSING_STEPS * step)
         torque_gap = torque_gap | np.any(unpushed, axis=1, keepdims=True)
     missing = torque_gap & ~passive
     as_read = recording if grid.size == len(recording) and np.array_equal(tau, recording.tau) else None

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from exoid.symbolic.motion import Float
 
-LOST, WIDE, BRIEF = 1.9, 2.5, 0.02
+MISSING_STEPS, HOLE_STEPS, BRIEF_HOLE = 1.9, 2.5, 0.02
 """Median steps between samples from which one is missing; from which angles are, unless it is as brief as so many s:
 the cubic across it is then as good as measured."""
 BESIDE = 0.05
@@ -25,7 +25,7 @@ def interpolated(grid: Float, t: Float, x: Float, step: float, wide: float) -> t
     outside = (grid > t[-1] + 0.5 * step) | (grid < t[0] - 0.5 * step)
     hole = outside | (off & (apart > wide))
     out = np.interp(grid, t, x)
-    inside = off & ~outside & (apart > LOST * step) & (grid > t[0]) & (grid < t[-1])
+    inside = off & ~outside & (apart > MISSING_STEPS * step) & (grid > t[0]) & (grid < t[-1])
     if inside.any():
         ends, which = np.unique(after[inside], return_inverse=True)
         width = t[ends] - t[ends - 1]

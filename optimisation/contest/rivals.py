@@ -5,9 +5,10 @@
     rivals(problem="excitation")     motions inside the limits of a leg, against the best one known
     rivals(design(leg, starts=1))    the same, against what was designed already
 
-Runs are spread over processes of this machine, or over any other of `exoid.ground.engines`:
+Runs are spread over processes of this machine, or over any `concurrent.futures.Executor`:
 
-    rivals(engine=dask("tcp://scheduler:8786"))
+    rivals(engine=dask("tcp://scheduler:8786"))        of `exoid.ground.engines`
+    rivals(engine=get_reusable_executor(8))            of loky
 """
 
 from __future__ import annotations

@@ -12,6 +12,8 @@ from exoid.optimisation.budget import GENERATIONS, INDIVIDUALS
 from exoid.optimisation.excitation.settings import CRITERION_NAMES
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from exoid.ground.engines.engine import Engine
     from exoid.optimisation.fitting.settings import Search
 
@@ -35,7 +37,7 @@ class ContestOptions(TypedDict, total=False):
     whitened: bool
     folder: str | Path | None
     jobs: int
-    engine: Engine | None
+    engine: Engine | Executor | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,4 +57,6 @@ class ContestSettings(VerbSettings):
         None, "keeps every run in a file of its own, from which a comparison that was stopped goes on"
     )
     jobs: int = setting(0, "processes of this machine; 0: one per core", 0, 1024)
-    engine: Engine | None = setting(None, "an open engine, closed by the caller, in place of these processes")
+    engine: Engine | Executor | None = setting(
+        None, "any open concurrent.futures.Executor, closed by the caller, in place of these processes"
+    )

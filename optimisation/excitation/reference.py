@@ -15,7 +15,7 @@ import numpy as np
 
 from exoid.optimisation.excitation.criteria import Aim
 from exoid.optimisation.excitation.space import MotionSpace
-from exoid.optimisation.linear.reference import ALONE
+from exoid.optimisation.linear.reference import SILENT_IPOPT
 from exoid.symbolic.codegen.information import Information
 from exoid.symbolic.codegen.information_code import products
 from exoid.symbolic.motion import Float
@@ -27,7 +27,7 @@ SQUARINGS = (2, 4, 6)
 SHRINK = 0.98
 """Starts are drawn in from the limits by this much, where an interior-point method begins."""
 OPTIONS: Any = {
-    **ALONE,
+    **SILENT_IPOPT,
     "show_eval_warnings": False,
     "ipopt.max_iter": 150,
     "ipopt.tol": 1e-6,

@@ -81,7 +81,7 @@ STEP = 0.01
 """Step of the differences that give the curvature."""
 DEAREST = 0.5
 """Share of a stage's evaluations that its curvature may cost; otherwise it goes on without."""
-WIDE = 2.0
+BOX_HALF_WIDTH = 2.0
 """Half-width of the box around stretched motions: a mixture of harmonics may exceed what each alone may do."""
 SHORT = 120
 """Generations of NFO's search from whose result IPOPT starts."""
@@ -162,7 +162,7 @@ class MotionSearch:
         asked = self.asked
         count = min(RUNS, max(1, asked.generations // SHORTEST))
         each, more = divmod(max(asked.generations, 1), count)
-        problem, ends, spent = self._problem(self.value, WIDE), [], 0
+        problem, ends, spent = self._problem(self.value, BOX_HALF_WIDTH), [], 0
         for k in range(count):
             self.say(0.05 + 0.45 * k / count, label_of(asked.optimiser))
             seed = self._seed(k)
@@ -215,7 +215,7 @@ class MotionSearch:
         if stage.whitened and price + 1 <= DEAREST * generations:
             best = x[index_of_least(proxy(x))]
             axes = _whitening(proxy, best)
-            edge = self._edge(WIDE)
+            edge = self._edge(BOX_HALF_WIDTH)
 
             def placed(z: Float) -> Float:
                 return np.clip(best + z @ axes.T, -edge, edge)
@@ -229,7 +229,7 @@ class MotionSearch:
             found, f = _with(run.state, run.x, run.fitness)
             return form(placed(found)), f
         run = minimise(
-            self._problem(proxy, WIDE), RECIPE, individuals=self.asked.individuals, generations=generations,
+            self._problem(proxy, BOX_HALF_WIDTH), RECIPE, individuals=self.asked.individuals, generations=generations,
             seed=seed, start=x, form=form,
         )  # fmt: skip
         return _with(run.state, run.x, run.fitness)

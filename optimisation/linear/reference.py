@@ -18,7 +18,7 @@ from exoid.optimisation.linear.loss import huber
 from exoid.optimisation.linear.problem import LinearData
 from exoid.symbolic.motion import Float
 
-ALONE: Any = {
+SILENT_IPOPT: Any = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": False,
@@ -26,7 +26,7 @@ ALONE: Any = {
 }
 """IPOPT says nothing, and reads no `ipopt.opt` of the current folder, which could load a library or write files."""
 OPTIONS: Any = {
-    **ALONE,
+    **SILENT_IPOPT,
     "ipopt.tol": 1e-11,
     "ipopt.acceptable_tol": 1e-11,
     "ipopt.max_iter": 200,

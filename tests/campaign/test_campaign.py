@@ -10,10 +10,13 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from joblib.externals.loky import ProcessPoolExecutor
 
+from exoid.ground.engines.engine import EngineError
 from exoid.ground.engines.local import local
 from exoid.workbench.campaign.page import render_campaign
 from exoid.workbench.campaign.plan import Job, Plan, read_plan
@@ -77,6 +80,20 @@ def test_going_on_does_nothing_twice_and_writes_the_same_bytes(finished, plan_fi
     engine.close(True)
     assert again.kept == 2
     assert before == {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.mark.parametrize("kind", ["threads", "loky"])
+def test_any_executor_gives_the_same_bytes(kind, finished, plan_file, tmp_path):
+    """As docs/campaigns.md says."""
+    _, whole = finished
+    with ThreadPoolExecutor(2) if kind == "threads" else ProcessPoolExecutor(2) as executor:
+        run_campaign(read_plan(plan_file), tmp_path, executor)
+    assert (tmp_path / "table.csv").read_bytes() == (whole / "table.csv").read_bytes()
+
+
+def test_what_is_no_executor_is_refused_in_words(plan_file, tmp_path):
+    with pytest.raises(EngineError, match=r"int is no concurrent\.futures\.Executor"):
+        run_campaign(read_plan(plan_file), tmp_path, 8)
 
 
 def test_an_answer_that_was_edited_or_cut_is_not_believed(finished, plan_file, tmp_path):

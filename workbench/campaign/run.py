@@ -8,12 +8,13 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exoid.ground.engines.cell import in_cell
-from exoid.ground.engines.engine import Engine, EngineError, completed
+from exoid.ground.engines.engine import Engine, EngineError, completed, engine_of
 from exoid.ground.errors import refused
 from exoid.ground.files import write_whole
 from exoid.ground.frames import pandas
@@ -80,8 +81,10 @@ class Campaign(AsJson):
         return f"{self.plan.name}: {len(self.rows)} jobs ({parts}), {self.kept} kept from before"
 
 
-def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progress | None = None) -> Campaign:
-    """Run what is missing of `plan`, with its answers, tables and page in `folder`.
+def run_campaign(
+    plan: Plan, folder: str | Path, engine: Engine | Executor, progress: Progress | None = None
+) -> Campaign:
+    """Run what is missing of `plan` on any executor, with its answers, tables and page in `folder`.
 
     Raises CampaignError where another campaign works in `folder`, and for workers with other versions. Interrupted at
     any moment, it goes on where it was when it is called again.
@@ -91,7 +94,7 @@ def run_campaign(plan: Plan, folder: str | Path, engine: Engine, progress: Progr
     from exoid.workbench.command import versions
 
     began, report = time.perf_counter(), progress or silent
-    folder = Path(folder)
+    folder, engine = Path(folder), engine_of(engine)
     here = dict(versions())
     with _alone(folder):
         store = JobStore(folder, here)

@@ -56,9 +56,9 @@ def _reads(name: str, about: Setting, number: Callable[[str], float]) -> Callabl
 
     def read(text: str) -> float:
         value = number(text)
-        doubt = about.doubt(name, value)
-        if doubt is not None:
-            raise argparse.ArgumentTypeError(f"{doubt[0]}: {doubt[1]}")
+        objection = about.objection(name, value)
+        if objection is not None:
+            raise argparse.ArgumentTypeError(f"{objection[0]}: {objection[1]}")
         return value
 
     return read

@@ -112,11 +112,12 @@ def _named(given: Given, recordings: tuple[Recording, ...]) -> tuple[Recording, 
 
 def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
     """Return what a mapping dialog shows: columns with first values, the best guess, and what is doubtful."""
-    from exoid.measurement.reading.columns import UNIT_OF, assign, canonical_columns, legs, required
+    from exoid.measurement.reading.columns import assign, canonical_columns, legs, required
     from exoid.measurement.reading.conventions import conventions_of_machine
     from exoid.measurement.reading.mapped import numbered
     from exoid.measurement.reading.names import kind_of
     from exoid.measurement.reading.read import open_table
+    from exoid.symbolic.units import SI_UNIT
 
     table = open_table(given.path)
     told = given.told
@@ -141,7 +142,7 @@ def mapping_preview(given: Given, joints: Sequence[Joint]) -> dict[str, Any]:
         "name": given.name,
         "columns": [{"name": n, **_column(c)} for n, c in zip(names, table.columns, strict=True)],
         "wanted": [
-            {"name": name, "required": name in required(joints), "si": UNIT_OF[kind_of(name, joints)],
+            {"name": name, "required": name in required(joints), "si": SI_UNIT[kind_of(name, joints)],
              "joint": drives.get(name, ""), "said": _in_words(name, joints)}
             for name in canonical_columns(joints)
         ],
