@@ -14,7 +14,7 @@ from exoid.diagnosis.evidence.candidates import Candidate
 from exoid.diagnosis.evidence.fitted import lag
 from exoid.diagnosis.evidence.gain import Evidence, RecordingEvidence
 from exoid.diagnosis.evidence.look_alikes import columns_at, look_alikes
-from exoid.diagnosis.evidence.score import Score
+from exoid.diagnosis.evidence.score import UNSEEN, Score
 from exoid.diagnosis.evidence.simulated import evidence_on, needed_beyond_noise
 from exoid.diagnosis.search.containing import EXACT, contains, is_within
 from exoid.diagnosis.search.context import SearchContext
@@ -143,7 +143,7 @@ def _refits(
     helping = [
         (score, found)
         for score, found in refits
-        if (context.unseen_gain(extension, found) > 0.0 or extension.outvotes(found, rules))
+        if (context.unseen_gain(extension, found) >= UNSEEN * rules.least_share or extension.outvotes(found, rules))
         and not context.doubt(extension, found)
     ]
     return helping, elsewhere
