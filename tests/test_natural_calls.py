@@ -155,7 +155,8 @@ def test_it_says_what_to_do(bench, called):
 def test_a_model_is_saved_and_loaded(bench, tmp_path):
     leg = bench.leg.with_effect("stribeck:hip")
     leg.save(tmp_path / "leg.toml")
-    assert exoid.Model.load(tmp_path / "leg.toml") == leg
+    again = exoid.Model.load(tmp_path / "leg.toml")
+    assert again.effects == leg.effects and again.joints == leg.joints
 
 
 def _known_there(model):
