@@ -134,7 +134,7 @@ function discover(search) {
     const words = verdict.proposed && verdict.accepted.length ? "Add what was found" : "Discover";
     return h("div", { class: "row wrap discover" },
       other && button(`Read ${other.file || "all files"} as ${other.convention}`, () => doing(tell("read_as", other)), { "data-testid": "read-as", class: "primary" }),
-      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
+      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other || (verdict.judged && words === "Discover") ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
       auto.running && h("span", { class: "faint", "data-testid": "judging" }, h("progress", { "aria-label": "judging" }), " judging …"),
       search.message && h("span", { class: "faint" }, search.message),
       h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " by itself"),
