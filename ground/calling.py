@@ -28,9 +28,8 @@ def no_such(owner: str, name: str, known: Iterable[str], instead: str = "") -> A
     if name.startswith("_"):
         return AttributeError(f"{owner} has no attribute {name!r}")
     public = sorted(one for one in known if not one.startswith("_"))
-    return NoSuchName(
-        f"{owner} has no attribute {name!r}", remedy=instead or did_you_mean(name, public) or f"there are {', '.join(public)}"
-    )
+    remedy = instead or did_you_mean(name, public) or f"there are {', '.join(public)}"
+    return NoSuchName(f"{owner} has no attribute {name!r}", remedy=remedy)
 
 
 class Telling:

@@ -191,7 +191,7 @@ def test_results_report_themselves_and_show_the_fall(bench, tmp_path):
     found = exoid.diagnose(bench.leg, bench.files[:2], verify=bench.files[3])
     assert [one.name for one in found.accepted] == ["load_friction:knee"]
     shown = found._repr_html_()
-    assert "data:image/png" in shown and "linear-gradient" in shown
+    assert "data:image/svg+xml" in shown and "linear-gradient" in shown  # which follows light and dark
     assert not any(word in shown for word in ("color:#", "background:#", "background-color"))
     page = found.report(tmp_path / "out")
     assert page == tmp_path / "out" / "report.html" and "load_friction" in page.read_text("utf-8")
