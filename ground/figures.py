@@ -203,8 +203,8 @@ def png_of_uri(uri: str) -> bytes:
 
 
 PNG_URI, SVG_URI = "data:image/png;base64,", "data:image/svg+xml,"
-PLAIN = " =:/;,()+!?*@$[]{}|^`"
-"""What needs no escape in a data URI within quotation marks."""
+PLAIN = " =:/;,+!?*@$[]{}|^`"
+"""What needs no escape in a data URI within quotation marks; brackets do, or a reader would look for url(...)."""
 
 
 def _light(svg: str) -> str:
