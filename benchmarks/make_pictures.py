@@ -24,7 +24,8 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         exoid(["demo", "--out", folder, "--quiet"])
-        shutil.copyfile(Path(folder) / "figures" / "01-the-error-falling.png", ROOT / "docs" / "falling_error.png")
+        falling = next(Path(folder).glob("figures/*-the-error-falling.png"))
+        shutil.copyfile(falling, ROOT / "docs" / "falling_error.png")
         photograph(Path(folder) / "report.html", ROOT / "docs" / "report.png")
     small(ROOT / "docs" / "falling_error.png")
     sys.stdout.write("docs/falling_error.png, docs/report.png\n")

@@ -200,6 +200,11 @@ class Diagnosis(AsJson):
         "stopped_because parameters=fit.estimates{} forces left_out power thigh_length audit seconds"
     )
     schema: ClassVar[str] = SCHEMA
+    INSTEAD: ClassVar[Mapping[str, str]] = {
+        "save": "found.report('out') writes the page, found.model.save('leg.toml', found.fit) the model; "
+        "found.to_json() is the whole answer",
+        "summary": "print(found)",
+    }
 
     verdict: str
     rule: str

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from exoid.ground.figures import figure_style as figure_style
     from exoid.ground.figures import label as label
     from exoid.ground.figures import new_figure as new_figure
+    from exoid.ground.version import __version__ as __version__
     from exoid.measurement import *  # noqa: F403
     from exoid.optimisation import *  # noqa: F403
     from exoid.symbolic import *  # noqa: F403

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from exoid.ground.errors import ExoidError
 from exoid.ground.suggest import did_you_mean
@@ -17,6 +17,30 @@ Called = TypeVar("Called", bound=Callable[..., Any])
 
 class CallError(ExoidError, TypeError):
     """A call with a parameter that there is not, or without one that it needs."""
+
+
+class NoSuchName(ExoidError, AttributeError):
+    """A name that a result, a model or a package does not have."""
+
+
+def no_such(owner: str, name: str, known: Iterable[str], instead: str = "") -> AttributeError:
+    """Return the error for a name that `owner` does not have; what Python itself asks for needs no remedy."""
+    if name.startswith("_"):
+        return AttributeError(f"{owner} has no attribute {name!r}")
+    public = sorted(one for one in known if not one.startswith("_"))
+    remedy = instead or did_you_mean(name, public) or f"there are {', '.join(public)}"
+    return NoSuchName(f"{owner} has no attribute {name!r}", remedy=remedy)
+
+
+class Telling:
+    """A class that says what it has where it is asked for what it has not; `INSTEAD` maps words to what to write."""
+
+    INSTEAD: ClassVar[Mapping[str, str]] = {}
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise no_such(f"a {type(self).__name__}", name, dir(type(self)), self.INSTEAD.get(name, ""))
 
 
 def understood(also: dict[str, str] | None = None) -> Callable[[Called], Called]:

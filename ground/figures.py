@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,9 +186,9 @@ def to_data_uri(figure: Figure) -> str:
     """Return `figure` as a data URI for an `<img>`: SVG that follows the reader's light or dark mode, or PNG
     where the SVG would be heavy.
     """
-    svg = adaptive(to_svg(figure))
+    svg = adaptive(_light(to_svg(figure)))
     if len(svg) <= LARGEST_SVG:
-        return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode("ascii")
+        return SVG_URI + quote(svg, safe=PLAIN)  # a quarter less than in base64
     return png_uri(to_png(figure))
 
 
@@ -201,7 +202,15 @@ def png_of_uri(uri: str) -> bytes:
     return base64.b64decode(uri.removeprefix(PNG_URI))
 
 
-PNG_URI = "data:image/png;base64,"
+PNG_URI, SVG_URI = "data:image/png;base64,", "data:image/svg+xml,"
+PLAIN = " =:/;,+!?*@$[]{}|^`"
+"""What needs no escape in a data URI within quotation marks; brackets do, or a reader would look for url(...)."""
+
+
+def _light(svg: str) -> str:
+    """Return `svg` with its curves to a hundredth of a point, and without indentation."""
+    svg = re.sub(r'(?<= d=")[^"]+', lambda found: re.sub(r"\d+\.\d+", lambda x: f"{float(x[0]):.2f}", found[0]), svg)
+    return re.sub(r"\s*\n\s*", " ", svg)
 
 
 def to_uris(figure: Figure) -> tuple[str, str]:

@@ -12,12 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from exoid.ground.figures import png_uri, to_png
+from exoid.ground.figures import to_data_uri
 
 BAR = "rgba(86, 180, 233, 0.35)"
 """Sky blue through which text of any colour can be read."""
-SHARP = 100
-"""Dots per inch of a picture."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +27,18 @@ class Bar:
 
 
 def picture(figure: Any, alt: str) -> str:
-    """Return a matplotlib figure on its own light ground, which can be read in any notebook."""
-    uri = png_uri(to_png(figure, SHARP))
+    """Return a matplotlib figure that follows the reader's light or dark mode; a heavy one stays light."""
+    uri = to_data_uri(figure)
     return f"<p><img src='{uri}' alt='{html.escape(alt, quote=True)}' style='max-width:100%;height:auto'></p>"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> str:
-    """Return a table; numbers get four significant digits and stand to the right, None is a dash."""
+    """Return a table; numbers get four significant digits and stand to the right, None is a dash, and columns of empty
+    texts are left out.
+    """
+    whole = list(rows)
+    told = [k for k in range(len(head)) if not whole or any(row[k] != "" for row in whole)]
+    head, rows = [head[k] for k in told], [[row[k] for k in told] for row in whole]
     title = f"<caption style='text-align:left'>{html.escape(caption)}</caption>" if caption else ""
     names = "".join(f"<th style='text-align:left'>{html.escape(name)}</th>" for name in head)
     body = "".join(f"<tr>{''.join(_cell(value) for value in row)}</tr>" for row in rows)

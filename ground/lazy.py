@@ -12,6 +12,8 @@ from functools import cached_property
 from types import ModuleType
 from typing import Any, Generic, TypeVar, cast
 
+from exoid.ground.calling import no_such
+
 Value = TypeVar("Value")
 HOUSE = __name__.partition(".")[0]
 """The one name under which everything is imported: exoid."""
@@ -26,7 +28,7 @@ class LazyPackage(ModuleType):
         """Return what `name` stands for; AttributeError where it stands for nothing."""
         home = self._homes.get(name)
         if home is None:
-            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+            raise no_such(f"module {self.__name__!r}", name, self._homes)
         value = getattr(importlib.import_module(home), name)
         setattr(self, name, value)
         return value
@@ -106,6 +108,13 @@ class LentMethod(_Lent, Generic[Value]):
 
     def __get__(self, instance: Any, owner: type | None = None) -> Callable[..., Value]:
         return cast("Callable[..., Value]", self._exchanged(self._found(), instance))
+
+
+class LentFunction(_Lent, Generic[Value]):
+    """The same for what is called on the class, without an instance."""
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Callable[..., Value]:
+        return cast("Callable[..., Value]", self._exchanged(staticmethod(self._found()), instance))
 
 
 class LentProperty(_Lent, Generic[Value]):

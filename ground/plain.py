@@ -9,6 +9,8 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar
 
+from exoid.ground.calling import Telling
+
 
 def plain(value: Any) -> Any:
     """Return `value` in types JSON has: arrays become lists, numbers that are not finite become None.
@@ -51,7 +53,7 @@ def picked(value: Any, words: str) -> dict[str, Any]:
     return out
 
 
-class AsJson:
+class AsJson(Telling):
     """A dataclass whose JSON is told by `JSON`, in the words that `picked` takes."""
 
     JSON: ClassVar[str] = "*"

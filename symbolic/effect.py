@@ -92,6 +92,7 @@ class Effect:
     derive: Callable[[Any, Mapping[str, Any]], Any] | None = None
     joints: tuple[str, ...] = ("hip", "knee")
     coefficients: Mapping[str, Coefficient] = field(default_factory=lambda: NOTHING)
+    """Of each number its `Coefficient`, or only its unit: {"c": "N·m·s/rad"}."""
     shape: Mapping[str, Shape] = field(default_factory=lambda: NOTHING)
     family: str = "other"
     title: str = ""
@@ -109,6 +110,8 @@ class Effect:
     def __post_init__(self) -> None:
         if isinstance(self.joints, str):
             object.__setattr__(self, "joints", (self.joints,))
+        units = {key: Coefficient(one) if isinstance(one, str) else one for key, one in self.coefficients.items()}
+        object.__setattr__(self, "coefficients", units)
         if [self.torque, self.derive, self.deflection] == [None] * 3:
             place = "" if self.joints in (("hip", "knee"), ("both",)) else f":{self.joints[0]}"
             raise EffectError(

@@ -14,15 +14,16 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from exoid.ground.calling import understood
+from exoid.ground.calling import Telling, understood
 from exoid.ground.errors import EffectError
 from exoid.ground.html import lines, table
-from exoid.ground.lazy import LentMethod, LentProperty
+from exoid.ground.lazy import LentFunction, LentMethod, LentProperty
 from exoid.symbolic.catalogue import find_effect
 from exoid.symbolic.effect import Effect
 from exoid.symbolic.force import Force, channels_of, check_forces
@@ -71,7 +72,7 @@ USUAL: Mapping[bool, Limits] = MappingProxyType(
 
 @understood({"chain": "joints", "effects": "terms"})
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(Telling):
     """A leg with thigh length m, gravity m/s², the limits of its joints, and its terms beyond rigid body
     and friction.
 
@@ -79,6 +80,11 @@ class Model:
     turn. `terms` (or `effects`) may be named: "stribeck:hip". EffectError for joints
     that make no machine, and effects that have no place there.
     """
+
+    INSTEAD: ClassVar[Mapping[str, str]] = {
+        "add_effect": "model.with_effect('stribeck:hip'); exoid.add(model, 'stribeck:hip', recordings) refits too",
+        "fit": "exoid.identify(model, recordings)",
+    }
 
     name: str = "standard leg"
     thigh_length: float = 0.40
@@ -97,6 +103,11 @@ class Model:
     """A person who wears it in all recordings, a known load: its numbers are those of the machine alone."""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or self.name.endswith(".toml"):
+            raise EffectError(
+                f"Model makes a new model, and {str(self.name)[:60]!r} is no name for it",
+                remedy=f"read a file with exoid.Model.load({str(self.name)[:60]!r})",
+            )
         given = self.terms
         self._take_joints()
         object.__setattr__(self, "terms", ())
@@ -140,6 +151,11 @@ class Model:
         if joints is LEG and (self.moving_base or self.gravity == 0.0):
             joints = (replace(LEG[0], length=self.thigh_length), *LEG[1:])
         object.__setattr__(self, "joints", joints)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The names of its terms, "stribeck:hip", in their order."""
+        return tuple(term.name for term in self.terms)
 
     @classmethod
     def standard(cls, thigh_length: float = 0.40, gravity: float = 9.81) -> Model:
@@ -296,6 +312,8 @@ class Model:
         """The limits of every joint, in the order of the joints, with usual ones where the model says none."""
         return {joint.name: self.limits.get(joint.name, UNLIMITED).filled(USUAL[joint.turns]) for joint in self.joints}
 
+    load = LentFunction["Model"]("exoid.symbolic.model_file:read_model")
+    save = LentMethod[Path]("exoid.symbolic.model_file:write_model")
     columns = LentMethod[Float]("exoid.symbolic.columns:model_columns")
     whole_columns = LentMethod[Float]("exoid.symbolic.columns:whole_columns")
     torque = LentMethod[Float]("exoid.symbolic.columns:model_torque")

@@ -95,6 +95,11 @@ READ = {
     "a named joint": lambda b: exoid.Model(joints=["axis"]),
     "the leg by names": lambda b: exoid.Model(joints=["hip", "knee"], effects=["stribeck:hip"]),
     "an effect of a model": lambda b: exoid.Model(effects="stribeck:hip").without("stribeck:hip"),
+    "the columns as the command line has them": lambda b: exoid.read_recording(b.files[0], map={"q1": "q1"}),
+    "the effects of a model": lambda b: exoid.Model(effects="stribeck:hip").effects == ("stribeck:hip",),
+    "an Effect with units alone": lambda b: exoid.Effect("m", torque="c * dtheta", coefficients={"c": "N·m·s/rad"}),
+    "watch of two models": lambda b: exoid.watch(b.leg, b.leg.with_effect("stribeck:hip"), b.files[:1], b.files[3]),
+    "the version": lambda b: exoid.__version__,
     "a simulated effect": lambda b: exoid.simulate(b.leg, effects="stribeck:hip", duration=5.0),
 }
 
@@ -126,6 +131,12 @@ SAID = {
     "no recordings": (lambda b: exoid.discover(b.leg), "discover(model, recordings"),
     "a misspelt keyword": (lambda b: exoid.compare(b.leg, b.files, verfy=b.runs), "did you mean 'verify'?"),
     "a misspelt setting": (lambda b: exoid.discover(b.leg, b.runs[0], sed=3), "did you mean 'seed'?"),
+    "a model file as a name": (lambda b: exoid.Model("leg.toml"), "Model.load('leg.toml')"),
+    "a model that is not there, loaded": (lambda b: exoid.Model.load("no.toml"), "check the path"),
+    "an effect added to a model": (lambda b: b.leg.add_effect("stribeck:hip"), "with_effect('stribeck:hip')"),
+    "the parameters of a fit": (lambda b: exoid.compare(b.leg, b.runs[0]).fit.parameters, "fit.estimates"),
+    "a name that there is not": (lambda b: exoid.effects, "'Effect' or 'find_effect'"),
+    "a way to read that there is not": (lambda b: exoid.read_recording(b.files[0], unitz={}), "did you mean 'units'?"),
     "one rival": (lambda b: exoid.separate(b.leg, "stribeck:hip"), "add a second effect"),
     "an effect as a leg": (lambda b: exoid.simulate(b.leg, "stribeck:hip"), "effects="),
     "a recording without a name": (lambda b: exoid.Recording(**b.stacked), "Recording(name, t, q, tau"),
@@ -139,6 +150,13 @@ def test_it_says_what_to_do(bench, called):
     with pytest.raises(exoid.ExoidError) as caught:
         call(bench)
     assert remedy in str(caught.value)
+
+
+def test_a_model_is_saved_and_loaded(bench, tmp_path):
+    leg = bench.leg.with_effect("stribeck:hip")
+    leg.save(tmp_path / "leg.toml")
+    again = exoid.Model.load(tmp_path / "leg.toml")
+    assert again.effects == leg.effects and again.joints == leg.joints
 
 
 def _known_there(model):
@@ -173,7 +191,7 @@ def test_results_report_themselves_and_show_the_fall(bench, tmp_path):
     found = exoid.diagnose(bench.leg, bench.files[:2], verify=bench.files[3])
     assert [one.name for one in found.accepted] == ["load_friction:knee"]
     shown = found._repr_html_()
-    assert "data:image/png" in shown and "linear-gradient" in shown
+    assert "data:image/svg+xml" in shown and "linear-gradient" in shown  # which follows light and dark
     assert not any(word in shown for word in ("color:#", "background:#", "background-color"))
     page = found.report(tmp_path / "out")
     assert page == tmp_path / "out" / "report.html" and "load_friction" in page.read_text("utf-8")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
-LARGEST = 300_000
+LARGEST = 400_000
 
 
 @pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)

@@ -21,6 +21,7 @@ from exoid.ground.errors import ExoidError
 from exoid.ground.folder import names_in
 from exoid.ground.suggest import did_you_mean
 from exoid.ground.text import printable
+from exoid.ground.version import __version__
 from exoid.workbench import commands
 from exoid.workbench.command_line.parser import Parser, UsageError
 from exoid.workbench.terminal.encoding import install
@@ -163,7 +164,7 @@ def _dispatch(arguments: Sequence[str]) -> int:
             sys.stdout.write(overview())
         return DONE
     if verb == "--version":
-        sys.stdout.write(f"exoid {version()}\n")
+        sys.stdout.write(f"exoid {__version__}\n")
         return DONE
     if verb.startswith("-"):
         raise UsageError(f"unknown option {verb!r}", remedy="the command comes first: exoid COMMAND [options]")
@@ -203,21 +204,11 @@ def _terminable() -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
-def version() -> str:
-    """Return the installed version, or "0+source" when the packages are used without being installed."""
-    from importlib import metadata
-
-    try:
-        return metadata.version("exoid")
-    except metadata.PackageNotFoundError:
-        return "0+source"
-
-
 def versions() -> Mapping[str, str]:
     """Return the versions a result depends on, for the report: exoid, Python and the numerical libraries."""
     from importlib import metadata
 
-    found = {"exoid": version(), "python": sys.version.split()[0]}
+    found = {"exoid": __version__, "python": sys.version.split()[0]}
     for name in ("numpy", "scipy", "sympy", "casadi"):
         try:
             found[name] = metadata.version(name)

@@ -43,15 +43,19 @@ def choose(
     failed: frozenset[str] = frozenset()
     while good := [s for s in scores if s.significant and s.name not in banned | failed]:
         out = banned | failed
-        # A rival need not beat its own placebos: that something is missing is certain, the question is what.
+        # That something is missing is certain, the question is what; whatever is chosen must beat its own placebos too.
         rivals = [s for s in scores if s.eligible and s.name not in out and s is not good[0]]
         wanted = [good[0], *(s for s in rivals if s.share >= context.rules.close * good[0].share)]
         near, alike = shortlist(context, extension, evidence, wanted)
         found = refitted(context, extension, evidence, near, alike)
-        if found is not None:
+        if found is not None and found.added is not None and _beyond_chance(context, extension, found.added):
             return Choice(found, failed)
-        failed |= {near[0].name}
+        failed |= {near[0].name if found is None or found.added is None else found.added.name}
     return Choice(None, failed)
+
+
+def _beyond_chance(context: SearchContext, extension: Extension, score: Score) -> bool:
+    return score.significant or context.sure(context.tested(extension, score))
 
 
 def shortlist(

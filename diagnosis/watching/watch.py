@@ -73,8 +73,13 @@ def _row(sample: Any, names: Sequence[str]) -> np.ndarray:
 def watch(model: Any, samples: Any, *further: Any, **options: Any) -> Waterfall | Iterator[Event]:
     """Watch a machine (`follow(model, samples, ...)`), or, for a sequence of models, watch the error fall.
 
-    `watch(models, recordings, verify)` fits one model after the other to the same samples .
+    `watch([model, extended], recordings, verify)` fits one model after the other to the same samples; so does
+    `watch(model, extended, recordings, verify)`.
     """
+    if isinstance(samples, (Model, Fit)):
+        together = 1 + sum(isinstance(one, (Model, Fit)) for one in further)
+        models: list[Any] = [model, samples, *further[: together - 1]]
+        return fit_in_turn(models, *further[together - 1 :], **options)
     if isinstance(model, (Model, Fit, str, Path)):
         return follow(model, samples, *further, **options)
     return fit_in_turn(model, samples, *further, **options)

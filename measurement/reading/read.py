@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypedDict, Unpack
 
+from exoid.ground.calling import understood
 from exoid.ground.errors import RecordingError, refused
 from exoid.ground.files import sha256
 from exoid.ground.inputs import open_input
@@ -51,6 +52,7 @@ class HowRead(TypedDict, total=False):
     passive: str | Sequence[str]
 
 
+@understood({"map": "columns"})
 def read_recording(
     source: Any,
     columns: Mapping[str, str] | None = None,
@@ -77,7 +79,7 @@ def read_recording(
     machine (`model.joints`); None means the leg's, or as many as the file has q1, q2, ... and tau1, tau2, .... Raises
     RecordingError for anything that cannot be used, with the place and the remedy.
     """
-    told = _told(columns, units, **more)
+    told = how_read(columns, units, **more)
     if told.leg not in ("", *LEGS):
         raise RecordingError(f"leg is {told.leg[:20]!r}", where="leg", remedy=f"one of {', '.join(LEGS)}")
     machine = None if joints is None else tuple(joints)
@@ -89,6 +91,7 @@ def read_recording(
     return _finished(table, origin, name, told, machine)
 
 
+@understood({"map": "columns"})
 def read_recordings(
     sources: str | Path | Sequence[str | Path],
     columns: Mapping[str, str] | None = None,
@@ -106,19 +109,21 @@ def read_recordings(
     (`exoid.measurement.reading.large`); `progress(share, text)` is called meanwhile. Otherwise as `read_recording`,
     whose `leg`, `convention`, `join`, `only` and `passive` it takes too.
     """
-    told = _told(columns, units, **more)
+    told = how_read(columns, units, **more)
     return tuple(one for path in expand(sources) for one in read_as_told(path, told, joints, progress, most_bytes))
 
 
-def _told(
-    columns: Mapping[str, str] | None,
-    units: Mapping[str, str] | None,
+@understood()
+def how_read(
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
     leg: str | None = None,
     convention: str | Iterable[str] = (),
     join: str | Path | Sequence[Joined] = (),
     only: str = "",
     passive: str | Sequence[str] = (),
 ) -> StatedMapping:
+    """Return what was said of how to read; CallError for what cannot be said."""
     called = convention if isinstance(convention, str) else ",".join(convention)
     files = [join] if isinstance(join, (str, Path)) else join
     pairs = (other if isinstance(other, tuple) else (other, None) for other in files)

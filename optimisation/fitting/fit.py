@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -61,6 +61,8 @@ class Fit(AsJson):
         "model=model.name recordings joints=joint_names parameters=estimates{} delta rms loss best_known "
         "starts_agreeing=agreeing runs reference certificate sse plausibility physical=held seconds"
     )
+
+    INSTEAD: ClassVar[Mapping[str, str]] = {"parameters": "fit.estimates, fit.to_frame(), fit.to_json()['parameters']"}
 
     model: Model
     estimates: tuple[Estimate, ...]

@@ -156,7 +156,7 @@ def _session(workspace: Workspace, session: Session) -> dict[str, Any]:
         "verdict": _verdict(workspace, session),
         "ranking": None if ranking is None else {
             **picked(ranking, "weighed finished"),
-            "suspects": [_as_judged(_suspect(ranking, score), judged) for score in ranking.scores],
+            "suspects": sorted((_as_judged(_suspect(ranking, one), judged) for one in ranking.scores), key=_best_first),
         },
     }
 
@@ -176,7 +176,10 @@ def _lengths(model: Any) -> list[float]:
 
 
 def _error(workspace: Workspace, session: Session, names: Names) -> list[float] | None:
-    """Return the error of each joint with these effects: fitted, else what the ranking foresees, else unknown."""
+    """Return the error of each joint with these effects: that of the verdict on them, fitted, foreseen, or unknown."""
+    if names and names == workspace.names and workspace.verdict is not None:
+        last = workspace.verdict["steps"][-1]
+        return list(last["verify_rms"] or last["train_rms"])
     now = session.known(names)
     if now is not None:
         return [float(x) for x in now.evaluation_rms]
@@ -296,6 +299,11 @@ def _suspect(ranking: Ranking, score: Score) -> dict[str, Any]:
         "draws": draws,
         "splits": None if agreement is None or agreement.share is None else [agreement.accepted, agreement.of],
     }
+
+
+def _best_first(suspect: Mapping[str, Any]) -> tuple[bool, int]:
+    """Put what is sure first, then the larger shares, as they are shown."""
+    return not suspect["sureness"].endswith("sure"), -round(100 * (suspect["share"] or 0.0))
 
 
 def _as_judged(suspect: dict[str, Any], judged: Diagnosis | None) -> dict[str, Any]:

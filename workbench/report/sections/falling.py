@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exoid.workbench.report.material import Material
+from exoid.workbench.report.sections.verdict import title
 
 TITLE = "The falling error"
 ORDER = 20
@@ -17,15 +18,23 @@ def context(material: Material) -> Mapping[str, Any] | None:
     fall, kinds = material.fall, ("fitted", "unseen")
     if fall is None:
         return None
+    words = [_words(step.label, material.model) for step in fall.steps]
     sizes = [[_of_joint(step, j) for j in range(len(fall.joints))] for step in fall.steps]
     return {
-        "joints": [_bars(fall, j, [own[j] for own in sizes]) for j in range(len(fall.joints))],
+        "joints": [_bars(fall, j, words, [own[j] for own in sizes]) for j in range(len(fall.joints))],
         "head": ("model", *(f"{joint}, {kind} [{fall.unit}]" for joint in fall.joints for kind in kinds)),
-        "rows": [(step.label, *(x for pair in own for x in pair)) for step, own in zip(fall.steps, sizes, strict=True)],
+        "rows": [(word, *(x for pair in own for x in pair)) for word, own in zip(words, sizes, strict=True)],
         "unseen": any(step.verify_rms is not None for step in fall.steps),
         "sentences": [(step.label, step.sentence) for step in fall.steps if step.sentence],
         "ending": fall.stopped_because,
     }
+
+
+def _words(label: str, model: Any) -> str:
+    """Return "+ stribeck:hip + cuff:knee" in the words of the catalogue."""
+    if not label.startswith("+ "):
+        return label
+    return "".join(f"+ {title(name, model)} " for name in label.removeprefix("+ ").split(" + ")).strip()
 
 
 def _of_joint(step: Any, j: int) -> tuple[float, float | None]:
@@ -33,15 +42,15 @@ def _of_joint(step: Any, j: int) -> tuple[float, float | None]:
     return float(step.train_rms[j]), None if step.verify_rms is None else float(step.verify_rms[j])
 
 
-def _bars(fall: Any, j: int, sizes: Sequence[tuple[float, float | None]]) -> Mapping[str, Any]:
+def _bars(fall: Any, j: int, words: Sequence[str], sizes: Sequence[tuple[float, float | None]]) -> Mapping[str, Any]:
     """Return the bars of joint `j`, whose errors are `sizes`, their lengths as per cent of the longest."""
     longest = max((x for pair in sizes for x in pair if x is not None and math.isfinite(x)), default=0.0) or 1.0
     rows = [
         {
-            "model": step.label, "train": train, "train_width": _width(train, longest),
+            "model": word, "train": train, "train_width": _width(train, longest),
             "verify": verify, "verify_width": _width(verify, longest),
         }
-        for step, (train, verify) in zip(fall.steps, sizes, strict=True)
+        for word, (train, verify) in zip(words, sizes, strict=True)
     ]  # fmt: skip
     return {"joint": fall.joints[j], "rows": rows, "floor_width": _width(float(fall.noise_floor[j]), longest)}
 

@@ -1,7 +1,7 @@
 // Measured and modelled torque and their difference: over time, against everything else, and the leg at the cursor.
 
 import { ask, numbers } from "../api.js";
-import { button, fill, h, refill, set } from "../dom.js";
+import { button, fill, h, refill, set, svg } from "../dom.js";
 import { number } from "../format.js";
 import { Scatter } from "../plot/scatter.js";
 import { TimePlot, showRange, zoom } from "../plot/timeplot.js";
@@ -73,7 +73,8 @@ async function loadAnswer(recording) {
 // The plots over time as large as the screen.
 function fullScreen() {
   const place = document.getElementById("compare");
-  return button("full", () => (document.fullscreenElement ? document.exitFullscreen() : place.requestFullscreen()), { title: "plots as large as the screen (m)", "aria-label": "full screen", id: "full-screen" });
+  const corners = svg("svg", { viewBox: "0 0 12 12", class: "corners", "aria-hidden": "true" }, svg("path", { d: "M1 4V1h3M8 1h3v3M11 8v3H8M4 11H1V8" }));
+  return button(corners, () => (document.fullscreenElement ? document.exitFullscreen() : place.requestFullscreen()), { title: "plots as large as the screen (m)", "aria-label": "full screen", id: "full-screen" });
 }
 
 // Any column of the file, drawn below the torques on the same time.
@@ -110,17 +111,18 @@ async function drawColumn(name) {
     load().catch(() => (asked.values = null));
     if (!asked.values || asked.recording !== data.recording) return null;
     const { t0, dt, count } = data.motion.head;
-    return { t0, dt, count, recording: data.recording, joint: null, series: [{ values: asked.values, colour: "ink" }], label: name, unit: asked.unit || "as in the file" };
+    return { t0, dt, count, recording: data.recording, joint: null, series: [{ values: asked.values, colour: "ink", name: "" }], label: name, unit: asked.unit || "as in the file" };
   }, { axis: true });
-  const block = h("div", { class: "joint-block" }, h("div", { class: "row" }, h("h3", {}, name), button("✕", () => {
+  const block = h("div", { class: "joint-block" }, button("✕", () => {
     plots = plots.filter((one) => one !== plot);
     block.remove();
-  }, { "aria-label": `no longer draw ${name}` })), canvas);
+  }, { class: "icon", "aria-label": `no longer draw ${name}` }), canvas);
   document.getElementById("further").append(block);
   await load();
   plots.push(plot);
   plot.draw();
   block.scrollIntoView({ block: "nearest" });
+  canvas.focus({ preventScroll: true }); // not the list: keys are for the page again
 }
 
 export function redraw(fresh = true) {
@@ -166,12 +168,12 @@ function head(recordings) {
     h("h2", { id: "compare-title", class: "hidden" }, "Model against measurement"),
     h("div", { class: "row wrap compare-tools" },
       h("label", { for: "which", "aria-label": "recording" }, choose),
-      button("−", by(1.5), { "aria-label": "zoom out" }), button("+", by(1 / 1.5), { "aria-label": "zoom in" }),
+      h("div", { class: "group" }, button("−", by(1.5), { "aria-label": "zoom out" }), button("+", by(1 / 1.5), { "aria-label": "zoom in" }),
       button("◀", move(-0.5), { "aria-label": "earlier" }), button("▶", move(0.5), { "aria-label": "later" }),
-      button("all", () => look({ range: null }), { title: "the whole recording (double click)" }), mode,
+      button("all", () => look({ range: null }), { title: "the whole recording (double click)" }), mode),
       ...Object.keys(layers).map((name) => toggle(name)), further(), fullScreen(),
     ),
-    h("div", { class: "row wrap under-tools" }, h("div", { class: "readout", id: "readout" }), h("div", { class: "row selection", id: "selection", "aria-live": "polite" })),
+    h("div", { class: "row under-tools" }, h("div", { class: "readout", id: "readout" }), h("div", { class: "row selection", id: "selection", "aria-live": "polite" })),
   ];
 }
 
@@ -189,7 +191,7 @@ function timePanels(joint, j) {
   const torque = h("canvas", { class: "plot", role: "img", "data-testid": `plot-torque-${joint.name}`, "aria-label": `Measured and modelled torque of the ${words}` });
   const error = h("canvas", { class: "plot short", role: "img", "data-testid": `plot-error-${joint.name}`, "aria-label": `Difference of measured and modelled torque of the ${words}` });
   plots.push(new TimePlot(torque, () => torqueContent(joint, j), { axis: false }), new TimePlot(error, () => errorContent(joint, j), { axis: j === view.state.joints.length - 1 }));
-  return h("div", { class: `joint-block joint-${j}` }, h("h3", {}, joint.name), torque, error);
+  return h("div", { class: `joint-block joint-${j}` }, torque, error);
 }
 
 // The error once more beside the suspects, for screens on which the plots are far away.
@@ -211,24 +213,24 @@ function torqueContent(joint, j) {
   if (!data) return null;
   const { motion, error } = data;
   const series = [];
-  if (layers.measured) series.push({ values: motion.arrays.torque[j], colour: "measured", width: 2.4 });
-  if (layers.model) series.push({ values: modelled(motion, error, j), colour: "model", width: 1.3 });
-  if (layers.after && found()) series.push({ values: modelled(motion, answer, j), colour: "good", width: 1.3 });
-  return content(joint, j, series, "torque");
+  if (layers.measured) series.push({ values: motion.arrays.torque[j], colour: "measured", width: 2.4, name: "measured" });
+  if (layers.model) series.push({ values: modelled(motion, error, j), colour: "model", width: 1.3, name: "model" });
+  if (layers.after && found()) series.push({ values: modelled(motion, answer, j), colour: "good", width: 1.3, name: "after" });
+  return content(joint, j, series, `${joint.name}: torque`);
 }
 
 function errorContent(joint, j) {
   if (!data) return null;
   const { motion, error, recording } = data;
-  const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint" }];
+  const series = [{ values: masked(error.arrays.error[j], motion, j), colour: "joint", name: "now" }];
   const { preview } = view;
-  if (!preview && layers.after && found()) series.push({ values: masked(answer.arrays.error[j], motion, j), colour: "good", width: 1.6 });
+  if (!preview && layers.after && found()) series.push({ values: masked(answer.arrays.error[j], motion, j), colour: "good", width: 1.6, name: "after" });
   if (preview && preview.head.recording === recording) {
     const { arrays } = preview;
     if (layers.band) series.unshift({ values: masked(arrays.high[j], motion, j), band: masked(arrays.low[j], motion, j), colour: "faint", scales: false });
-    series.push({ values: masked(arrays.error[j], motion, j), colour: "ink", width: 1.8 });
+    series.push({ values: masked(arrays.error[j], motion, j), colour: "ink", width: 1.8, name: "with it" });
   }
-  return { ...content(joint, j, series, preview ? "error now, and with it" : found() ? "error before and after" : "error"), zero: true };
+  return { ...content(joint, j, series, `${joint.name}: ${preview ? "error now, and with it" : found() ? "error before and after" : "error"}`), zero: true };
 }
 
 function colours() {
@@ -288,7 +290,7 @@ function readout() {
   const { motion, error } = data;
   const k = view.cursor === null ? 0 : Math.min(motion.head.count - 1, Math.max(0, Math.round(view.cursor / motion.head.dt)));
   fill(place, h("output", {}, `t = ${(k * motion.head.dt).toFixed(2)} s`),
-    view.state.joints.map((joint, j) => h("output", { class: `joint-${j} joint-text` },
+    view.state.joints.map((joint, j) => h("output", { class: "hidden" },
       `${joint.name}: measured ${number(motion.arrays.torque[j][k])}, difference ${number(error.arrays.error[j][k])} ${joint.unit}`)));
   drawPosture(document.getElementById("posture"), motion, k);
 }

@@ -23,7 +23,8 @@ export function drawRecordings() {
   refill(place, h("h2", { id: "recordings-title" }, "Recordings"), list);
 }
 
-function row(file) {
+function row(file, place, files) {
+  const same = place > 0 && file.error && files[place - 1].error?.what === file.error.what; // said once
   const id = `role-${file.id}`;
   const role = h("select", { id, "aria-label": `${file.name} is`, "data-testid": `role-${file.id}`,
     onchange: (event) => doing(tell("role", { file: file.id, role: event.target.value })) },
@@ -35,7 +36,8 @@ function row(file) {
       button("⋯", () => openMapping(file.id), { class: "icon", title: "which column is what", "aria-label": `columns of ${file.name}`, "data-testid": `map-${file.id}` }),
       button("✕", () => doing(tell("close", { file: file.id })), { class: "icon", "aria-label": `close ${file.name}`, "data-testid": `close-${file.id}` })),
     !file.read && h("p", { class: "faint" }, "being read …"),
-    file.error && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, inPage(file.error.remedy)),
+    same && h("p", { class: "finding refused" }, "the same question"),
+    file.error && !same && h("div", { class: "finding refused" }, h("p", {}, file.error.what), file.error.remedy && h("p", { class: "remedy" }, inPage(file.error.remedy)),
       h("div", { class: "row" }, button("Say which column is what …", () => openMapping(file.id)))),
     worst.length > 0 && h("details", {}, h("summary", {}, `${worst.length} note${worst.length === 1 ? "" : "s"} of the audit`),
       worst.map((finding) => h("div", { class: `finding ${finding.severity}` }, h("p", {}, finding.what), finding.remedy && h("p", { class: "remedy" }, finding.remedy)))),

@@ -6,6 +6,8 @@ import { number, percent, rms } from "../format.js";
 import { look, view } from "../store.js";
 import { doing } from "./status.js";
 
+const WEAK = 0.015; // drawn smaller below this share of the error
+
 let asked = null;
 let shown = null;
 
@@ -36,13 +38,13 @@ function row(suspect, chosen) {
   bar.style.setProperty("--share", `${Math.round(100 * Math.max(0, Math.min(1, share || 0)))}%`);
   const on = () => point(suspect.name);
   const name = button(suspect.title, on, { class: "link", "aria-describedby": `p-${suspect.name}`, title: `${suspect.explains}\n${evidence(suspect)}` });
+  const kinds = [view.pointed === suspect.name && "pointed", suspect.sureness === "very sure" && "sure", !(share >= WEAK) && "weak"];
   return h("li", {
-    "data-testid": `suspect-${suspect.name}`, class: `${view.pointed === suspect.name ? "pointed" : ""}${suspect.sureness === "very sure" ? " sure" : ""}`,
+    "data-testid": `suspect-${suspect.name}`, class: kinds.filter(Boolean).join(" "),
     onpointermove: (event) => moved(event) && on(), onfocusin: on,
   },
-    h("div", { class: "suspect-head" }, name, h("span", { class: "share" }, percent(share)),
+    h("div", { class: "suspect-head" }, name, bar, h("span", { class: "share" }, percent(share)),
       button("add", () => doing(tell("add", { effect: suspect.name })), { "data-testid": `add-${suspect.name}`, "aria-label": `add ${suspect.name}` })),
-    bar,
     h("div", { class: "small", id: `p-${suspect.name}`, title: evidence(suspect) },
       suspect.sureness && sure(suspect.sureness), suspect.caution && h("span", { class: "faint" }, ` ${suspect.caution}`),
       h("span", { class: "hidden" }, ` ${suspect.name} ${evidence(suspect)}`)),
@@ -99,7 +101,7 @@ function detailPanel() {
   const falls = shown.rms ? joints.map((joint, j) => `${joint.name} ${rms(joint.error)} → ${rms(shown.rms[j])} ${joint.unit}`).join(", ") : "";
   return h("div", { class: "detail", id: "detail", "data-testid": "detail" },
     h("h3", {}, shown.title), h("p", {}, shown.explains),
-    falls && h("p", {}, `Error as it would become: ${falls}. In the plots: dark with it, grey what its placebos leave.`),
+    falls && h("p", {}, `Error as it would become: ${falls}. In the plots: the heavy line with it, grey what its placebos leave.`),
     shown.torque && h("p", {}, h("code", {}, shown.torque)),
     shown.numbers.length > 0 && h("p", { class: "faint" }, shown.numbers.map((one) => one.said).join(", ")),
     h("p", { class: "faint" }, shown.alike.length ? `These data cannot distinguish it from: ${shown.alike.map(titleOf).join(", ")}` : "Nothing else does as well in these data."),

@@ -32,9 +32,10 @@ export function drawVerdict() {
     h("h2", { id: "verdict-title", class: "hidden" }, "Verdict"),
     h("div", { "data-testid": "verdict", "data-verdict": verdict.kind },
       h("p", { class: "lead" }, h("span", { class: `verdict ${verdict.kind}` }, NAMES[verdict.kind] || verdict.kind), " ",
-        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "") : verdict.sentence, " ", verdict.sureness && sure(verdict.sureness)),
-      h("div", { class: "said" }, verdict.headline && h("p", { class: "faint" }, verdict.sentence),
+        verdict.headline ? verdict.headline.replace(/^Found: /, "").replace(/; (very sure|fairly sure|cannot tell)( which.*)?$/, "") : verdict.sentence),
+      h("div", { class: "said" }, verdict.sureness && sure(verdict.sureness),
       (verdict.why || verdict.next) && h("details", {}, h("summary", {}, verdict.judged ? "why, and what to measure next" : "what comes next"),
+        verdict.headline && h("p", { class: "faint" }, verdict.sentence),
         verdict.next && h("p", { class: "faint" }, verdict.judged ? `measure next: ${inPage(verdict.next)}` : verdict.next),
         verdict.why && h("p", { class: "faint" }, verdict.why),
         (verdict.stability || []).map((text) => h("p", { class: "faint" }, text)),
@@ -77,8 +78,8 @@ function staircase() {
     h("div", { class: "row wrap" },
       h("h3", { id: "history-title" }, "The error falling"),
       h("span", { class: "faint keys" }, joints.map((joint, j) => [h("span", { class: `dot joint-${j}` }), ` ${joint.name}`]), h("span", { class: "noise-key" }), " noise"),
-      button("↶ undo", () => doing(tell("undo")), { "data-testid": "undo", disabled: !history.undo, title: "undo (Ctrl+Z)" }),
-      button("↷ redo", () => doing(tell("redo")), { "data-testid": "redo", disabled: !history.redo, title: "redo (Ctrl+Shift+Z)" }),
+      button("↶", () => doing(tell("undo")), { class: "icon", "data-testid": "undo", disabled: !history.undo, title: "undo (Ctrl+Z)", "aria-label": "undo" }),
+      button("↷", () => doing(tell("redo")), { class: "icon", "data-testid": "redo", disabled: !history.redo, title: "redo (Ctrl+Shift+Z)", "aria-label": "redo" }),
     ),
     h("ol", { class: "staircase scroll", "data-testid": "staircase", tabindex: "0", "aria-label": "steps of the model" },
       steps.map((step, place) => h("li", {}, stepButton(step, place, most, history.at))),
@@ -95,7 +96,7 @@ function stepButton(step, place, most, at) {
     type: "button", class: `step-button${place === at && !step.coming ? " now" : ""}${place > at ? " later" : ""}`,
     "aria-label": label, title: label, "aria-current": place === at && !step.coming ? "step" : null,
     disabled: Boolean(step.coming), onclick: open || (() => {}), "data-testid": `step-${place}`,
-  }, bars(step, most), h("span", { class: "step-label" }, called(step.label)), h("span", { class: "hidden" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…"));
+  }, bars(step, most), h("span", { class: "step-text" }, h("span", { class: "step-label" }, called(step.label)), h("span", { class: "hidden" }, step.label), h("span", { class: "step-numbers" }, step.rms ? step.rms.map(rms).join(" / ") : "…")));
 }
 
 // "+ stribeck:hip" in the words of the catalogue.
@@ -133,7 +134,7 @@ function discover(search) {
     const words = verdict.proposed && verdict.accepted.length ? "Add what was found" : "Discover";
     return h("div", { class: "row wrap discover" },
       other && button(`Read ${other.file || "all files"} as ${other.convention}`, () => doing(tell("read_as", other)), { "data-testid": "read-as", class: "primary" }),
-      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
+      button(words, () => doing(tell("discover")), { "data-testid": "discover", class: other || (verdict.judged && words === "Discover") ? "" : "primary", title: "searches the whole catalogue, adds what is missing, and judges it (d)" }),
       auto.running && h("span", { class: "faint", "data-testid": "judging" }, h("progress", { "aria-label": "judging" }), " judging …"),
       search.message && h("span", { class: "faint" }, search.message),
       h("label", { class: "auto" }, h("input", { type: "checkbox", checked: auto.on, "data-testid": "auto", onchange: (event) => automatic(event.target.checked) }), " by itself"),

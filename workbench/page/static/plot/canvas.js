@@ -96,6 +96,6 @@ export function axes(surface, frame, x, y, words) {
   }
   context.textAlign = "left";
   context.textBaseline = "bottom";
-  context.fillText(words.y, frame.left - 44, frame.top - 8);
+  context.fillText(words.y, frame.left - 44, frame.top - 4);
   return { px, py };
 }

@@ -2,9 +2,10 @@
 
 import { Surface, axes } from "./canvas.js";
 import { extent, pyramid } from "./decimate.js";
+import { number } from "../format.js";
 import { look, view } from "../store.js";
 
-const LEFT = 52, RIGHT = 10, TOP = 24;
+const LEFT = 52, RIGHT = 10, TOP = 20;
 
 export class TimePlot {
   // `content()` returns {dt, t0, count, recording, joint, series: [{values, colour, width, band}], marks, unit, label} or null.
@@ -52,10 +53,42 @@ export class TimePlot {
       context.moveTo(px(view.cursor), frame.top);
       context.lineTo(px(view.cursor), frame.bottom);
       context.stroke();
+      this.dots(context, content, px, py);
     }
     context.restore();
+    this.values(context, content, frame);
     this.surface.focus(frame);
     return true;
+  }
+
+  sample(content) {
+    return Math.min(content.count - 1, Math.max(0, Math.round(view.cursor / content.dt)));
+  }
+
+  dots(context, content, px, py) {
+    const k = this.sample(content);
+    for (const { values, colour, name } of content.series) {
+      if (name === undefined || !Number.isFinite(values[k])) continue;
+      context.fillStyle = this.surface.colour(colour);
+      context.beginPath();
+      context.arc(px(k * content.dt), py(values[k]), 3.5, 0, 2 * Math.PI);
+      context.fill();
+    }
+  }
+
+  // Above the frame, at its right end: what each curve is called, with its value at the cursor.
+  values(context, content, frame) {
+    context.textAlign = "right";
+    context.textBaseline = "bottom";
+    let right = frame.right;
+    for (const { values, colour, name } of [...content.series].reverse()) {
+      if (name === undefined) continue;
+      const value = view.cursor === null ? "" : number(values[this.sample(content)]);
+      const text = `${name} ${value}`.trim();
+      context.fillStyle = this.surface.colour(colour);
+      context.fillText(text, right, frame.top - 4);
+      right -= context.measureText(text).width + 12;
+    }
   }
 
   brush(context, content, frame, px) {
